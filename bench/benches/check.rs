@@ -6,9 +6,9 @@
 
 use mimalloc::MiMalloc;
 use rpi_bench::clock::{process_ns, timed};
-use rpi_bench::program::{FAULTY, SOUND, Shape};
+use rpi_bench::program::{INVALID, Shape, VALID};
 use rpi_bench::table::Table;
-use rpi_testkit::resident;
+use rpi_testkit::resident_memory_kb;
 use std::path::Path;
 use std::process::Command;
 
@@ -25,27 +25,27 @@ const PRINT: &str = "program";
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 
 /// Limits for 100 000 equations: milliseconds and megabytes.
-const BARS: (f64, f64) = (1_000.0, 500.0);
+const LIMITS: (f64, f64) = (1_000.0, 500.0);
 
 /// Limit in milliseconds for a file of 300 lines with the modules that it uses.
-const FILE_BAR: f64 = 5.0;
+const FILE_LIMIT_MS: f64 = 5.0;
 
 /// Number of times that the file is checked in one process.
-const WARM: usize = 50;
+const REPETITIONS: usize = 50;
 
 /// Cost of a process.
 #[derive(Clone, Copy)]
 struct Cost {
     ms: f64,
     mb: f64,
-    findings: u64,
+    diagnostics: u64,
 }
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match words[..] {
-        [CHILD, path] => check_and_tell(Path::new(path)),
+        [CHILD, path] => check_and_print(Path::new(path)),
         [PRINT, shape, size] => print(shape, size.parse().unwrap_or(0)),
         _ => {
             let names = words.iter().filter(|word| !word.starts_with('-'));
@@ -59,24 +59,24 @@ fn main() {
 fn measure(names: Vec<String>) -> Result<(), String> {
     let dir = tempfile::tempdir().map_err(|e| e.to_string())?;
     let mut table = Table::new(names);
-    for shape in SOUND.iter().chain(FAULTY) {
-        let name = format!("check, {}.{}", shape.name, shape.ending);
-        if table.wants(&name) {
-            grown(&mut table, dir.path(), shape, &name)?;
+    for shape in VALID.iter().chain(INVALID) {
+        let name = format!("check, {}.{}", shape.name, shape.extension);
+        if table.is_selected(&name) {
+            measure_shape(&mut table, dir.path(), shape, &name)?;
         }
     }
     let name = "check, file of 300 lines";
-    if table.wants(name) {
-        real(&mut table, dir.path(), name)?;
+    if table.is_selected(name) {
+        measure_library(&mut table, dir.path(), name)?;
     }
     table.print();
     Ok(())
 }
 
-fn grown(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Result<(), String> {
+fn measure_shape(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Result<(), String> {
     let mut costs = Vec::with_capacity(SIZES.len());
     for size in SIZES {
-        let path = dir.join(format!("p{size}.{}", shape.ending));
+        let path = dir.join(format!("p{size}.{}", shape.extension));
         costs.push(best(&path, &shape.text(size))?);
     }
     let [small, middle, large] = costs[..] else {
@@ -87,13 +87,13 @@ fn grown(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Result<(),
         small.ms,
         middle.ms,
         large.ms / middle.ms,
-        large.findings
+        large.diagnostics
     );
-    table.row(name, large.ms, BARS.0, "ms", &note);
-    table.row(
+    table.add_row(name, large.ms, LIMITS.0, "ms", &note);
+    table.add_row(
         &format!("{name}, memory"),
         large.mb,
-        BARS.1,
+        LIMITS.1,
         "MB",
         "resident at most",
     );
@@ -101,12 +101,12 @@ fn grown(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Result<(),
 }
 
 /// Measures the largest module of the library as a program of its own, checked repeatedly in one process.
-fn real(table: &mut Table, dir: &Path, name: &str) -> Result<(), String> {
-    let text = rpi_bench::program::written();
+fn measure_library(table: &mut Table, dir: &Path, name: &str) -> Result<(), String> {
+    let text = rpi_bench::program::library_program();
     let path = dir.join("written.rpi");
     std::fs::write(&path, text).map_err(|e| e.to_string())?;
     let input = rpi_driver::read(&path).map_err(|e| e.to_string())?;
-    let runs = (0..WARM).map(|_| timed(|| rpi_driver::compile(&input)).1 / 1e6);
+    let runs = (0..REPETITIONS).map(|_| timed(|| rpi_driver::compile(&input)).1 / 1e6);
     let warm = runs.fold(f64::INFINITY, f64::min);
     let alone = child(&path)?;
     let note = format!(
@@ -114,7 +114,7 @@ fn real(table: &mut Table, dir: &Path, name: &str) -> Result<(), String> {
         text.lines().count(),
         alone.ms
     );
-    table.row(name, warm, FILE_BAR, "ms", &note);
+    table.add_row(name, warm, FILE_LIMIT_MS, "ms", &note);
     Ok(())
 }
 
@@ -138,10 +138,10 @@ fn child(path: &Path) -> Result<Cost, String> {
     let text = String::from_utf8_lossy(&output).into_owned();
     let figures: Vec<f64> = text.split_whitespace().flat_map(str::parse).collect();
     match figures[..] {
-        [ms, mb, findings] => Ok(Cost {
+        [ms, mb, diagnostics] => Ok(Cost {
             ms,
             mb,
-            findings: findings as u64,
+            diagnostics: diagnostics as u64,
         }),
         _ => Err(text),
     }
@@ -149,23 +149,23 @@ fn child(path: &Path) -> Result<Cost, String> {
 
 /// Does the same as `rpic check`, and prints milliseconds of processor time, resident megabytes and the number of
 /// diagnostics.
-fn check_and_tell(path: &Path) -> Result<(), String> {
+fn check_and_print(path: &Path) -> Result<(), String> {
     let input = rpi_driver::read(path).map_err(|e| e.to_string())?;
     let compiled = rpi_driver::compile(&input).map_err(|e| e.to_string())?;
     let style = rpi_diag::Style::PLAIN;
-    let text = rpi_diag::render(&compiled.findings, &compiled.sources, style);
+    let text = rpi_diag::render(&compiled.diagnostics, &compiled.sources, style);
     std::fs::write(path.with_extension("txt"), text).map_err(|e| e.to_string())?;
-    let mb = resident("VmHWM:") as f64 / 1024.0;
-    println!("{} {mb} {}", process_ns() / 1e6, compiled.findings.len());
+    let mb = resident_memory_kb("VmHWM:") as f64 / 1024.0;
+    println!("{} {mb} {}", process_ns() / 1e6, compiled.diagnostics.len());
     Ok(())
 }
 
 /// Prints the program of a shape (`chain.lus`) and size.
 fn print(shape: &str, size: usize) -> Result<(), String> {
-    let named = |s: &&Shape| format!("{}.{}", s.name, s.ending) == shape;
-    match SOUND.iter().chain(FAULTY).find(named) {
+    let named = |s: &&Shape| format!("{}.{}", s.name, s.extension) == shape;
+    match VALID.iter().chain(INVALID).find(named) {
         Some(shape) => print!("{}", shape.text(size)),
-        None if shape == "written.rpi" => print!("{}", rpi_bench::program::written()),
+        None if shape == "written.rpi" => print!("{}", rpi_bench::program::library_program()),
         None => return Err(format!("there is no shape {shape}")),
     }
     Ok(())

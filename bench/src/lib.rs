@@ -3,15 +3,15 @@
 //!
 //! Only tests and benchmarks depend on this crate.
 
-pub mod build;
 pub mod clock;
+pub mod fake_devices;
+pub mod gcc_reference;
 pub mod generate;
+pub mod image_compare;
+pub mod net_builder;
 pub mod program;
-pub mod puppet;
 pub mod rng;
 pub mod table;
-pub mod twin;
-pub mod yardstick;
 
-pub use build::Build;
-pub use puppet::Puppet;
+pub use fake_devices::FakeDevices;
+pub use net_builder::NetBuilder;

@@ -4,14 +4,14 @@ use std::process::Command;
 
 /// Measured values and their limits.
 pub struct Table {
-    only: Vec<String>,
+    filters: Vec<String>,
     rows: Vec<Row>,
 }
 
 struct Row {
     name: String,
     value: f64,
-    bar: f64,
+    limit: f64,
     unit: &'static str,
     note: String,
 }
@@ -21,22 +21,25 @@ impl Table {
     #[must_use]
     pub fn new(only: Vec<String>) -> Self {
         let rows = Vec::new();
-        Table { only, rows }
+        Table {
+            filters: only,
+            rows,
+        }
     }
 
     /// True if a row is to be measured.
     #[must_use]
-    pub fn wants(&self, name: &str) -> bool {
-        self.only.is_empty() || self.only.iter().any(|o| name.contains(o.as_str()))
+    pub fn is_selected(&self, name: &str) -> bool {
+        self.filters.is_empty() || self.filters.iter().any(|o| name.contains(o.as_str()))
     }
 
     /// Adds a row: a measured value and its limit.
-    pub fn row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
+    pub fn add_row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
         eprintln!("{name}: {value:.2} {unit} ({note})");
         self.rows.push(Row {
             name: name.to_owned(),
             value,
-            bar,
+            limit: bar,
             unit,
             note: note.to_owned(),
         });
@@ -51,10 +54,10 @@ impl Table {
             "what", "measured", "bar", ""
         );
         for r in &self.rows {
-            let met = if r.value <= r.bar { "ok" } else { "OVER" };
+            let met = if r.value <= r.limit { "ok" } else { "OVER" };
             let (value, bar) = (
                 format!("{:.2} {}", r.value, r.unit),
-                format!("{} {}", r.bar, r.unit),
+                format!("{} {}", r.limit, r.unit),
             );
             println!("{:44} {value:>10} {bar:>10}  {met:4}  {}", r.name, r.note);
         }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Flags that make LLVM count edges and comparisons, the same as in cargo-fuzz.
-const INSTRUMENTED: &[&str] = &[
+const COVERAGE_FLAGS: &[&str] = &[
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
@@ -28,19 +28,19 @@ const LIMITS: &[&str] = &[
 ];
 
 /// Default duration: one hour.
-const SECONDS: &str = "3600";
+const DEFAULT_SECONDS: &str = "3600";
 
 /// Builds a target and runs it.
 pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
     let (entry, seconds) = match args {
-        [entry] => (entry, SECONDS),
+        [entry] => (entry, DEFAULT_SECONDS),
         [entry, flag, seconds] if flag == "--seconds" => (entry, seconds.as_str()),
         _ => return Err("usage: cargo xtask fuzz ENTRY [--seconds N]".to_owned()),
     };
     let folder = root().join("fuzz");
     let corpus = folder.join("target/corpus").join(entry);
     let words = folder.join("target/words");
-    seeds(entry, &corpus, &words)?;
+    write_seeds(entry, &corpus, &words)?;
     let target = build(&folder, entry)?;
     let found = folder.join("target/found").join(entry);
     std::fs::create_dir_all(&found).map_err(|error| error.to_string())?;
@@ -56,14 +56,14 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
         "the fuzzer found a failure; the last input is kept in {}",
         last.display()
     );
-    done(&mut run, &what)?;
+    run_checked(&mut run, &what)?;
     std::fs::remove_file(&last).map_err(|error| error.to_string())?;
-    again(entry, &found)
+    rerun_slow(entry, &found)
 }
 
 /// Runs slow inputs again in a release build without counters. Fails for inputs that are slow there too, and deletes
 /// the others.
-fn again(entry: &str, found: &Path) -> Result<(), String> {
+fn rerun_slow(entry: &str, found: &Path) -> Result<(), String> {
     let files = std::fs::read_dir(found).map_err(|error| error.to_string())?;
     let is_slow = |path: &PathBuf| {
         let name = path.file_name().and_then(|name| name.to_str());
@@ -71,16 +71,16 @@ fn again(entry: &str, found: &Path) -> Result<(), String> {
     };
     let paths = files.filter_map(|file| Some(file.ok()?.path()));
     for path in paths.filter(is_slow) {
-        let mut run = tool("rpi-fuzz-again", &["--release"]);
+        let mut run = tool_command("rpi-fuzz-again", &["--release"]);
         run.arg(entry).arg(&path);
-        done(&mut run, "an input exceeds the time limit")?;
+        run_checked(&mut run, "an input exceeds the time limit")?;
         std::fs::remove_file(&path).map_err(|error| error.to_string())?;
     }
     Ok(())
 }
 
 /// A command that runs one of the tools of `rpi-fuzz`.
-fn tool(name: &str, flags: &[&str]) -> Command {
+fn tool_command(name: &str, flags: &[&str]) -> Command {
     let mut run = Command::new(env!("CARGO"));
     run.current_dir(root())
         .args(["run", "--quiet", "--package", "rpi-fuzz", "--bin", name])
@@ -94,10 +94,10 @@ fn root() -> PathBuf {
     here.parent().unwrap_or(here).to_owned()
 }
 
-fn seeds(entry: &str, corpus: &Path, words: &Path) -> Result<(), String> {
-    let mut write = tool("rpi-fuzz-seeds", &[]);
+fn write_seeds(entry: &str, corpus: &Path, words: &Path) -> Result<(), String> {
+    let mut write = tool_command("rpi-fuzz-seeds", &[]);
     write.arg(entry).args([corpus, words]);
-    done(&mut write, "cannot write the seeds")
+    run_checked(&mut write, "cannot write the seeds")
 }
 
 /// Builds a target and returns its path. `--target` keeps the flags from applying to build scripts.
@@ -106,10 +106,10 @@ fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
     let mut build = Command::new(env!("CARGO"));
     build
         .current_dir(folder)
-        .env("CARGO_ENCODED_RUSTFLAGS", INSTRUMENTED.join("\u{1f}"))
+        .env("CARGO_ENCODED_RUSTFLAGS", COVERAGE_FLAGS.join("\u{1f}"))
         .args(["build", "--quiet", "--release", "--bin", entry])
         .args(["--target", &host, "--target-dir", "target"]);
-    done(&mut build, "cannot build the target")?;
+    run_checked(&mut build, "cannot build the target")?;
     Ok(folder.join("target").join(host).join("release").join(entry))
 }
 
@@ -123,7 +123,7 @@ fn host() -> Result<String, String> {
         .ok_or("rustc does not report a host".to_owned())
 }
 
-fn done(command: &mut Command, otherwise: &str) -> Result<(), String> {
+fn run_checked(command: &mut Command, otherwise: &str) -> Result<(), String> {
     let name = command.get_program().to_string_lossy().into_owned();
     match command.status() {
         Ok(status) if status.success() => Ok(()),

@@ -6,13 +6,13 @@ mod lustre;
 use std::process::ExitCode;
 
 /// A task: name, description, function.
-type Chore = (
+type Task = (
     &'static str,
     &'static str,
     fn(&[String]) -> Result<(), String>,
 );
 
-const CHORES: &[Chore] = &[
+const TASKS: &[Task] = &[
     (
         "gen",
         "write the files generated from the project's tables",
@@ -52,9 +52,9 @@ const DAY: &str = "86400s";
 fn main() -> ExitCode {
     let mut args = std::env::args().skip(1);
     let wanted = args.next().unwrap_or_default();
-    let Some((_, _, run)) = CHORES.iter().find(|(name, _, _)| *name == wanted) else {
+    let Some((_, _, run)) = TASKS.iter().find(|(name, _, _)| *name == wanted) else {
         eprintln!("usage: cargo xtask TASK");
-        for (name, what, _) in CHORES {
+        for (name, what, _) in TASKS {
             eprintln!("  {name:<14} {what}");
         }
         return ExitCode::from(2);

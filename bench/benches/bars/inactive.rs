@@ -1,10 +1,10 @@
 //! Cost of inactive fragments, which must not depend on their contents.
 
-use crate::{MS, scratch};
+use crate::{MS, with_temp_dir};
+use rpi_bench::gcc_reference::InterpretedNet;
 use rpi_bench::table::Table;
-use rpi_bench::yardstick::Ours;
-use rpi_bench::{Build, build, twin};
-use rpi_core::{Machine, Moment};
+use rpi_bench::{NetBuilder, image_compare, net_builder};
+use rpi_core::{CycleContext, Instance};
 use rpi_device::NoDevices;
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, Net, Restart};
@@ -19,8 +19,8 @@ const MANY: usize = 64;
 
 /// A net with many fragments that are never active, each with `size` primitives; or only with their activation
 /// conditions.
-fn sleeping(fragments: bool, size: usize) -> Net {
-    let mut b = Build::new("sleeping");
+fn inactive_net(fragments: bool, size: usize) -> Net {
+    let mut b = NetBuilder::new("sleeping");
     let root = FragmentId::ROOT;
     let key = ("Key", rpi_image::Value::Str("x".into()));
     let x = b.add_with(root, "Core::DoubleNetcommIn", &[], &[key]);
@@ -44,7 +44,7 @@ fn sleeping(fragments: bool, size: usize) -> Net {
             let half = b.add(
                 f,
                 "Core::DoubleMultiply",
-                &[Input::Port(y), build::real(0.9)],
+                &[Input::Port(y), net_builder::real(0.9)],
             );
             y = half;
         }
@@ -57,10 +57,10 @@ fn sleeping(fragments: bool, size: usize) -> Net {
 pub(crate) fn rows(table: &mut Table) {
     for size in [1, 100, 10_000] {
         let row = format!("inactive fragment, {size} inside");
-        if !table.wants(&row) {
+        if !table.is_selected(&row) {
             continue;
         }
-        let (with, without) = (sleeping(true, size), sleeping(false, size));
+        let (with, without) = (inactive_net(true, size), inactive_net(false, size));
         let ns = difference(&with, &without) / MANY as f64;
         let steps = (steps_per_cycle(&with) - steps_per_cycle(&without)) as f64 / MANY as f64;
         let instructions = match (instructions(&with), instructions(&without)) {
@@ -68,13 +68,13 @@ pub(crate) fn rows(table: &mut Table) {
             _ => "no valgrind".into(),
         };
         let note = format!("{instructions} and {steps:.2} steps each");
-        table.row(&row, ns, 2.0, "ns", &note);
+        table.add_row(&row, ns, 2.0, "ns", &note);
     }
 }
 
 /// Difference of two nets in nanoseconds per cycle. Batches alternate, and the best of each net counts.
 fn difference(with: &Net, without: &Net) -> f64 {
-    let mut nets = [with, without].map(|n| Ours::new(n).expect("there are no devices"));
+    let mut nets = [with, without].map(|n| InterpretedNet::new(n).expect("there are no devices"));
     let mut best = [f64::MAX; 2];
     for _ in 0..15 {
         for (net, best) in nets.iter_mut().zip(&mut best) {
@@ -85,10 +85,11 @@ fn difference(with: &Net, without: &Net) -> f64 {
 }
 
 fn steps_per_cycle(net: &Net) -> usize {
-    let image = twin::image(net, &LowerOptions::running(MS)).expect("it can be lowered");
+    let image =
+        image_compare::lower_net(net, &LowerOptions::running(MS)).expect("it can be lowered");
     let end = image.steps.len();
-    let mut machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
-    machine.read(&mut NoDevices, &Moment::default());
+    let mut machine = Instance::load(image, &mut NoDevices).expect("there are no devices");
+    machine.read(&mut NoDevices, &CycleContext::default());
     let (mut pc, mut steps) = (0, 0);
     while pc < end {
         pc = machine.step(pc, &mut NoDevices);
@@ -100,11 +101,11 @@ fn steps_per_cycle(net: &Net) -> usize {
 /// Instructions per cycle, counted by callgrind: two runs of this program that differ only in the number of cycles.
 /// Both read the image from a file, so that nothing else differs.
 fn instructions(net: &Net) -> Option<f64> {
-    let image = twin::image(net, &LowerOptions::running(MS))
+    let image = image_compare::lower_net(net, &LowerOptions::running(MS))
         .ok()?
         .to_bytes();
     let count = |cycles: u32| {
-        scratch(|dir| {
+        with_temp_dir(|dir| {
             let path = dir.join("net.rpib");
             std::fs::write(&path, &image).map_err(|e| e.to_string())?;
             callgrind(&path, cycles).ok_or_else(String::new)
@@ -131,9 +132,9 @@ fn callgrind(path: &Path, cycles: u32) -> Option<f64> {
 pub(crate) fn run_cycles(path: &Path, cycles: usize) {
     let bytes = std::fs::read(path).unwrap_or_default();
     let image = rpi_image::Image::from_bytes(&bytes).expect("it was written by us");
-    let mut machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
+    let mut machine = Instance::load(image, &mut NoDevices).expect("there are no devices");
     for _ in 0..cycles {
-        machine.read(&mut NoDevices, &Moment::default());
+        machine.read(&mut NoDevices, &CycleContext::default());
         machine.evaluate(&mut NoDevices);
         machine.commit();
         machine.hand_over(&mut NoDevices);

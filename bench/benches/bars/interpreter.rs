@@ -1,8 +1,8 @@
 //! Generated nets in the interpreter, compared with the same nets as C compiled by gcc -O2.
 
+use rpi_bench::gcc_reference::{CompiledNet, InterpretedNet};
 use rpi_bench::generate;
 use rpi_bench::table::Table;
-use rpi_bench::yardstick::{Gcc, Ours};
 use rpi_net::Net;
 use tempfile::TempDir;
 
@@ -24,7 +24,7 @@ const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 
 /// Largest number of equations that gcc can compile in one function. Larger nets are compared with the largest net
 /// below this size.
-const MOST_FOR_GCC: usize = 50_000;
+const MAX_GCC_EQUATIONS: usize = 50_000;
 
 /// Number of batches, of which the best counts.
 const BATCHES: usize = 20;
@@ -34,15 +34,15 @@ pub(crate) fn rows(table: &mut Table) {
         let mut gcc = None;
         for size in SIZES {
             let row = format!("interpreter, {name}, {size}");
-            let largest = SIZES.iter().rfind(|s| **s < MOST_FOR_GCC) == Some(&size);
-            if !(table.wants(&row) || largest && gcc_is_needed(table, name)) {
+            let largest = SIZES.iter().rfind(|s| **s < MAX_GCC_EQUATIONS) == Some(&size);
+            if !(table.is_selected(&row) || largest && gcc_is_needed(table, name)) {
                 continue;
             }
             let net = make(size);
-            if size < MOST_FOR_GCC {
-                gcc = Yardstick::new(&net);
+            if size < MAX_GCC_EQUATIONS {
+                gcc = GccReference::new(&net);
             }
-            if table.wants(&row) {
+            if table.is_selected(&row) {
                 measure(table, &row, bar, &net, gcc.as_mut());
             }
         }
@@ -51,25 +51,25 @@ pub(crate) fn rows(table: &mut Table) {
 
 /// True if a net is measured that is compared with a smaller net compiled by gcc.
 fn gcc_is_needed(table: &Table, name: &str) -> bool {
-    let mut large = SIZES.iter().filter(|s| **s >= MOST_FOR_GCC);
-    large.any(|size| table.wants(&format!("interpreter, {name}, {size}")))
+    let mut large = SIZES.iter().filter(|s| **s >= MAX_GCC_EQUATIONS);
+    large.any(|size| table.is_selected(&format!("interpreter, {name}, {size}")))
 }
 
 /// A net as a program compiled by gcc.
-struct Yardstick {
-    gcc: Gcc,
+struct GccReference {
+    gcc: CompiledNet,
     size: usize,
     /// Directory of the program; deleted on drop.
     _dir: TempDir,
 }
 
-impl Yardstick {
-    fn new(net: &Net) -> Option<Yardstick> {
+impl GccReference {
+    fn new(net: &Net) -> Option<GccReference> {
         let dir = tempfile::tempdir().ok()?;
-        let gcc = Gcc::new(net, dir.path());
+        let gcc = CompiledNet::new(net, dir.path());
         let gcc = gcc.inspect_err(|e| eprintln!("no yardstick: {e}")).ok()?;
         let size = net.nodes.len();
-        Some(Yardstick {
+        Some(GccReference {
             gcc,
             size,
             _dir: dir,
@@ -77,13 +77,13 @@ impl Yardstick {
     }
 }
 
-fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut Yardstick>) {
+fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut GccReference>) {
     let size = net.nodes.len();
     let Some(gcc) = gcc else {
         eprintln!("{row}: skipped, no C compiler");
         return;
     };
-    let mut ours = Ours::new(net).expect("generated nets run");
+    let mut ours = InterpretedNet::new(net).expect("generated nets run");
     let mut best = [f64::MAX; 2];
     for _ in 0..BATCHES {
         let theirs = gcc.gcc.batch(cycles(gcc.size)).expect("it answers");
@@ -97,7 +97,7 @@ fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut Y
         false => "BITS DIFFER FROM GCC".into(),
     };
     let note = format!("{ours_ns:.2} ns, gcc {gcc_ns:.2} ns per primitive; {note}");
-    table.row(row, ours_ns / gcc_ns, bar, "x", &note);
+    table.add_row(row, ours_ns / gcc_ns, bar, "x", &note);
 }
 
 /// Cycles of one batch, which takes some milliseconds.

@@ -2,12 +2,12 @@
 //!
 //! `cargo bench -p rpi-bench --bench bars [-- NAME...]` prints one table; each NAME selects the rows that contain it.
 
-mod authors;
 mod inactive;
 mod interpreter;
 mod loading;
 mod memory;
-mod switching;
+mod recorded;
+mod takeover;
 
 use rpi_bench::table::Table;
 use std::path::Path;
@@ -23,34 +23,34 @@ fn main() {
         return inactive::run_cycles(Path::new(path), cycles.parse().unwrap_or(0));
     }
     if let [mode, path, rounds, switches] = &arguments[..]
-        && mode == switching::CHILD
+        && mode == takeover::CHILD
     {
         let rounds = rounds.parse().unwrap_or(0);
-        return switching::run_rounds(Path::new(path), rounds, switches == "true");
+        return takeover::run_rounds(Path::new(path), rounds, switches == "true");
     }
     if let [mode, path] = &arguments[..]
         && mode == memory::CHILD
     {
-        return memory::load_and_tell(Path::new(path));
+        return memory::load_and_print(Path::new(path));
     }
     let names = arguments.into_iter().filter(|a| !a.starts_with('-'));
     let mut table = Table::new(names.collect());
     interpreter::rows(&mut table);
-    authors::rows(&mut table);
+    recorded::rows(&mut table);
     inactive::rows(&mut table);
-    switching::rows(&mut table);
+    takeover::rows(&mut table);
     loading::rows(&mut table);
     memory::rows(&mut table);
     table.print();
 }
 
 /// Runs a function with a temporary directory.
-fn scratch<T, E>(with: impl FnOnce(&Path) -> Result<T, E>) -> Option<T> {
+fn with_temp_dir<T, E>(with: impl FnOnce(&Path) -> Result<T, E>) -> Option<T> {
     let dir = tempfile::tempdir().ok()?;
     with(dir.path()).ok()
 }
 
 /// Reads a text from the data beside the project; `None` if the data are not available.
-fn text(path: &str) -> Option<String> {
-    rpi_testkit::read_maybe_gz(rpi_testkit::shared_path(path)?).ok()
+fn read_shared(path: &str) -> Option<String> {
+    rpi_testkit::read_maybe_gz(rpi_testkit::external_data_path(path)?).ok()
 }

@@ -1,13 +1,13 @@
 //! Memory per primitive, while running and while loading.
 
-use crate::{MS, scratch};
+use crate::{MS, with_temp_dir};
 use rpi_bench::table::Table;
-use rpi_bench::{generate, twin};
-use rpi_core::Machine;
+use rpi_bench::{generate, image_compare};
+use rpi_core::Instance;
 use rpi_device::NoDevices;
 use rpi_lower::LowerOptions;
 use rpi_net::rpinet;
-use rpi_testkit::resident;
+use rpi_testkit::resident_memory_kb;
 use std::path::Path;
 use std::process::Command;
 
@@ -18,9 +18,10 @@ pub(crate) const CHILD: &str = "load-child";
 pub(crate) fn rows(table: &mut Table) {
     let size = 100_000;
     let net = generate::mixed(size, 1);
-    if table.wants("memory, running") {
-        let image = twin::image(&net, &LowerOptions::running(MS)).expect("it can be lowered");
-        let machine = Machine::load(image, &mut NoDevices).expect("there are no devices");
+    if table.is_selected("memory, running") {
+        let image =
+            image_compare::lower_net(&net, &LowerOptions::running(MS)).expect("it can be lowered");
+        let machine = Instance::load(image, &mut NoDevices).expect("there are no devices");
         let image = machine.image();
         // Names and source locations are for messages and are not touched by a cycle, so they do not count.
         let touched = machine.memory()
@@ -30,7 +31,7 @@ pub(crate) fn rows(table: &mut Table) {
             + size_of_val(&*image.init)
             + size_of_val(&*image.origins);
         let bytes = touched as f64 / net.nodes.len() as f64;
-        table.row(
+        table.add_row(
             "memory, running",
             bytes,
             48.0,
@@ -38,12 +39,12 @@ pub(crate) fn rows(table: &mut Table) {
             "per primitive, irregular net of 100 000",
         );
     }
-    if table.wants("memory, peak while loading") {
-        let peak = |size: usize| scratch(|dir| peak(dir, size));
+    if table.is_selected("memory, peak while loading") {
+        let peak = |size: usize| with_temp_dir(|dir| peak(dir, size));
         if let (Some(large), Some(small)) = (peak(size), peak(100)) {
             let bytes = (large - small) * 1024.0 / net.nodes.len() as f64;
             let note = "per primitive: resident memory at its highest, from text to runnable";
-            table.row("memory, peak while loading", bytes, 500.0, "B", note);
+            table.add_row("memory, peak while loading", bytes, 500.0, "B", note);
         }
     }
 }
@@ -61,8 +62,8 @@ fn peak(dir: &Path, size: usize) -> Result<f64, String> {
 }
 
 /// Loads a text and prints the peak resident memory in kB.
-pub(crate) fn load_and_tell(path: &Path) {
+pub(crate) fn load_and_print(path: &Path) {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     crate::loading::load(&text);
-    println!("{}", resident("VmHWM:"));
+    println!("{}", resident_memory_kb("VmHWM:"));
 }

@@ -1,6 +1,6 @@
 //! Regular, serial nets: a chain of second-order filters.
 
-use crate::build::{Build, real};
+use crate::net_builder::{NetBuilder, real};
 use rpi_image::{Scalar, Value};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
@@ -10,7 +10,7 @@ const ROOT: FragmentId = FragmentId::ROOT;
 /// The last output is exported as `y`. The DC gain of each filter is 1, so that no value becomes subnormal.
 #[must_use]
 pub fn biquad(stages: usize) -> Net {
-    let mut b = Build::new("biquad");
+    let mut b = NetBuilder::new("biquad");
     let mut x = input(&mut b);
     for k in 0..stages {
         let wobble = (k % 7) as f64 * 1e-3;
@@ -21,7 +21,7 @@ pub fn biquad(stages: usize) -> Net {
 }
 
 /// One filter: y = b0 x + s1; s1' = b1 x - a1 y + s2; s2' = b2 x - a2 y.
-fn stage(b: &mut Build, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> PortRef {
+fn stage(b: &mut NetBuilder, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> PortRef {
     let ((s1, d1), (s2, d2)) = (delayed(b), delayed(b));
     let y = scaled(b, x, b0);
     let y = sum(b, y, s1);
@@ -38,7 +38,7 @@ fn stage(b: &mut Build, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> PortRef {
 }
 
 /// Adds a delay of a real with the initial value 0. Returns its output and the node to connect.
-pub(super) fn delayed(b: &mut Build) -> (PortRef, NodeId) {
+pub(super) fn delayed(b: &mut NetBuilder) -> (PortRef, NodeId) {
     if let Some(pre) = b.total_delay(ROOT, Scalar::Real) {
         return (pre, pre.node);
     }
@@ -49,15 +49,15 @@ pub(super) fn delayed(b: &mut Build) -> (PortRef, NodeId) {
 }
 
 /// Adds the input `x`.
-pub(super) fn input(b: &mut Build) -> PortRef {
+pub(super) fn input(b: &mut NetBuilder) -> PortRef {
     let key = ("Key", Value::Str("x".into()));
     b.add_with(ROOT, "Core::DoubleNetcommIn", &[], &[key])
 }
 
-pub(super) fn scaled(b: &mut Build, x: PortRef, by: f64) -> PortRef {
+pub(super) fn scaled(b: &mut NetBuilder, x: PortRef, by: f64) -> PortRef {
     b.add(ROOT, "Core::DoubleMultiply", &[Input::Port(x), real(by)])
 }
 
-pub(super) fn sum(b: &mut Build, x: PortRef, y: PortRef) -> PortRef {
+pub(super) fn sum(b: &mut NetBuilder, x: PortRef, y: PortRef) -> PortRef {
     b.add(ROOT, "Core::DoubleAdd", &[Input::Port(x), Input::Port(y)])
 }

@@ -1,7 +1,7 @@
 //! Irregular nets: a random graph of primitives of all kinds, without repetitions that a branch predictor could use.
 
 use super::biquad::{delayed, input};
-use crate::build::{Build, real};
+use crate::net_builder::{NetBuilder, real};
 use crate::rng::Rng;
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
@@ -14,13 +14,13 @@ const ROOT: FragmentId = FragmentId::ROOT;
 pub fn mixed(size: usize, seed: u64) -> Net {
     let mut net = Mixed::new(seed);
     while net.build.net.nodes.len() < size {
-        net.grow();
+        net.add_random();
     }
     net.close()
 }
 
 struct Mixed {
-    build: Build,
+    build: NetBuilder,
     rng: Rng,
     reals: Vec<PortRef>,
     booleans: Vec<PortRef>,
@@ -30,7 +30,7 @@ struct Mixed {
 
 impl Mixed {
     fn new(seed: u64) -> Self {
-        let mut build = Build::new("mixed");
+        let mut build = NetBuilder::new("mixed");
         let wave = input(&mut build);
         let first = build.add(ROOT, "Core::DoubleGreater", &[Input::Port(wave), real(0.3)]);
         Mixed {
@@ -43,7 +43,7 @@ impl Mixed {
         }
     }
 
-    fn grow(&mut self) {
+    fn add_random(&mut self) {
         match self.rng.below(100) {
             0..28 => self.add_scaled(),
             28..56 => self.product(),
@@ -71,7 +71,7 @@ impl Mixed {
         self.booleans[from + self.rng.below(self.booleans.len() - from)]
     }
 
-    fn made(&mut self, port: PortRef) {
+    fn add_output(&mut self, port: PortRef) {
         self.reals.push(port);
         self.unused.push(port);
     }
@@ -93,7 +93,7 @@ impl Mixed {
             "Core::DoubleMultiply",
             &[Input::Port(sum), real(0.66)],
         );
-        self.made(bounded);
+        self.add_output(bounded);
     }
 
     fn product(&mut self) {
@@ -103,13 +103,13 @@ impl Mixed {
             _ => [Input::Port(a), Input::Port(self.real())],
         };
         let product = self.build.add(ROOT, "Core::DoubleMultiply", &inputs);
-        self.made(product);
+        self.add_output(product);
     }
 
     fn choice(&mut self) {
         let inputs = [self.boolean(), self.real(), self.real()].map(Input::Port);
         let choice = self.build.add(ROOT, "Core::DoubleConditional", &inputs);
-        self.made(choice);
+        self.add_output(choice);
     }
 
     fn comparison(&mut self) {
@@ -141,14 +141,14 @@ impl Mixed {
     fn delay(&mut self) {
         let (port, node) = delayed(&mut self.build);
         self.delays.push(node);
-        self.made(port);
+        self.add_output(port);
     }
 
     fn largest(&mut self) {
         let inputs = [self.real(), self.real()].map(Input::Port);
         let name = ["Rpi::DoubleMaximum", "Rpi::DoubleMinimum"][self.rng.below(2)];
         let largest = self.build.add(ROOT, name, &inputs);
-        self.made(largest);
+        self.add_output(largest);
     }
 
     fn close(mut self) -> Net {

@@ -1,7 +1,7 @@
 //! Regular, parallel nets: independent control loops.
 
 use super::biquad::{delayed, input, scaled, sum};
-use crate::build::{Build, boolean, real};
+use crate::net_builder::{NetBuilder, boolean, real};
 use rpi_net::{FragmentId, Input, Net, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
@@ -10,7 +10,7 @@ const ROOT: FragmentId = FragmentId::ROOT;
 /// anti-windup, and its plant, with the set-point `x`. The sum of all outputs is exported as `y`.
 #[must_use]
 pub fn pid(loops: usize) -> Net {
-    let mut b = Build::new("pid");
+    let mut b = NetBuilder::new("pid");
     let target = input(&mut b);
     let mut total = None;
     for k in 0..loops {
@@ -26,7 +26,7 @@ pub fn pid(loops: usize) -> Net {
     b.net
 }
 
-fn control_loop(b: &mut Build, target: PortRef, gain: f64) -> PortRef {
+fn control_loop(b: &mut NetBuilder, target: PortRef, gain: f64) -> PortRef {
     let (y, plant) = delayed(b);
     let (sum_before, integrator) = delayed(b);
     let (error_before, derivative) = delayed(b);
@@ -54,7 +54,7 @@ fn control_loop(b: &mut Build, target: PortRef, gain: f64) -> PortRef {
 }
 
 /// The value limited to plus and minus `limit`, and whether it was within the limits.
-fn saturated(b: &mut Build, x: PortRef, limit: f64) -> (PortRef, PortRef) {
+fn saturated(b: &mut NetBuilder, x: PortRef, limit: f64) -> (PortRef, PortRef) {
     let high = b.add(ROOT, "Core::DoubleGreater", &[Input::Port(x), real(limit)]);
     let low = b.add(ROOT, "Core::DoubleGreater", &[real(-limit), Input::Port(x)]);
     let inputs = [Input::Port(high), real(limit), Input::Port(x)];
@@ -72,7 +72,7 @@ fn saturated(b: &mut Build, x: PortRef, limit: f64) -> (PortRef, PortRef) {
     (cut, b.add(ROOT, "Core::BooleanAnd", &inputs))
 }
 
-fn choose(b: &mut Build, condition: PortRef, yes: PortRef, no: PortRef) -> PortRef {
+fn choose(b: &mut NetBuilder, condition: PortRef, yes: PortRef, no: PortRef) -> PortRef {
     let inputs = [condition, yes, no].map(Input::Port);
     b.add(ROOT, "Core::DoubleConditional", &inputs)
 }

@@ -4,7 +4,7 @@
 //! [`FAULTY`] have a diagnostic for every few equations, because reporting many errors must not be slow either.
 
 mod bodies;
-mod faults;
+mod errors;
 mod parts;
 
 /// A generator of programs of any size.
@@ -13,7 +13,7 @@ pub struct Shape {
     /// Short name of the shape.
     pub name: &'static str,
     /// File extension: the language.
-    pub ending: &'static str,
+    pub extension: &'static str,
     write: fn(usize) -> String,
 }
 
@@ -28,13 +28,13 @@ impl Shape {
 const fn shape(name: &'static str, ending: &'static str, write: fn(usize) -> String) -> Shape {
     Shape {
         name,
-        ending,
+        extension: ending,
         write,
     }
 }
 
 /// Programs without diagnostics.
-pub const SOUND: &[Shape] = &[
+pub const VALID: &[Shape] = &[
     shape("chain", "lus", bodies::chain_declared),
     shape("chain", "rpi", bodies::chain),
     shape("copies", "rpi", bodies::copies),
@@ -53,24 +53,24 @@ pub const SOUND: &[Shape] = &[
 ];
 
 /// Programs with many diagnostics of the kind in their name.
-pub const FAULTY: &[Shape] = &[
-    shape("broken items", "rpi", faults::broken_items),
-    shape("broken equations", "rpi", faults::broken_equations),
-    shape("unknown names", "rpi", faults::unknown_names),
-    shape("undeclared flows", "lus", faults::undeclared),
-    shape("duplicates", "rpi", faults::duplicates),
-    shape("defined twice", "rpi", faults::defined_twice),
-    shape("wrong types", "rpi", faults::wrong_types),
-    shape("unused flows", "rpi", faults::unused),
-    shape("rings", "rpi", faults::rings),
-    shape("one ring", "rpi", faults::one_ring),
-    shape("no first value", "rpi", faults::no_first_value),
-    shape("absent", "rpi", faults::absent),
+pub const INVALID: &[Shape] = &[
+    shape("broken items", "rpi", errors::broken_items),
+    shape("broken equations", "rpi", errors::broken_equations),
+    shape("unknown names", "rpi", errors::unknown_names),
+    shape("undeclared flows", "lus", errors::undeclared),
+    shape("duplicates", "rpi", errors::duplicates),
+    shape("defined twice", "rpi", errors::defined_twice),
+    shape("wrong types", "rpi", errors::wrong_types),
+    shape("unused flows", "rpi", errors::unused),
+    shape("rings", "rpi", errors::dependency_cycles),
+    shape("one ring", "rpi", errors::one_dependency_cycle),
+    shape("no first value", "rpi", errors::no_first_value),
+    shape("absent", "rpi", errors::absent),
 ];
 
 /// A hand-written file: a module of the library without its tests, 300 lines long, that uses another module.
 #[must_use]
-pub fn written() -> &'static str {
+pub fn library_program() -> &'static str {
     let module = include_str!("../../../stdlib/motion.rpi");
     module
         .find("\ntest ")
@@ -96,30 +96,30 @@ fn names(prefix: &str, count: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rpi_diag::Finding;
-    use rpi_driver::{Input, Kind, compile};
+    use rpi_diag::Diagnostic;
+    use rpi_driver::{Input, InputKind, compile};
     use std::path::PathBuf;
 
-    fn findings(ending: &str, text: String) -> Vec<Finding> {
+    fn diagnostics(ending: &str, text: String) -> Vec<Diagnostic> {
         let path = PathBuf::from(format!("p.{ending}"));
         let input = Input {
-            kind: Kind::of(&path).expect("a language"),
+            kind: InputKind::from_path(&path).expect("a language"),
             path,
             bytes: text.into_bytes(),
         };
-        compile(&input).expect("a program").findings
+        compile(&input).expect("a program").diagnostics
     }
 
     #[test]
     fn a_written_file_has_no_faults() {
-        assert_eq!(findings("rpi", written().to_owned()), []);
+        assert_eq!(diagnostics("rpi", library_program().to_owned()), []);
     }
 
     #[test]
     fn nothing_is_found_in_sound_programs() {
-        for shape in SOUND {
-            let found = findings(shape.ending, shape.text(200));
-            assert_eq!(found, [], "{}.{}", shape.name, shape.ending);
+        for shape in VALID {
+            let found = diagnostics(shape.extension, shape.text(200));
+            assert_eq!(found, [], "{}.{}", shape.name, shape.extension);
         }
     }
 
@@ -141,19 +141,19 @@ mod tests {
 
     #[test]
     fn what_is_found_is_what_the_name_says() {
-        for (shape, (name, code)) in FAULTY.iter().zip(CODES) {
+        for (shape, (name, code)) in INVALID.iter().zip(CODES) {
             assert_eq!(shape.name, *name);
-            for finding in findings(shape.ending, shape.text(100)) {
-                assert_eq!(finding.code.as_str(), *code, "{name}");
+            for diagnostic in diagnostics(shape.extension, shape.text(100)) {
+                assert_eq!(diagnostic.code.as_str(), *code, "{name}");
             }
         }
     }
 
     #[test]
-    fn findings_grow_with_faulty_programs() {
-        for shape in FAULTY {
-            let few = findings(shape.ending, shape.text(100)).len();
-            let many = findings(shape.ending, shape.text(400)).len();
+    fn diagnostics_grow_with_faulty_programs() {
+        for shape in INVALID {
+            let few = diagnostics(shape.extension, shape.text(100)).len();
+            let many = diagnostics(shape.extension, shape.text(400)).len();
             let whole = ["one ring", "defined twice"].contains(&shape.name);
             assert!(
                 few > 0 && (whole || many >= 2 * few),

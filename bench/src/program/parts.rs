@@ -3,20 +3,20 @@
 use super::{lines, names};
 
 /// Equations per part.
-const EACH: usize = 8;
+const EQUATIONS_PER_PART: usize = 8;
 
 /// Many small nodes, and a node that calls each of them once in a chain.
 pub(super) fn nodes(n: usize) -> String {
-    let count = (n / (EACH + 2)).max(1);
+    let count = (n / (EQUATIONS_PER_PART + 2)).max(1);
     let parts = lines(count, |k| {
-        let body = lines(EACH, |e| match e {
+        let body = lines(EQUATIONS_PER_PART, |e| match e {
             0 => "  x0 = u + v;".to_owned(),
             _ => format!("  x{e} = u -> pre x{} * v;", e - 1),
         });
         format!(
             "node part{k} (u, v: real) returns (y: real);\nvar {}: real;\nlet\n{body}  y = x{};\ntel",
-            names("x", EACH),
-            EACH - 1
+            names("x", EQUATIONS_PER_PART),
+            EQUATIONS_PER_PART - 1
         )
     });
     let calls = lines(count, |k| match k {
@@ -32,8 +32,8 @@ pub(super) fn nodes(n: usize) -> String {
 
 /// One node of ten equations that is called many times.
 pub(super) fn calls(n: usize) -> String {
-    let count = (n / (EACH + 2)).max(1);
-    let body = lines(EACH, |e| match e {
+    let count = (n / (EQUATIONS_PER_PART + 2)).max(1);
+    let body = lines(EQUATIONS_PER_PART, |e| match e {
         0 => "  x0 = u + v;".to_owned(),
         _ => format!("  x{e} = u -> pre x{} * v;", e - 1),
     });
@@ -44,7 +44,7 @@ pub(super) fn calls(n: usize) -> String {
     format!(
         "node part (u, v: real) returns (y: real)\nlet\n{body}  y = x{};\ntel\n\
          node whole (u: real) returns (y: real)\nlet\n{calls}  y = c{};\ntel\n",
-        EACH - 1,
+        EQUATIONS_PER_PART - 1,
         count - 1
     )
 }

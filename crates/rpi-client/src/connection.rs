@@ -17,24 +17,24 @@ use crate::error::Error;
 use crate::goal::{OnLoss, Session};
 
 /// Read timeout of the websocket, after which pending requests are sent.
-const TURN: Duration = Duration::from_millis(2);
+const READ_TIMEOUT: Duration = Duration::from_millis(2);
 
 /// Transport of a connection: plain TCP or TLS.
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
 /// Receiver of the updates of a command or task.
-pub(crate) type Listener = Sender<Value>;
+pub(crate) type UpdateSender = Sender<Value>;
 
 /// A request to the connection thread.
-enum Order {
+enum WorkerRequest {
     Call(String, Value, Sender<Result<Value, Error>>),
-    Listen(String, Listener),
+    Listen(String, UpdateSender),
 }
 
 /// Connection to a control core.
 #[derive(Clone, Debug)]
-pub struct Core(Sender<Order>);
+pub struct Core(Sender<WorkerRequest>);
 
 impl Core {
     /// Connects to a control core at `address:port`, with a token if the server requires one.
@@ -56,7 +56,7 @@ impl Core {
         token: Option<&str>,
         authorities: &std::path::Path,
     ) -> Result<Core, Error> {
-        let secure = |stream| crate::tls::secure(stream, address, authorities);
+        let secure = |stream| crate::tls::connect(stream, address, authorities);
         Core::connect_over(address, token, secure)
     }
 
@@ -77,13 +77,13 @@ impl Core {
             let shown = shown.map_err(Error::connection)?;
             request.headers_mut().insert("Authorization", shown);
         }
-        let patience = options.set_read_timeout(Some(PATIENCE));
+        let patience = options.set_read_timeout(Some(HANDSHAKE_TIMEOUT));
         patience.map_err(Error::connection)?;
-        let (socket, _) = tungstenite::client(request, stream).map_err(not_let_in)?;
-        let turn = options.set_read_timeout(Some(TURN));
+        let (socket, _) = tungstenite::client(request, stream).map_err(handshake_error)?;
+        let turn = options.set_read_timeout(Some(READ_TIMEOUT));
         turn.map_err(Error::connection)?;
         let (orders, todo) = channel();
-        let work = move || Talk::new(socket, todo).run();
+        let work = move || Worker::new(socket, todo).run();
         let thread = thread::Builder::new().name("rpi-client".into());
         thread.spawn(work).map_err(Error::connection)?;
         Ok(Core(orders))
@@ -95,7 +95,7 @@ impl Core {
     /// If the server refuses the request or the connection is closed.
     pub fn call(&self, method: &str, params: Value) -> Result<Value, Error> {
         let (answer, result) = channel();
-        let order = Order::Call(method.to_owned(), params, answer);
+        let order = WorkerRequest::Call(method.to_owned(), params, answer);
         self.0.send(order).map_err(Error::connection)?;
         result.recv().map_err(Error::connection)?
     }
@@ -127,17 +127,17 @@ impl Core {
         self.call("emergency.reset", json!({})).map(drop)
     }
 
-    pub(crate) fn listen(&self, command: &str, listener: Listener) -> Result<(), Error> {
-        let order = Order::Listen(command.to_owned(), listener);
+    pub(crate) fn listen(&self, command: &str, listener: UpdateSender) -> Result<(), Error> {
+        let order = WorkerRequest::Listen(command.to_owned(), listener);
         self.0.send(order).map_err(Error::connection)
     }
 }
 
 /// Timeout for the server's answer to the websocket handshake.
-const PATIENCE: Duration = Duration::from_secs(10);
+const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Converts a failed handshake to an error, with the message of the server if it sent one.
-fn not_let_in<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
+fn handshake_error<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
     let why = match why {
         HandshakeError::Interrupted(_) => return Error::connection("the server does not answer"),
         HandshakeError::Failure(why) => why,
@@ -153,42 +153,42 @@ fn not_let_in<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
 }
 
 /// State of the connection thread.
-struct Talk {
+struct Worker {
     socket: WebSocket<Box<dyn Stream>>,
-    todo: Receiver<Order>,
-    last: u64,
-    waiting: BTreeMap<u64, Sender<Result<Value, Error>>>,
-    listeners: BTreeMap<String, Vec<Listener>>,
+    requests: Receiver<WorkerRequest>,
+    last_id: u64,
+    pending: BTreeMap<u64, Sender<Result<Value, Error>>>,
+    listeners: BTreeMap<String, Vec<UpdateSender>>,
 }
 
-impl Talk {
-    fn new(socket: WebSocket<Box<dyn Stream>>, todo: Receiver<Order>) -> Talk {
-        Talk {
+impl Worker {
+    fn new(socket: WebSocket<Box<dyn Stream>>, todo: Receiver<WorkerRequest>) -> Worker {
+        Worker {
             socket,
-            todo,
-            last: 0,
-            waiting: BTreeMap::new(),
+            requests: todo,
+            last_id: 0,
+            pending: BTreeMap::new(),
             listeners: BTreeMap::new(),
         }
     }
 
     /// Sends and receives until every handle is dropped or the connection breaks. Pending calls then get an error.
     fn run(&mut self) {
-        while self.send() && self.hear() {}
+        while self.send() && self.receive() {}
         let _ = self.socket.close(None);
         let _ = self.socket.flush();
     }
 
     fn send(&mut self) -> bool {
         loop {
-            match self.todo.try_recv() {
-                Ok(Order::Listen(command, listener)) => {
+            match self.requests.try_recv() {
+                Ok(WorkerRequest::Listen(command, listener)) => {
                     self.listeners.entry(command).or_default().push(listener);
                 }
-                Ok(Order::Call(method, params, answer)) => {
-                    self.last += 1;
-                    self.waiting.insert(self.last, answer);
-                    let id = self.last;
+                Ok(WorkerRequest::Call(method, params, answer)) => {
+                    self.last_id += 1;
+                    self.pending.insert(self.last_id, answer);
+                    let id = self.last_id;
                     let request =
                         json!({"jsonrpc": "2.0", "id": id, "method": method, "params": params});
                     if self
@@ -205,11 +205,11 @@ impl Talk {
         }
     }
 
-    fn hear(&mut self) -> bool {
+    fn receive(&mut self) -> bool {
         match self.socket.read() {
             Ok(Message::Text(text)) => {
                 if let Ok(message) = serde_json::from_str(&text) {
-                    self.take(&message);
+                    self.dispatch(&message);
                 }
                 true
             }
@@ -222,7 +222,7 @@ impl Talk {
         }
     }
 
-    fn take(&mut self, message: &Value) {
+    fn dispatch(&mut self, message: &Value) {
         if message["method"] == "update" {
             let params = &message["params"];
             let about = params["command"].as_str().or(params["task"].as_str());
@@ -237,9 +237,9 @@ impl Talk {
         }
         let waiting = message["id"]
             .as_u64()
-            .and_then(|id| self.waiting.remove(&id));
+            .and_then(|id| self.pending.remove(&id));
         let result = match message.get("error") {
-            Some(error) => Err(Error::of(error)),
+            Some(error) => Err(Error::from_json(error)),
             None => Ok(message["result"].clone()),
         };
         if let Some(answer) = waiting {

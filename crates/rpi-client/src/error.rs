@@ -34,7 +34,7 @@ impl Error {
         }
     }
 
-    pub(crate) fn of(error: &Value) -> Error {
+    pub(crate) fn from_json(error: &Value) -> Error {
         let reasons = error["data"]["reasons"].as_array();
         let reasons = reasons.into_iter().flatten().filter_map(Value::as_str);
         Error::Refused {

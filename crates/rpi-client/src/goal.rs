@@ -53,7 +53,7 @@ pub struct Program {
 impl Program {
     /// Creates an RPI program with a single command, the period of one tick and feedback every 20 ms.
     #[must_use]
-    pub fn rpi(text: impl Into<String>) -> Program {
+    pub fn new(text: impl Into<String>) -> Program {
         Program {
             text: text.into(),
             language: "rpi",
@@ -173,7 +173,7 @@ pub struct Feedback {
     pub values: BTreeMap<String, String>,
     /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
     /// was one.
-    pub jump: Option<String>,
+    pub discontinuity: Option<String>,
 }
 
 /// How a command has ended. A command that was unloaded before it ran has no ending: see [`Goal::result`].
@@ -191,14 +191,14 @@ pub struct Ending {
     pub why: Option<String>,
     /// Path of the node with the fault, of the fragment whose cycles took too long, or of the node that commanded a
     /// device which had to brake.
-    pub place: Option<String>,
+    pub location: Option<String>,
     /// Position `line:column` of `place`, if it is in the text of the command.
-    pub at: Option<String>,
+    pub position: Option<String>,
     /// Devices that the command left moving and that have braked on their own.
     pub braked: Vec<String>,
     /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
     /// was one: actuator, quantity, value and limit.
-    pub jump: Option<String>,
+    pub discontinuity: Option<String>,
 }
 
 /// A loaded command.
@@ -218,7 +218,7 @@ impl Goal {
         &self.name
     }
 
-    fn ask(&self, method: &str, more: &Value) -> Result<(), Error> {
+    fn request(&self, method: &str, more: &Value) -> Result<(), Error> {
         let mut params = json!({"command": self.name});
         for (key, value) in more.as_object().into_iter().flatten() {
             params[key] = value.clone();
@@ -231,7 +231,7 @@ impl Goal {
     /// # Errors
     /// If another command holds a resource that it needs.
     pub fn start(&self) -> Result<(), Error> {
-        self.ask("command.start", &Value::Null)
+        self.request("command.start", &Value::Null)
     }
 
     /// Schedules the command as the successor of `after`. It starts in the cycle after the last one of `after`, if
@@ -241,7 +241,7 @@ impl Goal {
     /// If other commands hold resources that it needs.
     pub fn follow(&self, after: &Goal, results: &[&str]) -> Result<(), Error> {
         let more = json!({"after": after.name, "results": results});
-        self.ask("command.schedule", &more)
+        self.request("command.schedule", &more)
     }
 
     /// Sets an input. `value` is a literal in the notation of nets.
@@ -249,7 +249,7 @@ impl Goal {
     /// # Errors
     /// If the input is unknown or the text is not a value of its type.
     pub fn set(&self, key: &str, value: &str) -> Result<(), Error> {
-        self.ask("command.set", &json!({"values": {key: value}}))
+        self.request("command.set", &json!({"values": {key: value}}))
     }
 
     /// Cancels the command. It decides itself how it ends, and stays on its path.
@@ -257,7 +257,7 @@ impl Goal {
     /// # Errors
     /// If the command is not running.
     pub fn preempt(&self) -> Result<(), Error> {
-        self.ask("command.cancel", &Value::Null)
+        self.request("command.cancel", &Value::Null)
     }
 
     /// Ends the command at once. Devices stop within their own limits.
@@ -265,7 +265,7 @@ impl Goal {
     /// # Errors
     /// If the command is not running.
     pub fn abort(&self) -> Result<(), Error> {
-        self.ask("command.abort", &Value::Null)
+        self.request("command.abort", &Value::Null)
     }
 
     /// Returns the overruns of the command.
@@ -275,7 +275,7 @@ impl Goal {
     pub fn overruns(&self) -> Result<Overruns, Error> {
         let params = json!({"command": self.name});
         let told = self.core.call("command.describe", params)?;
-        Ok(Overruns::of(&told["overruns"]))
+        Ok(Overruns::from_json(&told["overruns"]))
     }
 
     /// Unloads the command. A running one is unloaded when it has ended.
@@ -283,7 +283,7 @@ impl Goal {
     /// # Errors
     /// If the connection is closed.
     pub fn unload(self) -> Result<(), Error> {
-        self.ask("command.unload", &Value::Null)
+        self.request("command.unload", &Value::Null)
     }
 
     /// Returns a blocking iterator over the updates. It ends when the command or the connection has ended.
@@ -299,7 +299,7 @@ impl Goal {
                 known.values.insert(key.clone(), text);
             }
             if let Some(jump) = update["jump"].as_str() {
-                known.jump = Some(jump.to_owned());
+                known.discontinuity = Some(jump.to_owned());
             }
             Some(known.clone())
         })
@@ -312,7 +312,9 @@ impl Goal {
         }
         let update = self.updates.recv().ok()?;
         let unloaded = (update["state"] == "unloaded").then(|| Err(Error::unloaded()));
-        let ended = update.get("ending").map(|ending| Ok(Ending::of(ending)));
+        let ended = update
+            .get("ending")
+            .map(|ending| Ok(Ending::from_json(ending)));
         *self.end.borrow_mut() = ended.or(unloaded);
         Some(update)
     }
@@ -336,7 +338,7 @@ pub struct Overruns {
     /// Number of overruns.
     pub count: u64,
     /// Computing time of the command in s.
-    pub took: f64,
+    pub took_s: f64,
     /// Delay of the end of the tick in s.
     pub late: f64,
     /// Path of the fragment that was computed; empty for the command itself.
@@ -345,10 +347,10 @@ pub struct Overruns {
 
 impl Overruns {
     /// Reads the overruns from the server's answer; zero if there are none.
-    fn of(told: &Value) -> Overruns {
+    fn from_json(told: &Value) -> Overruns {
         Overruns {
             count: told["count"].as_u64().unwrap_or_default(),
-            took: told["took"].as_f64().unwrap_or_default(),
+            took_s: told["took"].as_f64().unwrap_or_default(),
             late: told["late"].as_f64().unwrap_or_default(),
             fragment: told["fragment"].as_str().unwrap_or_default().to_owned(),
         }
@@ -357,7 +359,7 @@ impl Overruns {
 
 impl Ending {
     /// Reads the ending from the server's update.
-    pub(crate) fn of(told: &Value) -> Ending {
+    pub(crate) fn from_json(told: &Value) -> Ending {
         let text = |key: &str| told[key].as_str().map(str::to_owned);
         let braked = told["braked"].as_array().into_iter().flatten();
         let braked = braked.filter_map(Value::as_str).map(str::to_owned);
@@ -367,10 +369,10 @@ impl Ending {
             error: told["error"].as_i64().unwrap_or_default(),
             cycles: told["cycles"].as_u64().unwrap_or_default(),
             why: text("why"),
-            place: text("place"),
-            at: text("at"),
+            location: text("place"),
+            position: text("at"),
             braked: braked.collect(),
-            jump: text("jump"),
+            discontinuity: text("jump"),
         }
     }
 }

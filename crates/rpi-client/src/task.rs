@@ -15,7 +15,7 @@ pub struct TaskEnd {
     /// Final state: `done`, `failed` or `cancelled`.
     pub state: String,
     /// Commands that could not be started, and the reason.
-    pub trouble: Option<String>,
+    pub start_error: Option<String>,
     /// The latest ended commands of the task.
     pub steps: Vec<Step>,
 }
@@ -63,7 +63,7 @@ impl Task {
         &self.name
     }
 
-    fn ask(&self, method: &str) -> Result<(), Error> {
+    fn request(&self, method: &str) -> Result<(), Error> {
         let params = json!({"task": self.name});
         self.core.call(method, params).map(drop)
     }
@@ -73,7 +73,7 @@ impl Task {
     /// # Errors
     /// If the task was started before or an emergency stop is in force.
     pub fn start(&self) -> Result<(), Error> {
-        self.ask("task.start")
+        self.request("task.start")
     }
 
     /// Cancels the task: no further command starts, and running ones are cancelled.
@@ -81,7 +81,7 @@ impl Task {
     /// # Errors
     /// If the task is not running.
     pub fn preempt(&self) -> Result<(), Error> {
-        self.ask("task.cancel")
+        self.request("task.cancel")
     }
 
     /// Unloads the task. A running one is unloaded when it has ended.
@@ -89,7 +89,7 @@ impl Task {
     /// # Errors
     /// If the connection is closed.
     pub fn unload(self) -> Result<(), Error> {
-        self.ask("task.unload")
+        self.request("task.unload")
     }
 
     /// Waits for the end of the task.
@@ -101,7 +101,7 @@ impl Task {
             let told = self.updates.recv();
             let told = told.map_err(|_| Error::connection("the control core is gone"))?;
             *self.end.borrow_mut() = match told["state"].as_str() {
-                Some("done" | "failed" | "cancelled") => Some(Ok(TaskEnd::of(&told))),
+                Some("done" | "failed" | "cancelled") => Some(Ok(TaskEnd::from_json(&told))),
                 Some("unloaded") => Some(Err(Error::unloaded())),
                 _ => None,
             };
@@ -112,17 +112,17 @@ impl Task {
 }
 
 impl TaskEnd {
-    fn of(told: &Value) -> TaskEnd {
+    fn from_json(told: &Value) -> TaskEnd {
         let text = |value: &Value| value.as_str().map(str::to_owned);
         let steps = told["ended"].as_array().into_iter().flatten();
         let steps = steps.map(|step| Step {
             command: text(&step["command"]).unwrap_or_default(),
-            ending: Ending::of(step),
+            ending: Ending::from_json(step),
             handled: step["handled"] == true,
         });
         TaskEnd {
             state: text(&told["state"]).unwrap_or_default(),
-            trouble: text(&told["trouble"]),
+            start_error: text(&told["trouble"]),
             steps: steps.collect(),
         }
     }

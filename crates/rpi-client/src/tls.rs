@@ -14,7 +14,7 @@ use crate::error::Error;
 
 /// Starts TLS with the server at `address` (`host:port`). Its certificate must be in the PEM file `authorities` or be
 /// signed by one in it.
-pub(crate) fn secure(
+pub(crate) fn connect(
     stream: TcpStream,
     address: &str,
     authorities: &Path,

@@ -5,7 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 
 use rpi_client::{Core, Error, Goal, OnLoss, Program, Session};
-use rpi_serve::{Pace, Server, Settings};
+use rpi_serve::{Server, Settings, TimeBase};
 use rpi_sim::Cell;
 
 const COUNT: &str = "
@@ -55,7 +55,7 @@ fn beyond_loopback_it_is_the_same_over_tls() {
     assert!(Core::connect_tls(&address, Some("wrong"), &certificates).is_err());
     let core = Core::connect_tls(&address, Some("secret"), &certificates).unwrap();
     let session = core.open_session("test", OnLoss::Cancel).unwrap();
-    let goal = session.load(&Program::rpi(COUNT)).unwrap();
+    let goal = session.load(&Program::new(COUNT)).unwrap();
     goal.start().unwrap();
     assert_eq!(goal.result().unwrap().cycles, 200);
 }
@@ -75,7 +75,7 @@ fn goals_follow_one_another_and_tell_how_it_goes() {
     let server = server(None);
     let core = Core::connect(&server.address().to_string(), None).unwrap();
     let session = core.open_session("test", OnLoss::Cancel).unwrap();
-    let [first, second] = [(), ()].map(|()| session.load(&Program::rpi(COUNT)).unwrap());
+    let [first, second] = [(), ()].map(|()| session.load(&Program::new(COUNT)).unwrap());
     second.follow(&first, &["done"]).unwrap();
     first.start().unwrap();
     let last = second.feedback().last().unwrap();
@@ -96,7 +96,7 @@ fn rules_start_commands_unless_they_are_withdrawn() {
     let server = server(None);
     let core = Core::connect(&server.address().to_string(), None).unwrap();
     let session = core.open_session("test", OnLoss::Cancel).unwrap();
-    let [first, second, third] = [(), (), ()].map(|()| session.load(&Program::rpi(COUNT)).unwrap());
+    let [first, second, third] = [(), (), ()].map(|()| session.load(&Program::new(COUNT)).unwrap());
     let ended = format!("{}@ended", first.name());
     let withdrawn = session.rule(&ended, &[], &[], &[&third]).unwrap();
     session.withdraw(&withdrawn).unwrap();
@@ -115,7 +115,7 @@ fn losers_are_told_that_they_will_not_run() {
     let core = Core::connect(&server.address().to_string(), None).unwrap();
     let session = core.open_session("test", OnLoss::Cancel).unwrap();
     let turn = "command Turn () let finish left when time >= 50[ms]; finish right when false; tel";
-    let load = |text: &str| session.load(&Program::rpi(text)).unwrap();
+    let load = |text: &str| session.load(&Program::new(text)).unwrap();
     let (turn, left, right) = (load(turn), load(COUNT), load(COUNT));
     left.follow(&turn, &["left"]).unwrap();
     right.follow(&turn, &["right"]).unwrap();
@@ -159,14 +159,14 @@ fn a_task_is_carried_out_by_the_server() {
     let load = |name: &str| {
         let program = Program {
             command: Some(name.to_owned()),
-            ..Program::rpi(TASK)
+            ..Program::new(TASK)
         };
         session.load_task(&program).unwrap()
     };
     let task = load("All");
     task.start().unwrap();
     let end = task.result().unwrap();
-    assert_eq!((end.state.as_str(), end.trouble), ("done", None));
+    assert_eq!((end.state.as_str(), end.start_error), ("done", None));
     let names: Vec<&str> = end.steps.iter().map(|s| s.command.as_str()).collect();
     assert_eq!(names, ["Count(30)", "Count(10)", "Count(50)", "Count(5)"]);
     let endless = load("Endless");
@@ -189,7 +189,7 @@ task Endless let repeat let Tick(); Tick(); tel tel";
     for pause in [0, 0, 0, 50, 100] {
         let program = Program {
             command: Some("Endless".to_owned()),
-            ..Program::rpi(text)
+            ..Program::new(text)
         };
         let task = session.load_task(&program).unwrap();
         task.start().unwrap();
@@ -212,7 +212,7 @@ fn an_emergency_stop_holds_until_it_is_reset() {
     let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
     let session = one.open_session("test", OnLoss::Cancel).unwrap();
     let endless = "command Wait () let finish never when false; finish over when cancel; tel";
-    let load = || session.load(&Program::rpi(endless)).unwrap();
+    let load = || session.load(&Program::new(endless)).unwrap();
     let (running, next, ready) = (load(), load(), load());
     next.follow(&running, &[]).unwrap();
     running.start().unwrap();
@@ -245,7 +245,7 @@ fn a_session_belongs_to_its_client() {
     let address = server.address().to_string();
     let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
     let session = one.open_session("test", OnLoss::Cancel).unwrap();
-    let goal = session.load(&Program::rpi(COUNT)).unwrap();
+    let goal = session.load(&Program::new(COUNT)).unwrap();
     for method in ["start", "cancel", "abort", "unload"] {
         let refused = other.call(
             &format!("command.{method}"),
@@ -286,11 +286,11 @@ fn reasons_tokens_and_lost_connections_are_errors() {
     assert!(why.to_string().contains("a token is needed"), "{why}");
     let core = Core::connect(&address, Some("secret")).unwrap();
     let session = core.open_session("test", OnLoss::Abort).unwrap();
-    let broken = session.load(&Program::rpi(
+    let broken = session.load(&Program::new(
         "command X () let finish a when b; finish c when d; tel",
     ));
     assert!(matches!(broken, Err(Error::Refused { reasons, .. }) if reasons.len() >= 2));
-    let goal = session.load(&Program::rpi(COUNT)).unwrap();
+    let goal = session.load(&Program::new(COUNT)).unwrap();
     assert!(goal.preempt().is_err());
     drop(server);
     assert!(matches!(goal.start(), Err(Error::Connection(_))));
@@ -305,7 +305,7 @@ fn a_loop_outside_blends_motions_for_as_long_as_it_goes_on() {
         .map(|file| std::fs::read_to_string(example.join(file)).unwrap());
     let settings = Settings {
         listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
-        pace: Pace::Faster(10),
+        pace: TimeBase::Accelerated(10),
         ..Settings::default()
     };
     let cell = Cell::parse("cell.toml", &cell).unwrap();
@@ -342,7 +342,7 @@ fn a_loop_outside_blends_motions_for_as_long_as_it_goes_on() {
 fn motion(session: &Session, text: &str, command: &str) -> Goal {
     let program = Program {
         command: Some(command.to_owned()),
-        ..Program::rpi(text)
+        ..Program::new(text)
     };
     session.load(&program).unwrap()
 }

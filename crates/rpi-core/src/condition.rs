@@ -4,7 +4,7 @@
 //! unknown` is false. An evaluation yields the present truth value and the values that are still possible. A rule whose
 //! condition can no longer become true is dropped.
 
-use crate::id::CommandId;
+use crate::ids::CommandId;
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -35,13 +35,13 @@ pub(crate) struct Truth(u8);
 
 impl Truth {
     /// Unknown, now and for ever.
-    pub(crate) const NEVER: Truth = Truth(0);
+    pub(crate) const UNKNOWN_FOREVER: Truth = Truth(0);
     const TRUE: u8 = 1;
     const FALSE: u8 = 2;
     const MAY_BE_TRUE: u8 = 4;
     const MAY_BE_FALSE: u8 = 8;
     /// Unknown now; may become true or false.
-    pub(crate) const OPEN: Truth = Truth(Self::MAY_BE_TRUE | Self::MAY_BE_FALSE);
+    pub(crate) const UNKNOWN: Truth = Truth(Self::MAY_BE_TRUE | Self::MAY_BE_FALSE);
 
     /// Known value that cannot change any more.
     pub(crate) const fn fixed(value: bool) -> Truth {
@@ -53,8 +53,8 @@ impl Truth {
     }
 
     /// Known present value that may still change.
-    pub(crate) const fn now(value: bool) -> Truth {
-        Truth(Self::OPEN.0 | if value { Self::TRUE } else { Self::FALSE })
+    pub(crate) const fn changeable(value: bool) -> Truth {
+        Truth(Self::UNKNOWN.0 | if value { Self::TRUE } else { Self::FALSE })
     }
 
     pub(crate) const fn is_true(self) -> bool {
@@ -66,9 +66,9 @@ impl Truth {
     }
 
     /// Forgets a present value that may still change; keeps a fixed value.
-    pub(crate) const fn lasting(self) -> Truth {
-        match self.0 & Self::OPEN.0 == Self::OPEN.0 {
-            true => Self::OPEN,
+    pub(crate) const fn fixed_part(self) -> Truth {
+        match self.0 & Self::UNKNOWN.0 == Self::UNKNOWN.0 {
+            true => Self::UNKNOWN,
             false => self,
         }
     }
@@ -96,7 +96,7 @@ impl Truth {
 pub(crate) enum Word {
     Fact(CommandId, Fact),
     Constant(bool),
-    Never,
+    Unknown,
     Not,
     And,
     Or,
@@ -104,8 +104,9 @@ pub(crate) enum Word {
 
 impl Word {
     /// Encodes the word as three numbers: opcode, command id, argument.
-    pub(crate) fn numbers(&self) -> [u64; 3] {
-        let of = |what: u64, command: CommandId, argument: u64| [what, command.number(), argument];
+    pub(crate) fn to_numbers(&self) -> [u64; 3] {
+        let of =
+            |what: u64, command: CommandId, argument: u64| [what, command.to_number(), argument];
         match *self {
             Word::Fact(command, Fact::Export(k)) => of(1, command, u64::from(k)),
             Word::Fact(command, Fact::Ended) => of(2, command, 0),
@@ -114,7 +115,7 @@ impl Word {
             Word::Fact(command, Fact::Result(k)) => of(5, command, u64::from(k)),
             Word::Fact(command, Fact::Error(number)) => of(6, command, number.cast_unsigned()),
             Word::Constant(value) => [7, 0, u64::from(value)],
-            Word::Never => [8, 0, 0],
+            Word::Unknown => [8, 0, 0],
             Word::Not => [9, 0, 0],
             Word::And => [10, 0, 0],
             Word::Or => [11, 0, 0],
@@ -122,7 +123,7 @@ impl Word {
     }
 
     /// Decodes a word from three numbers; `None` if they encode no word.
-    pub(crate) fn of_numbers(numbers: &[u64]) -> Option<Word> {
+    pub(crate) fn from_numbers(numbers: &[u64]) -> Option<Word> {
         let &[what, command, argument] = numbers else {
             return None;
         };
@@ -136,7 +137,7 @@ impl Word {
             5 => fact(Fact::Result(index()?)),
             6 => fact(Fact::Error(argument.cast_signed())),
             7 => Word::Constant(argument != 0),
-            8 => Word::Never,
+            8 => Word::Unknown,
             9 => Word::Not,
             10 => Word::And,
             11 => Word::Or,
@@ -145,9 +146,9 @@ impl Word {
     }
 
     /// Number of operands that the word pops from the stack. Each word pushes one value.
-    const fn operands(&self) -> usize {
+    const fn operand_count(&self) -> usize {
         match self {
-            Word::Fact(..) | Word::Constant(_) | Word::Never => 0,
+            Word::Fact(..) | Word::Constant(_) | Word::Unknown => 0,
             Word::Not => 1,
             Word::And | Word::Or => 2,
         }
@@ -155,7 +156,7 @@ impl Word {
 }
 
 /// Depth of the evaluation stack. Conditions that need more are rejected.
-const DEPTH: usize = 32;
+const MAX_STACK_DEPTH: usize = 32;
 
 /// Condition of a rule: a Boolean expression over facts about commands.
 ///
@@ -166,7 +167,7 @@ pub struct Condition(Box<[Word]>);
 impl Condition {
     /// The condition that a fact about a command is true.
     #[must_use]
-    pub fn of(command: CommandId, fact: Fact) -> Condition {
+    pub fn from_fact(command: CommandId, fact: Fact) -> Condition {
         Condition(vec![Word::Fact(command, fact)].into())
     }
 
@@ -177,7 +178,7 @@ impl Condition {
     }
 
     /// The commands of all facts in the condition, with duplicates.
-    pub fn commands(&self) -> impl Iterator<Item = CommandId> + '_ {
+    pub fn mentioned_commands(&self) -> impl Iterator<Item = CommandId> + '_ {
         self.0.iter().filter_map(|word| match word {
             Word::Fact(command, _) => Some(*command),
             _ => None,
@@ -190,15 +191,15 @@ impl Condition {
     }
 
     /// Builds a condition from words in postfix order; `None` if an operand is missing or more than one value is left.
-    pub(crate) fn of_words(words: Vec<Word>) -> Option<Condition> {
+    pub(crate) fn from_words(words: Vec<Word>) -> Option<Condition> {
         let left = words.iter().try_fold(0usize, |depth, word| {
-            Some(depth.checked_sub(word.operands())? + 1)
+            Some(depth.checked_sub(word.operand_count())? + 1)
         })?;
         (left == 1).then(|| Condition(words.into()))
     }
 
     /// True if the evaluation stack is deep enough for the condition.
-    pub(crate) fn fits(&self) -> bool {
+    pub(crate) fn fits_stack(&self) -> bool {
         let mut depth = 0usize;
         self.0.iter().all(|word| {
             depth = match word {
@@ -206,19 +207,19 @@ impl Condition {
                 Word::And | Word::Or => depth.saturating_sub(1),
                 _ => depth + 1,
             };
-            depth <= DEPTH
+            depth <= MAX_STACK_DEPTH
         })
     }
 
     /// Evaluates the condition; `know` returns the knowledge about each fact.
-    pub(crate) fn truth(&self, know: impl Fn(CommandId, Fact) -> Truth) -> Truth {
-        let mut stack = [Truth::NEVER; DEPTH];
+    pub(crate) fn evaluate(&self, know: impl Fn(CommandId, Fact) -> Truth) -> Truth {
+        let mut stack = [Truth::UNKNOWN_FOREVER; MAX_STACK_DEPTH];
         let mut top = 0;
         for word in &self.0 {
             let (drop, truth) = match *word {
                 Word::Fact(command, fact) => (0, know(command, fact)),
                 Word::Constant(value) => (0, Truth::fixed(value)),
-                Word::Never => (0, Truth::NEVER),
+                Word::Unknown => (0, Truth::UNKNOWN_FOREVER),
                 Word::Not => (1, stack[top - 1].not()),
                 Word::And => (2, stack[top - 2].and(stack[top - 1])),
                 Word::Or => (2, stack[top - 2].or(stack[top - 1])),
@@ -233,29 +234,29 @@ impl Condition {
     /// True if the condition cannot become true before this command has ended.
     fn requires_end_of(&self, command: CommandId) -> bool {
         let know = |of: CommandId, fact: Fact| match fact {
-            Fact::Export(_) => Truth::OPEN,
+            Fact::Export(_) => Truth::UNKNOWN,
             _ if of == command => Truth::fixed(false),
-            _ => Truth::OPEN,
+            _ => Truth::UNKNOWN,
         };
-        !self.truth(know).may_be_true()
+        !self.evaluate(know).may_be_true()
     }
 
     /// True if the condition cannot become true before the first cycle of this command.
-    pub(crate) fn requires_begin_of(&self, command: CommandId) -> bool {
+    pub(crate) fn requires_start_of(&self, command: CommandId) -> bool {
         let know = |of: CommandId, fact: Fact| match fact {
-            _ if of != command => Truth::OPEN,
-            Fact::Export(_) => Truth::NEVER,
+            _ if of != command => Truth::UNKNOWN,
+            Fact::Export(_) => Truth::UNKNOWN_FOREVER,
             _ => Truth::fixed(false),
         };
-        self.fits() && !self.truth(know).may_be_true()
+        self.fits_stack() && !self.evaluate(know).may_be_true()
     }
 
     /// The commands that must have ended before the condition can be true, in ascending order.
-    pub(crate) fn requires(&self) -> Vec<CommandId> {
-        if !self.fits() {
+    pub(crate) fn required_ends(&self) -> Vec<CommandId> {
+        if !self.fits_stack() {
             return Vec::new();
         }
-        let mut all: Vec<CommandId> = self.commands().collect();
+        let mut all: Vec<CommandId> = self.mentioned_commands().collect();
         all.sort_unstable();
         all.dedup();
         all.retain(|command| self.requires_end_of(*command));
@@ -268,7 +269,7 @@ impl Condition {
             if let Word::Fact(command, fact) = *word
                 && command == gone
             {
-                *word = know(fact).map_or(Word::Never, Word::Constant);
+                *word = know(fact).map_or(Word::Unknown, Word::Constant);
             }
         }
     }
@@ -305,12 +306,12 @@ mod tests {
     use super::*;
 
     const ALL: [Truth; 6] = [
-        Truth::NEVER,
-        Truth::OPEN,
+        Truth::UNKNOWN_FOREVER,
+        Truth::UNKNOWN,
         Truth::fixed(true),
         Truth::fixed(false),
-        Truth::now(true),
-        Truth::now(false),
+        Truth::changeable(true),
+        Truth::changeable(false),
     ];
 
     /// Present value and all possible later values of one `Truth`.
@@ -349,44 +350,42 @@ mod tests {
 
     #[test]
     fn what_must_have_ended_is_found_through_the_operators() {
-        let command = |place| CommandId { place, serial: 1 };
-        let ended = |place| Condition::of(command(place), Fact::Ended);
-        let flag = Condition::of(command(9), Fact::Export(0));
-        assert_eq!((ended(1) & flag.clone()).requires(), [command(1)]);
-        assert_eq!((ended(1) | ended(2)).requires(), []);
+        let command = |place| CommandId {
+            slot: place,
+            serial: 1,
+        };
+        let ended = |place| Condition::from_fact(command(place), Fact::Ended);
+        let flag = Condition::from_fact(command(9), Fact::Export(0));
+        assert_eq!((ended(1) & flag.clone()).required_ends(), [command(1)]);
+        assert_eq!((ended(1) | ended(2)).required_ends(), []);
         let both = (ended(1) & ended(2)) | (ended(2) & flag.clone());
-        assert_eq!(both.requires(), [command(2)]);
-        assert_eq!((!flag).requires(), []);
+        assert_eq!(both.required_ends(), [command(2)]);
+        assert_eq!((!flag).required_ends(), []);
     }
 
     #[test]
     fn what_must_have_begun_is_found_by_its_exports_too() {
-        let command = |place| CommandId { place, serial: 1 };
-        let flag = Condition::of(command(1), Fact::Export(0));
+        let command = |place| CommandId {
+            slot: place,
+            serial: 1,
+        };
+        let flag = Condition::from_fact(command(1), Fact::Export(0));
         for begun in [flag.clone(), !flag.clone()] {
-            assert!(begun.requires_begin_of(command(1)));
-            assert!(!begun.requires_begin_of(command(2)));
+            assert!(begun.requires_start_of(command(1)));
+            assert!(!begun.requires_start_of(command(2)));
         }
-        let ended = Condition::of(command(2), Fact::Ended);
-        assert!(ended.requires_begin_of(command(2)));
-        assert!(!(flag | ended.clone()).requires_begin_of(command(2)));
-        assert!(!(!ended).requires_begin_of(command(2)));
+        let ended = Condition::from_fact(command(2), Fact::Ended);
+        assert!(ended.requires_start_of(command(2)));
+        assert!(!(flag | ended.clone()).requires_start_of(command(2)));
+        assert!(!(!ended).requires_start_of(command(2)));
     }
 
     #[test]
     fn too_deep_conditions_are_refused() {
-        let fact = || {
-            Condition::of(
-                CommandId {
-                    place: 0,
-                    serial: 1,
-                },
-                Fact::Ended,
-            )
-        };
+        let fact = || Condition::from_fact(CommandId { slot: 0, serial: 1 }, Fact::Ended);
         let deep = |n| (0..n).fold(fact(), |c, _| fact() & c);
-        assert!(deep(DEPTH - 1).fits() && !deep(DEPTH).fits());
+        assert!(deep(MAX_STACK_DEPTH - 1).fits_stack() && !deep(MAX_STACK_DEPTH).fits_stack());
         let wide = (0..1000).fold(fact(), |c, _| c & fact());
-        assert!(wide.fits());
+        assert!(wide.fits_stack());
     }
 }

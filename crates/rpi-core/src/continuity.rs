@@ -2,7 +2,7 @@
 //! predecessor.
 
 use crate::command::Command;
-use rpi_image::image::Actuator;
+use rpi_image::image::ActuatorPort;
 use rpi_prims::FaultCode;
 
 /// Reaction to a discontinuous takeover. A takeover is continuous if position, velocity and acceleration, computed by
@@ -13,19 +13,19 @@ use rpi_prims::FaultCode;
 pub enum Continuity {
     /// The successor ends with a fault. None of its set-points is sent, and its moving devices are stopped.
     #[default]
-    Refuse,
+    Reject,
     /// As [`Continuity::Refuse`], and all other commands are aborted too. For devices that must move in step.
-    Stop,
+    AbortAll,
     /// The discontinuity is reported and the set-point is sent. The device may still reject it.
     Allow,
 }
 
 /// Number of cycles after a takeover in which differences up to second order reach back over it.
-pub(crate) const JOINING: u64 = 2;
+pub(crate) const CHECKED_CYCLES: u64 = 2;
 
 impl Command {
     /// Sets the reaction to a discontinuous takeover by this command. The default is [`Continuity::Refuse`].
-    pub fn guard(&mut self, continuity: Continuity) {
+    pub fn set_continuity(&mut self, continuity: Continuity) {
         self.continuity = continuity;
     }
 
@@ -36,10 +36,10 @@ impl Command {
     }
 
     /// Raises a fault for a discontinuous set-point of this cycle, unless [`Continuity::Allow`] is set.
-    pub(crate) fn watch_switch(&mut self) {
-        let jump = self.machine.jump().map(Actuator::cell);
+    pub(crate) fn check_continuity(&mut self) {
+        let jump = self.instance.discontinuity().map(ActuatorPort::origin_slot);
         if let Some(cell) = jump.filter(|_| self.continuity != Continuity::Allow) {
-            self.machine.fail(FaultCode::Discontinuity, cell);
+            self.instance.fail(FaultCode::Discontinuity, cell);
         }
     }
 }

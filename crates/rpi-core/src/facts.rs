@@ -1,62 +1,64 @@
 //! Evaluation of facts about commands for the conditions of rules.
 
 use crate::command::{Cause, Command, Ending};
-use crate::commands::{Core, Entry};
 use crate::condition::{Fact, Truth};
-use crate::id::CommandId;
-use crate::lifecycle::State;
+use crate::ids::CommandId;
+use crate::lifecycle::CommandState;
+use crate::table::{Core, Entry};
 use rpi_image::{Scalar, Type};
 
 impl Core {
     /// Knowledge about a fact: its present value and its possible later values. A scheduled command that is not marked
     /// as live counts as one that never runs.
-    pub(crate) fn know(&self, id: CommandId, fact: Fact) -> Truth {
+    pub(crate) fn fact_truth(&self, id: CommandId, fact: Fact) -> Truth {
         match self.find(id).and_then(|place| self.entries[place].as_ref()) {
-            Some(entry) => entry.know(fact),
-            None => Truth::NEVER,
+            Some(entry) => entry.fact_truth(fact),
+            None => Truth::UNKNOWN_FOREVER,
         }
     }
 }
 
 impl Entry {
-    pub(crate) fn know(&self, fact: Fact) -> Truth {
+    pub(crate) fn fact_truth(&self, fact: Fact) -> Truth {
         if let Fact::Export(index) = fact {
-            return self.know_export(index);
+            return self.export_truth(index);
         }
         match &self.command.ending {
-            Some(ending) => Truth::fixed(holds(fact, ending)),
-            None if self.will_never_be(fact) => Truth::fixed(false),
-            None => Truth::now(false),
+            Some(ending) => Truth::fixed(fact_holds(fact, ending)),
+            None if self.can_never_hold(fact) => Truth::fixed(false),
+            None => Truth::changeable(false),
         }
     }
 
     /// Final value of a fact when the command is removed. A command that never ran counts as not ended.
-    pub(crate) fn last_word(&self, fact: Fact) -> Option<bool> {
+    pub(crate) fn final_value(&self, fact: Fact) -> Option<bool> {
         match (fact, &self.command.ending) {
             (Fact::Export(index), Some(_)) => self.command.exported(index),
             (Fact::Export(_), None) => None,
-            (_, Some(ending)) => Some(holds(fact, ending)),
+            (_, Some(ending)) => Some(fact_holds(fact, ending)),
             (_, None) => Some(false),
         }
     }
 
     /// True if a fact about the end of the command can no longer become true.
-    fn will_never_be(&self, fact: Fact) -> bool {
+    fn can_never_hold(&self, fact: Fact) -> bool {
         match self.command.state {
-            State::Scheduled => !self.live,
-            State::Cancelling => fact == Fact::Regular,
-            State::Rejected => true,
+            CommandState::Scheduled => !self.live,
+            CommandState::Cancelling => fact == Fact::Regular,
+            CommandState::Rejected => true,
             _ => false,
         }
     }
 
-    fn know_export(&self, index: u32) -> Truth {
+    fn export_truth(&self, index: u32) -> Truth {
         let value = self.command.exported(index);
         match self.command.state {
-            State::Running | State::Cancelling => value.map_or(Truth::OPEN, Truth::now),
-            State::Terminated => value.map_or(Truth::NEVER, Truth::fixed),
-            State::Scheduled if !self.live => Truth::NEVER,
-            _ => Truth::OPEN,
+            CommandState::Running | CommandState::Cancelling => {
+                value.map_or(Truth::UNKNOWN, Truth::changeable)
+            }
+            CommandState::Terminated => value.map_or(Truth::UNKNOWN_FOREVER, Truth::fixed),
+            CommandState::Scheduled if !self.live => Truth::UNKNOWN_FOREVER,
+            _ => Truth::UNKNOWN,
         }
     }
 }
@@ -66,23 +68,23 @@ impl Command {
     /// absent, and for other types.
     #[must_use]
     pub fn exported(&self, index: u32) -> Option<bool> {
-        *self.shown.get(index as usize)?
+        *self.exported_values.get(index as usize)?
     }
 
     /// Stores the exported Booleans at the end of a cycle. Inputs set between two cycles therefore do not affect
     /// conditions before the next cycle.
-    pub(crate) fn show(&mut self) {
-        let exports = &self.machine.image().exports;
-        for (shown, export) in self.shown.iter_mut().zip(exports) {
-            if export.value.ty == Type::One(Scalar::Bool) {
-                *shown = self.machine.value(export.value).map(|v| v[0] != 0);
+    pub(crate) fn latch_exports(&mut self) {
+        let exports = &self.instance.image().exports;
+        for (shown, export) in self.exported_values.iter_mut().zip(exports) {
+            if export.value.ty == Type::Scalar(Scalar::Bool) {
+                *shown = self.instance.value(export.value).map(|v| v[0] != 0);
             }
         }
     }
 }
 
 /// Whether a fact is true of a command with this ending.
-pub(crate) fn holds(fact: Fact, ending: &Ending) -> bool {
+pub(crate) fn fact_holds(fact: Fact, ending: &Ending) -> bool {
     match fact {
         Fact::Export(_) => false,
         Fact::Ended => true,

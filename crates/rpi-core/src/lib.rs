@@ -21,36 +21,38 @@
 extern crate alloc;
 
 mod command;
-mod commands;
+mod command_set;
 mod condition;
 mod continuity;
+mod decision;
 mod facts;
-mod id;
+mod ids;
+mod instance;
 mod lifecycle;
 mod load;
-mod machine;
-mod names;
 mod notice;
 mod overrun;
 mod ports;
 mod program;
 mod resources;
 mod rule;
+mod rule_codec;
 mod scheduling;
-mod switch;
+mod table;
 mod tick;
-mod weight;
-mod words;
+mod work_bound;
 
-pub use command::{Cause, Command, Ending, Why};
-pub use commands::{Core, Refused};
+pub use command::{AbortReason, Cause, Command, Ending};
 pub use condition::{Condition, Fact};
 pub use continuity::Continuity;
-pub use id::{CommandId, Places, RuleId};
-pub use lifecycle::{Event, Next, State};
-pub use load::{LoadFault, catalogue};
-pub use machine::{Machine, Moment, Verdict};
-pub use notice::{Notice, Outcome};
-pub use overrun::{NoPolicy, Often, OnOverrun, Overrun, Overruns};
+pub use ids::{CommandId, IdAllocator, RuleId};
+pub use instance::{CycleContext, Instance, Verdict};
+pub use lifecycle::{CommandEvent, CommandState, Transition};
+pub use load::{LoadError, prim_desc};
+pub use notice::{Notice, RuleOutcome};
+pub use overrun::{
+    CommandOverrunPolicy, Overrun, OverrunStats, OverrunThreshold, ParseOverrunPolicyError,
+};
 pub use rule::Rule;
-pub use tick::Watch;
+pub use table::{CommandError, Core};
+pub use tick::CycleObserver;

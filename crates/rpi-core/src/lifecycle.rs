@@ -18,7 +18,7 @@
 
 /// Lifecycle state of a command.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum State {
+pub enum CommandState {
     /// Memory and devices are being prepared outside the cycle.
     Loading,
     /// The image cannot run in this cell; the reasons are known.
@@ -37,11 +37,11 @@ pub enum State {
 
 /// Event in the life of a command.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Event {
+pub enum CommandEvent {
     /// Loading has succeeded.
     Loaded,
     /// Loading has found errors.
-    Faulty,
+    LoadFailed,
     /// A start request; all needed resources are free.
     Start,
     /// A rule that starts the command is added; its resources are free or come from its predecessors.
@@ -49,7 +49,7 @@ pub enum Event {
     /// A rule that starts the command fires.
     Fire,
     /// Nothing can start the command any more.
-    Orphan {
+    Orphaned {
         /// The command becomes ready again instead of being removed.
         kept: bool,
     },
@@ -63,52 +63,67 @@ pub enum Event {
 
 /// Outcome of an event.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Next {
+pub enum Transition {
     /// The command enters this state.
-    To(State),
+    To(CommandState),
     /// The command is removed; it is freed outside the cycle.
-    Gone,
+    Removed,
     /// The event is not allowed in this state; nothing changes.
-    Refused,
+    Rejected,
 }
 
-impl State {
+impl CommandState {
     /// All states.
-    pub const ALL: [State; 7] = [
-        State::Loading,
-        State::Rejected,
-        State::Ready,
-        State::Scheduled,
-        State::Running,
-        State::Cancelling,
-        State::Terminated,
+    pub const ALL: [CommandState; 7] = [
+        CommandState::Loading,
+        CommandState::Rejected,
+        CommandState::Ready,
+        CommandState::Scheduled,
+        CommandState::Running,
+        CommandState::Cancelling,
+        CommandState::Terminated,
     ];
 
     /// Transition function of the lifecycle.
     #[must_use]
-    pub const fn next(self, event: Event) -> Next {
+    pub const fn next(self, event: CommandEvent) -> Transition {
         match (self, event) {
-            (State::Loading, Event::Loaded) => Next::To(State::Ready),
-            (State::Loading, Event::Faulty) => Next::To(State::Rejected),
-            (State::Ready, Event::Start) => Next::To(State::Running),
-            (State::Ready | State::Scheduled, Event::Schedule) => Next::To(State::Scheduled),
-            (State::Scheduled, Event::Fire) => Next::To(State::Running),
-            (State::Scheduled, Event::Orphan { kept: true }) => Next::To(State::Ready),
-            (State::Scheduled, Event::Orphan { kept: false }) => Next::Gone,
-            (State::Running | State::Cancelling, Event::Cancel) => Next::To(State::Cancelling),
-            (State::Running | State::Cancelling, Event::End) => Next::To(State::Terminated),
+            (CommandState::Loading, CommandEvent::Loaded) => Transition::To(CommandState::Ready),
+            (CommandState::Loading, CommandEvent::LoadFailed) => {
+                Transition::To(CommandState::Rejected)
+            }
+            (CommandState::Ready, CommandEvent::Start) => Transition::To(CommandState::Running),
+            (CommandState::Ready | CommandState::Scheduled, CommandEvent::Schedule) => {
+                Transition::To(CommandState::Scheduled)
+            }
+            (CommandState::Scheduled, CommandEvent::Fire) => Transition::To(CommandState::Running),
+            (CommandState::Scheduled, CommandEvent::Orphaned { kept: true }) => {
+                Transition::To(CommandState::Ready)
+            }
+            (CommandState::Scheduled, CommandEvent::Orphaned { kept: false }) => {
+                Transition::Removed
+            }
+            (CommandState::Running | CommandState::Cancelling, CommandEvent::Cancel) => {
+                Transition::To(CommandState::Cancelling)
+            }
+            (CommandState::Running | CommandState::Cancelling, CommandEvent::End) => {
+                Transition::To(CommandState::Terminated)
+            }
             (
-                State::Ready | State::Rejected | State::Terminated | State::Scheduled,
-                Event::Unload,
-            ) => Next::Gone,
-            _ => Next::Refused,
+                CommandState::Ready
+                | CommandState::Rejected
+                | CommandState::Terminated
+                | CommandState::Scheduled,
+                CommandEvent::Unload,
+            ) => Transition::Removed,
+            _ => Transition::Rejected,
         }
     }
 
     /// True while the command takes part in cycles.
     #[must_use]
-    pub const fn runs(self) -> bool {
-        matches!(self, State::Running | State::Cancelling)
+    pub const fn is_running(self) -> bool {
+        matches!(self, CommandState::Running | CommandState::Cancelling)
     }
 }
 
@@ -116,42 +131,42 @@ impl State {
 mod tests {
     use super::*;
 
-    const EVENTS: [Event; 10] = [
-        Event::Loaded,
-        Event::Faulty,
-        Event::Start,
-        Event::Schedule,
-        Event::Fire,
-        Event::Orphan { kept: true },
-        Event::Orphan { kept: false },
-        Event::Cancel,
-        Event::End,
-        Event::Unload,
+    const EVENTS: [CommandEvent; 10] = [
+        CommandEvent::Loaded,
+        CommandEvent::LoadFailed,
+        CommandEvent::Start,
+        CommandEvent::Schedule,
+        CommandEvent::Fire,
+        CommandEvent::Orphaned { kept: true },
+        CommandEvent::Orphaned { kept: false },
+        CommandEvent::Cancel,
+        CommandEvent::End,
+        CommandEvent::Unload,
     ];
 
     /// One row per state and one letter per event, in the order of the enum. A letter is the initial of the next state
     /// (`C` for Cancelling, `L` never), `-` is gone, `.` is rejected.
-    const TABLE: [(State, &str); 7] = [
-        (State::Loading, "DJ........"),
-        (State::Rejected, ".........-"),
-        (State::Ready, "..RS.....-"),
-        (State::Scheduled, "...SRD-..-"),
-        (State::Running, ".......CT."),
-        (State::Cancelling, ".......CT."),
-        (State::Terminated, ".........-"),
+    const TABLE: [(CommandState, &str); 7] = [
+        (CommandState::Loading, "DJ........"),
+        (CommandState::Rejected, ".........-"),
+        (CommandState::Ready, "..RS.....-"),
+        (CommandState::Scheduled, "...SRD-..-"),
+        (CommandState::Running, ".......CT."),
+        (CommandState::Cancelling, ".......CT."),
+        (CommandState::Terminated, ".........-"),
     ];
 
-    fn letter(next: Next) -> char {
+    fn letter(next: Transition) -> char {
         match next {
-            Next::Gone => '-',
-            Next::Refused => '.',
-            Next::To(State::Loading) => 'L',
-            Next::To(State::Rejected) => 'J',
-            Next::To(State::Ready) => 'D',
-            Next::To(State::Scheduled) => 'S',
-            Next::To(State::Running) => 'R',
-            Next::To(State::Cancelling) => 'C',
-            Next::To(State::Terminated) => 'T',
+            Transition::Removed => '-',
+            Transition::Rejected => '.',
+            Transition::To(CommandState::Loading) => 'L',
+            Transition::To(CommandState::Rejected) => 'J',
+            Transition::To(CommandState::Ready) => 'D',
+            Transition::To(CommandState::Scheduled) => 'S',
+            Transition::To(CommandState::Running) => 'R',
+            Transition::To(CommandState::Cancelling) => 'C',
+            Transition::To(CommandState::Terminated) => 'T',
         }
     }
 
@@ -161,6 +176,6 @@ mod tests {
             let got: alloc::string::String = EVENTS.map(|e| letter(state.next(e))).iter().collect();
             assert_eq!(got, row, "{state:?}");
         }
-        assert_eq!(TABLE.map(|row| row.0), State::ALL);
+        assert_eq!(TABLE.map(|row| row.0), CommandState::ALL);
     }
 }

@@ -1,7 +1,7 @@
 //! Load errors: all reasons why an image cannot run in a cell, not only the first.
 
 use core::fmt;
-use rpi_device::{DeviceBank, PortId, PortKind, PortName, ResolveError};
+use rpi_device::{DeviceBank, PortId, PortKind, PortQuery, ResolveError};
 use rpi_image::image::{DevicePort, Image};
 use rpi_image::{PrimDesc, VerifyError, verify};
 use rpi_prims::PrimId;
@@ -11,13 +11,13 @@ use alloc::vec::Vec;
 
 /// Error when loading an image.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum LoadFault {
+pub enum LoadError {
     /// The image is malformed.
-    Broken(VerifyError),
+    InvalidImage(VerifyError),
     /// Unknown device in this cell.
-    Device(String),
+    UnknownDevice(String),
     /// Unknown port of a device.
-    Port {
+    UnknownPort {
         /// The port as `device.port[index]: type`.
         port: String,
         /// Use of the port: sensor, actuator or function.
@@ -27,17 +27,17 @@ pub enum LoadFault {
     },
 }
 
-impl fmt::Display for LoadFault {
+impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            LoadFault::Broken(error) => write!(f, "invalid image: {error}"),
-            LoadFault::Device(device) => write!(f, "the cell has no device `{device}`"),
-            LoadFault::Port { port, kind, error } => {
+            LoadError::InvalidImage(error) => write!(f, "invalid image: {error}"),
+            LoadError::UnknownDevice(device) => write!(f, "the cell has no device `{device}`"),
+            LoadError::UnknownPort { port, kind, error } => {
                 let reason = match error {
                     // Reported as `LoadFault::Device`, so this arm is not reached.
-                    ResolveError::NoDevice => "the cell has no such device",
-                    ResolveError::NoPort => "the device has no such port",
-                    ResolveError::NoIndex => "the index is out of range",
+                    ResolveError::UnknownDevice => "the cell has no such device",
+                    ResolveError::UnknownPort => "the device has no such port",
+                    ResolveError::IndexOutOfRange => "the index is out of range",
                     ResolveError::WrongType => "the device's port has another kind, type or size",
                 };
                 let kind = match kind {
@@ -51,31 +51,31 @@ impl fmt::Display for LoadFault {
     }
 }
 
-impl core::error::Error for LoadFault {}
+impl core::error::Error for LoadError {}
 
 /// Declaration of a primitive of this build by its name, for the verifier.
 #[must_use]
-pub fn catalogue(name: &str) -> Option<&'static PrimDesc> {
-    PrimId::of(name).map(PrimId::desc)
+pub fn prim_desc(name: &str) -> Option<&'static PrimDesc> {
+    PrimId::from_name(name).map(PrimId::desc)
 }
 
 /// Verifies an image and returns all verification errors.
-pub(crate) fn check(image: &Image) -> Result<(), Vec<LoadFault>> {
-    verify(image, &catalogue).map_err(|e| e.into_iter().map(LoadFault::Broken).collect())
+pub(crate) fn verify_image(image: &Image) -> Result<(), Vec<LoadError>> {
+    verify(image, &prim_desc).map_err(|e| e.into_iter().map(LoadError::InvalidImage).collect())
 }
 
 /// Resolves a port name. Records an error and returns an invalid id if the port does not exist.
-pub(crate) fn resolve(
+pub(crate) fn resolve_port(
     bank: &mut dyn DeviceBank,
-    faults: &mut Vec<LoadFault>,
+    faults: &mut Vec<LoadError>,
     port: &DevicePort,
     kind: PortKind,
 ) -> PortId {
-    bank.resolve(&PortName::of(port, kind))
+    bank.resolve(&PortQuery::new(port, kind))
         .unwrap_or_else(|error| {
             let fault = match error {
-                ResolveError::NoDevice => LoadFault::Device(port.device.clone()),
-                error => LoadFault::Port {
+                ResolveError::UnknownDevice => LoadError::UnknownDevice(port.device.clone()),
+                error => LoadError::UnknownPort {
                     port: alloc::format!("{port}"),
                     kind,
                     error,

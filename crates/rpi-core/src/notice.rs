@@ -1,10 +1,10 @@
 //! Notices: a bounded log of events in the core.
 
 use crate::command::Ending;
-use crate::commands::Refused;
-use crate::id::{CommandId, RuleId};
+use crate::ids::{CommandId, RuleId};
+use crate::table::CommandError;
 
-use rpi_device::Jump;
+use rpi_device::Discontinuity;
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -56,43 +56,43 @@ pub enum Notice {
         tick: u64,
     },
     /// The first set-points after a takeover are discontinuous.
-    Jumped {
+    Discontinuity {
         /// The command that took over.
         command: CommandId,
         /// Place and size of the discontinuity.
-        jump: Jump,
+        discontinuity: Discontinuity,
     },
     /// A rule was removed.
     Rule {
         /// The rule.
         rule: RuleId,
         /// The reason for the removal.
-        outcome: Outcome,
+        outcome: RuleOutcome,
     },
 }
 
 /// Outcome of a rule.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Outcome {
+pub enum RuleOutcome {
     /// The rule has fired.
     Fired,
     /// The condition was true, but a command could not be started. The rule had no effect.
-    Failed(Refused),
+    Failed(CommandError),
     /// The rule could no longer fire, or was withdrawn.
     Dropped,
 }
 
 /// Ring buffer of notices.
-pub(crate) struct Notices {
+pub(crate) struct NoticeLog {
     ring: Box<[Option<Notice>]>,
     first: usize,
     len: usize,
     pub(crate) lost: u64,
 }
 
-impl Notices {
+impl NoticeLog {
     pub(crate) fn with_capacity(capacity: usize) -> Self {
-        Notices {
+        NoticeLog {
             ring: vec![None; capacity.max(1)].into(),
             first: 0,
             len: 0,

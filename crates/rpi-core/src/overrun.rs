@@ -6,75 +6,81 @@
 use core::fmt;
 use core::str::FromStr;
 
-use crate::command::{Command, Why};
-use crate::commands::Core;
-use crate::id::CommandId;
+use crate::command::{AbortReason, Command};
+use crate::ids::CommandId;
+use crate::table::Core;
 use rpi_device::DeviceBank;
 
 /// Reaction to overruns of a command. Overruns are counted in any case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum OnOverrun {
+pub enum CommandOverrunPolicy {
     /// Only counts.
     #[default]
     Count,
     /// Aborts the command when the threshold is reached. Its devices stop on their own; other commands continue.
-    Abort(Often),
+    Abort(OverrunThreshold),
     /// Aborts all commands when the threshold is reached. For devices that must move in step.
-    Stop(Often),
+    Stop(OverrunThreshold),
 }
 
 /// Threshold: a number of overruns within a number of latest cycles.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Often {
+pub struct OverrunThreshold {
     overruns: u32,
-    of: u32,
+    window: u32,
 }
 
-impl Often {
+impl OverrunThreshold {
     /// Maximum number of cycles in the window.
-    pub const LONGEST: u32 = 64;
+    pub const MAX_WINDOW: u32 = 64;
 
     /// The first overrun.
-    pub const FIRST: Often = Often { overruns: 1, of: 1 };
+    pub const FIRST_OVERRUN: OverrunThreshold = OverrunThreshold {
+        overruns: 1,
+        window: 1,
+    };
 
     /// A threshold of `overruns` within `of` cycles; `None` unless 1 <= `overruns` <= `of` <= [`Often::LONGEST`].
     #[must_use]
-    pub fn new(overruns: u32, of: u32) -> Option<Often> {
-        let sound = (1..=of).contains(&overruns) && of <= Often::LONGEST;
-        sound.then_some(Often { overruns, of })
+    pub fn new(overruns: u32, of: u32) -> Option<OverrunThreshold> {
+        let sound = (1..=of).contains(&overruns) && of <= OverrunThreshold::MAX_WINDOW;
+        sound.then_some(OverrunThreshold {
+            overruns,
+            window: of,
+        })
     }
 
     /// True if the threshold is reached. Bit 0 of `history` is the latest cycle; a set bit is an overrun.
     #[must_use]
     pub fn is_reached(self, history: u64) -> bool {
-        let latest = history & (u64::MAX >> (Often::LONGEST - self.of));
+        let latest = history & (u64::MAX >> (OverrunThreshold::MAX_WINDOW - self.window));
         latest.count_ones() >= self.overruns
     }
 
     /// Parses the suffix of a policy: empty for the first overrun, or `:N/M`.
     #[must_use]
-    pub fn after(text: &str) -> Option<Often> {
+    pub fn parse_suffix(text: &str) -> Option<OverrunThreshold> {
         if text.is_empty() {
-            return Some(Often::FIRST);
+            return Some(OverrunThreshold::FIRST_OVERRUN);
         }
         let (overruns, of) = text.strip_prefix(':')?.split_once('/')?;
-        Often::new(overruns.parse().ok()?, of.parse().ok()?)
+        OverrunThreshold::new(overruns.parse().ok()?, of.parse().ok()?)
     }
 }
 
-impl fmt::Display for Often {
+impl fmt::Display for OverrunThreshold {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.overruns, self.of)
+        write!(f, "{}/{}", self.overruns, self.window)
     }
 }
 
 /// Error: unknown overrun policy.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct NoPolicy;
+pub struct ParseOverrunPolicyError;
 
-impl fmt::Display for NoPolicy {
+impl fmt::Display for ParseOverrunPolicyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let most = Often::LONGEST;
+        let most = OverrunThreshold::MAX_WINDOW;
         write!(
             f,
             "expected `count`, `abort`, `stop`, or `abort:N/M`, `stop:N/M` with N of M cycles, M at most {most}"
@@ -82,29 +88,34 @@ impl fmt::Display for NoPolicy {
     }
 }
 
-impl core::error::Error for NoPolicy {}
+impl core::error::Error for ParseOverrunPolicyError {}
 
-impl FromStr for OnOverrun {
-    type Err = NoPolicy;
+impl FromStr for CommandOverrunPolicy {
+    type Err = ParseOverrunPolicyError;
 
     /// Parses `count`, `abort` (at the first overrun), `abort:3/10` (at the third within ten cycles), `stop` or
     /// `stop:3/10`.
-    fn from_str(text: &str) -> Result<Self, NoPolicy> {
+    fn from_str(text: &str) -> Result<Self, ParseOverrunPolicyError> {
         if text == "count" {
-            return Ok(OnOverrun::Count);
+            return Ok(CommandOverrunPolicy::Count);
         }
-        let of = |name: &str| text.strip_prefix(name).and_then(Often::after);
-        let abort = of("abort").map(OnOverrun::Abort);
-        abort.or(of("stop").map(OnOverrun::Stop)).ok_or(NoPolicy)
+        let of = |name: &str| {
+            text.strip_prefix(name)
+                .and_then(OverrunThreshold::parse_suffix)
+        };
+        let abort = of("abort").map(CommandOverrunPolicy::Abort);
+        abort
+            .or(of("stop").map(CommandOverrunPolicy::Stop))
+            .ok_or(ParseOverrunPolicyError)
     }
 }
 
-impl fmt::Display for OnOverrun {
+impl fmt::Display for CommandOverrunPolicy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            OnOverrun::Count => f.write_str("count"),
-            OnOverrun::Abort(often) => write!(f, "abort:{often}"),
-            OnOverrun::Stop(often) => write!(f, "stop:{often}"),
+            CommandOverrunPolicy::Count => f.write_str("count"),
+            CommandOverrunPolicy::Abort(often) => write!(f, "abort:{often}"),
+            CommandOverrunPolicy::Stop(often) => write!(f, "stop:{often}"),
         }
     }
 }
@@ -124,22 +135,22 @@ pub struct Overrun {
 
 /// Overrun statistics of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Overruns {
+pub struct OverrunStats {
     /// Number of overruns.
     pub count: u64,
     /// The overrun with the longest computing time.
     pub worst: Option<Overrun>,
     /// Overruns of the latest 64 cycles as a bit set; bit 0 is cycle `upto`.
     history: u64,
-    upto: u64,
+    last_cycle: u64,
 }
 
-impl Overruns {
+impl OverrunStats {
     /// Records an overrun in the cycle with this number. Cycles since the previous overrun were in time.
-    fn note(&mut self, cycle: u64, overrun: Overrun) {
-        let since = u32::try_from(cycle.saturating_sub(self.upto)).unwrap_or(u32::MAX);
+    fn record(&mut self, cycle: u64, overrun: Overrun) {
+        let since = u32::try_from(cycle.saturating_sub(self.last_cycle)).unwrap_or(u32::MAX);
         self.history = self.history.checked_shl(since).unwrap_or(0) | 1;
-        self.upto = cycle;
+        self.last_cycle = cycle;
         self.count += 1;
         if self.worst.is_none_or(|w| overrun.took_ns > w.took_ns) {
             self.worst = Some(overrun);
@@ -149,19 +160,19 @@ impl Overruns {
 
 impl Command {
     /// Sets the reaction to overruns. The default is [`OnOverrun::Count`].
-    pub fn bound_overruns(&mut self, policy: OnOverrun) {
-        self.on_overrun = policy;
+    pub fn set_overrun_policy(&mut self, policy: CommandOverrunPolicy) {
+        self.overrun_policy = policy;
     }
 
     /// Reaction to overruns.
     #[must_use]
-    pub fn on_overrun(&self) -> OnOverrun {
-        self.on_overrun
+    pub fn overrun_policy(&self) -> CommandOverrunPolicy {
+        self.overrun_policy
     }
 
     /// Overrun statistics.
     #[must_use]
-    pub fn overruns(&self) -> &Overruns {
+    pub fn overrun_stats(&self) -> &OverrunStats {
         &self.overruns
     }
 }
@@ -170,7 +181,7 @@ impl Core {
     /// Reports an overrun of the last tick and applies the command's policy. The tick ended `late_ns` nanoseconds after
     /// the next one was due; `id` is the command that took the longest, `took_ns` nanoseconds. Returns true if all
     /// commands are to be aborted.
-    pub fn overran(
+    pub fn report_overrun(
         &mut self,
         id: CommandId,
         (took_ns, late_ns): (u64, u64),
@@ -184,18 +195,18 @@ impl Core {
             tick,
             took_ns,
             late_ns,
-            fragment: command.machine.busiest(),
+            fragment: command.instance.heaviest_active_fragment(),
         };
-        command.overruns.note(command.machine.cycle(), overrun);
+        command.overruns.record(command.instance.cycle(), overrun);
         let history = command.overruns.history;
-        match command.on_overrun {
-            OnOverrun::Abort(often) if often.is_reached(history) => {
+        match command.overrun_policy {
+            CommandOverrunPolicy::Abort(often) if often.is_reached(history) => {
                 // The abort fails if the command ended in that cycle; then it takes no more time anyway.
-                let _ = self.abort(id, Why::Overrun, bank);
+                let _ = self.abort(id, AbortReason::Overrun, bank);
                 false
             }
-            OnOverrun::Stop(often) => often.is_reached(history),
-            OnOverrun::Abort(_) | OnOverrun::Count => false,
+            CommandOverrunPolicy::Stop(often) => often.is_reached(history),
+            CommandOverrunPolicy::Abort(_) | CommandOverrunPolicy::Count => false,
         }
     }
 }
@@ -217,20 +228,30 @@ mod tests {
     #[test]
     fn policies_are_read_as_they_are_written() {
         for text in ["count", "abort:1/1", "abort:3/10", "stop:2/64"] {
-            assert_eq!(text.parse::<OnOverrun>().unwrap().to_string(), text);
+            assert_eq!(
+                text.parse::<CommandOverrunPolicy>().unwrap().to_string(),
+                text
+            );
         }
-        assert_eq!("abort".parse(), Ok(OnOverrun::Abort(Often::FIRST)));
+        assert_eq!(
+            "abort".parse(),
+            Ok(CommandOverrunPolicy::Abort(OverrunThreshold::FIRST_OVERRUN))
+        );
         for bad in ["", "abort:", "stop:0/3", "stop:4/3", "abort:1/65", "stops"] {
-            assert_eq!(bad.parse::<OnOverrun>(), Err(NoPolicy), "{bad}");
+            assert_eq!(
+                bad.parse::<CommandOverrunPolicy>(),
+                Err(ParseOverrunPolicyError),
+                "{bad}"
+            );
         }
     }
 
     #[test]
     fn cycles_in_time_are_counted_without_being_told() {
-        let often = Often::new(2, 3).unwrap();
-        let mut overruns = Overruns::default();
+        let often = OverrunThreshold::new(2, 3).unwrap();
+        let mut overruns = OverrunStats::default();
         let mut reached = |cycle| {
-            overruns.note(cycle, overrun(5));
+            overruns.record(cycle, overrun(5));
             often.is_reached(overruns.history)
         };
         // Cycles 1 and 4, 4 and 7 are too far apart; 7 and 9 are not.
@@ -241,9 +262,9 @@ mod tests {
 
     #[test]
     fn the_worst_is_kept() {
-        let mut overruns = Overruns::default();
+        let mut overruns = OverrunStats::default();
         (1..).zip([7, 9, 8]).for_each(|(cycle, took)| {
-            overruns.note(cycle, overrun(took));
+            overruns.record(cycle, overrun(took));
         });
         assert_eq!(overruns.worst, Some(overrun(9)));
     }

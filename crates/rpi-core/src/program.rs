@@ -1,6 +1,6 @@
 //! The steps of an image with primitives resolved to function pointers.
 
-use rpi_image::image::{Cells, Form, Image, Step};
+use rpi_image::image::{Form, Image, SlotRange, Step};
 use rpi_prims::{PrimId, RunFn};
 
 use alloc::boxed::Box;
@@ -11,11 +11,11 @@ use alloc::vec::Vec;
 #[derive(Clone, Copy)]
 pub(crate) enum Op {
     /// Runs a row of calls of the same primitive.
-    Run { code: RunFn, words: Cells },
+    Run { code: RunFn, words: SlotRange },
     /// Copies single slots: pairs (from, to).
-    Copy { words: Cells },
+    Copy { words: SlotRange },
     /// Jumps over inactive fragments; see [`Guard`].
-    Skip { guards: Cells, to: u32 },
+    Skip { guards: SlotRange, to: u32 },
     /// Restores the initial state of a fragment unless slot `unless` is true.
     Reset { unless: u32, fragment: u32 },
     /// Checks and stages a set-point.
@@ -44,7 +44,7 @@ pub(crate) struct Program {
 impl Program {
     /// Index of the next step: inside the fragment of the first true guard, or `to` if none is true.
     #[inline(always)]
-    pub(crate) fn pass(&self, cells: &[u64], guards: Cells, to: u32) -> usize {
+    pub(crate) fn next_step(&self, cells: &[u64], guards: SlotRange, to: u32) -> usize {
         let open = self.guards[guards.range()]
             .iter()
             .find(|g| cells[g.cell as usize] != 0);
@@ -54,7 +54,7 @@ impl Program {
     /// Resolves the steps of a verified image.
     pub(crate) fn new(image: &Image, steps: &[Step]) -> Self {
         let mut program = Program {
-            ops: resolve(image, steps),
+            ops: resolve_steps(image, steps),
             guards: Box::default(),
         };
         program.chain(steps);
@@ -79,7 +79,7 @@ impl Program {
                 guards.push(Guard { cell, inside });
                 let len = end - place;
                 self.ops[at] = Op::Skip {
-                    guards: Cells { at: place, len },
+                    guards: SlotRange { start: place, len },
                     to,
                 };
             }
@@ -92,17 +92,20 @@ impl Program {
 /// (index, slot, target).
 fn chain_from(steps: &[Step], chained: &[bool], pc: usize) -> Vec<(usize, u32, u32)> {
     let skip = |at: usize| match steps.get(at) {
-        Some(Step::Skip { unless, to }) if !chained[at] => Some((at, *unless, *to)),
+        Some(Step::Skip { unless, target: to }) if !chained[at] => Some((at, *unless, *to)),
         _ => None,
     };
     core::iter::successors(skip(pc), |(_, _, to)| skip(*to as usize)).collect()
 }
 
 /// Translates steps one to one; the guards of skips are added later.
-fn resolve(image: &Image, steps: &[Step]) -> Box<[Op]> {
+fn resolve_steps(image: &Image, steps: &[Step]) -> Box<[Op]> {
     let code = |prim: u16, form: Form| -> RunFn {
-        let name = image.prims.get(usize::from(prim)).map_or("", |p| &p.name);
-        let prim = PrimId::of(name).map(PrimId::prim);
+        let name = image
+            .prims_used
+            .get(usize::from(prim))
+            .map_or("", |p| &p.name);
+        let prim = PrimId::from_name(name).map(PrimId::prim);
         let code = prim.and_then(|p| match form {
             Form::Total => p.total,
             Form::Optional => p.optional,
@@ -114,17 +117,17 @@ fn resolve(image: &Image, steps: &[Step]) -> Box<[Op]> {
         Step::Run {
             prim,
             form,
-            at,
+            start: at,
             len,
         } => Op::Run {
             code: code(prim, form),
-            words: Cells { at, len },
+            words: SlotRange { start: at, len },
         },
         Step::Copy { at, len } => Op::Copy {
-            words: Cells { at, len },
+            words: SlotRange { start: at, len },
         },
-        Step::Skip { to, .. } => Op::Skip {
-            guards: Cells::default(),
+        Step::Skip { target: to, .. } => Op::Skip {
+            guards: SlotRange::default(),
             to,
         },
         Step::Reset { unless, fragment } => Op::Reset { unless, fragment },
@@ -135,7 +138,7 @@ fn resolve(image: &Image, steps: &[Step]) -> Box<[Op]> {
 }
 
 /// Copies single slots: pairs (from, to).
-pub(crate) fn copy(cells: &mut [u64], words: &[u32]) {
+pub(crate) fn copy_slots(cells: &mut [u64], words: &[u32]) {
     for pair in words.chunks_exact(2) {
         cells[pair[1] as usize] = cells[pair[0] as usize];
     }

@@ -1,8 +1,8 @@
 //! Rules: when a condition is true, stop, cancel and start commands, all between the same two cycles.
 
+use crate::command_set::CommandSet;
 use crate::condition::{Condition, Fact};
-use crate::id::{CommandId, RuleId};
-use crate::names::Names;
+use crate::ids::{CommandId, RuleId};
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -16,18 +16,18 @@ pub struct Rule {
     pub(crate) condition: Condition,
     /// Predecessors in ascending order: commands that have ended or are stopped when the rule fires. Their resources
     /// can be taken over.
-    pub(crate) after: Vec<CommandId>,
+    pub(crate) predecessors: Vec<CommandId>,
     pub(crate) stop: Vec<CommandId>,
     pub(crate) cancel: Vec<CommandId>,
     pub(crate) start: Vec<CommandId>,
-    pub(crate) kept: bool,
+    pub(crate) keeps_orphans: bool,
     /// Values passed from ended commands to the commands that the rule starts.
-    pub(crate) handed: Vec<Handed>,
+    pub(crate) transfers: Vec<ValueTransfer>,
 }
 
 /// A value passed from an export of one command to an input of its successor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Handed {
+pub(crate) struct ValueTransfer {
     pub(crate) from: CommandId,
     pub(crate) export: u32,
     pub(crate) to: CommandId,
@@ -39,28 +39,28 @@ impl Rule {
     #[must_use]
     pub fn when(condition: Condition) -> Rule {
         Rule {
-            after: condition.requires(),
+            predecessors: condition.required_ends(),
             condition,
             stop: Vec::new(),
             cancel: Vec::new(),
             start: Vec::new(),
-            kept: false,
-            handed: Vec::new(),
+            keeps_orphans: false,
+            transfers: Vec::new(),
         }
     }
 
     /// A rule that fires when a command has ended regularly; see [`Fact::Regular`].
     #[must_use]
     pub fn follow(predecessor: CommandId) -> Rule {
-        Rule::when(Condition::of(predecessor, Fact::Regular))
+        Rule::when(Condition::from_fact(predecessor, Fact::Regular))
     }
 
     /// As [`Rule::follow`], but only for these results (by index). Without any result the rule never fires.
     #[must_use]
     pub fn follow_by(predecessor: CommandId, results: &[u32]) -> Rule {
-        let one = |k: &u32| Condition::of(predecessor, Fact::Result(*k));
+        let one = |k: &u32| Condition::from_fact(predecessor, Fact::Result(*k));
         let any = results.iter().map(one).reduce(|a, b| a | b);
-        let regular = Condition::of(predecessor, Fact::Regular);
+        let regular = Condition::from_fact(predecessor, Fact::Regular);
         Rule::when(match any {
             Some(any) => regular & any,
             None => !Condition::always(),
@@ -71,8 +71,8 @@ impl Rule {
     #[must_use]
     pub fn stop(mut self, command: CommandId) -> Rule {
         self.stop.push(command);
-        if let Err(place) = self.after.binary_search(&command) {
-            self.after.insert(place, command);
+        if let Err(place) = self.predecessors.binary_search(&command) {
+            self.predecessors.insert(place, command);
         }
         self
     }
@@ -94,8 +94,12 @@ impl Rule {
     /// Adds an action: copies an export (by index) of a predecessor's last cycle to an input of a command that this
     /// rule starts. An absent value or one of the wrong size leaves the input unchanged.
     #[must_use]
-    pub fn hand(mut self, (from, export): (CommandId, u32), (to, input): (CommandId, u32)) -> Rule {
-        self.handed.push(Handed {
+    pub fn transfer(
+        mut self,
+        (from, export): (CommandId, u32),
+        (to, input): (CommandId, u32),
+    ) -> Rule {
+        self.transfers.push(ValueTransfer {
             from,
             export,
             to,
@@ -106,15 +110,15 @@ impl Rule {
 
     /// If nothing can start the rule's commands any more, they become ready again instead of being removed.
     #[must_use]
-    pub fn keep(mut self) -> Rule {
-        self.kept = true;
+    pub fn keep_orphans(mut self) -> Rule {
+        self.keeps_orphans = true;
         self
     }
 
     /// Evaluation cost: number of condition words plus number of actions.
-    pub(crate) fn weight(&self) -> usize {
+    pub(crate) fn cost(&self) -> usize {
         let acts_on = self.stop.len() + self.cancel.len() + self.start.len();
-        self.condition.words().count() + acts_on + self.handed.len()
+        self.condition.words().count() + acts_on + self.transfers.len()
     }
 
     /// The commands that the rule starts.
@@ -126,31 +130,33 @@ impl Rule {
     /// Commands that never run again once the rule has fired: its predecessors, and the commands that it stops while
     /// they run. `runs` returns whether a command is running already. Other stopped commands are included only if the
     /// condition requires their first cycle.
-    pub fn outlives<'a>(
+    pub fn finally_ended<'a>(
         &'a self,
         runs: impl Fn(CommandId) -> bool + 'a,
     ) -> impl Iterator<Item = CommandId> + 'a {
-        let after = self.after.iter().copied();
+        let after = self.predecessors.iter().copied();
         after.filter(move |c| {
             let stopped = self.stop.contains(c);
-            !stopped || runs(*c) || self.condition.requires_begin_of(*c)
+            !stopped || runs(*c) || self.condition.requires_start_of(*c)
         })
     }
 
     /// All commands in the condition and in the stop set, with duplicates.
-    pub(crate) fn mentions(&self) -> impl Iterator<Item = CommandId> + '_ {
-        self.condition.commands().chain(self.stop.iter().copied())
+    pub(crate) fn mentioned_commands(&self) -> impl Iterator<Item = CommandId> + '_ {
+        self.condition
+            .mentioned_commands()
+            .chain(self.stop.iter().copied())
     }
 }
 
 /// A rule in the table.
-pub(crate) struct Pending {
+pub(crate) struct PendingRule {
     pub(crate) id: RuleId,
     pub(crate) rule: Box<Rule>,
     /// The commands in the condition and in the stop set.
-    pub(crate) names: Names,
+    pub(crate) mentioned: CommandSet,
     /// The condition is true in the decision of this tick.
-    pub(crate) fires: bool,
+    pub(crate) is_firing: bool,
     /// The rule may still fire.
-    pub(crate) open: bool,
+    pub(crate) may_fire: bool,
 }

@@ -1,12 +1,12 @@
 //! Adding rules, and dropping rules that can no longer fire together with the commands that only they could start.
 
-use crate::commands::{Core, Entry, Refused};
+use crate::command_set::CommandSet;
 use crate::condition::{Fact, Truth};
-use crate::id::{CommandId, RuleId};
-use crate::lifecycle::{Event, State};
-use crate::names::Names;
-use crate::notice::{Notice, Outcome};
-use crate::rule::{Pending, Rule};
+use crate::ids::{CommandId, RuleId};
+use crate::lifecycle::{CommandEvent, CommandState};
+use crate::notice::{Notice, RuleOutcome};
+use crate::rule::{PendingRule, Rule};
+use crate::table::{CommandError, Core, Entry};
 use rpi_device::DeviceBank;
 
 use alloc::boxed::Box;
@@ -19,26 +19,26 @@ impl Core {
     /// Returns the rule, and changes nothing, if a command to start is neither ready nor scheduled, needs a resource
     /// that another command holds, or would follow itself; if the rule can never fire; if its condition is too deep; or
     /// if the table is full.
-    pub fn schedule_as(
+    pub fn schedule_with_id(
         &mut self,
         id: RuleId,
         rule: Box<Rule>,
         bank: &mut dyn DeviceBank,
-    ) -> Result<(), (Box<Rule>, Refused)> {
-        if let Err(why) = self.may_be_made(&rule) {
+    ) -> Result<(), (Box<Rule>, CommandError)> {
+        if let Err(why) = self.check_rule(&rule) {
             return Err((rule, why));
         }
         rule.start
             .iter()
-            .for_each(|c| self.await_rule(*c, rule.kept));
-        self.rules.push(Pending {
+            .for_each(|c| self.mark_scheduled(*c, rule.keeps_orphans));
+        self.rules.push(PendingRule {
             id,
-            names: rule.mentions().collect(),
+            mentioned: rule.mentioned_commands().collect(),
             rule,
-            fires: false,
-            open: true,
+            is_firing: false,
+            may_fire: true,
         });
-        self.settle();
+        self.propagate_changes();
         self.fire_if_true(id, bank);
         Ok(())
     }
@@ -51,87 +51,87 @@ impl Core {
         &mut self,
         rule: Box<Rule>,
         bank: &mut dyn DeviceBank,
-    ) -> Result<RuleId, (Box<Rule>, Refused)> {
-        self.named += 1;
-        let id = RuleId(self.named);
-        self.schedule_as(id, rule, bank).map(|()| id)
+    ) -> Result<RuleId, (Box<Rule>, CommandError)> {
+        self.last_rule_id += 1;
+        let id = RuleId(self.last_rule_id);
+        self.schedule_with_id(id, rule, bank).map(|()| id)
     }
 
     /// Drops a rule. Commands that only this rule could start are unscheduled.
     ///
     /// # Errors
     /// The rule does not exist any more.
-    pub fn withdraw(&mut self, id: RuleId) -> Result<(), Refused> {
+    pub fn withdraw_rule(&mut self, id: RuleId) -> Result<(), CommandError> {
         let at = self.rules.iter().position(|p| p.id == id);
-        let at = at.ok_or(Refused::Unknown)?;
-        self.drop_rule(at, Outcome::Dropped);
-        self.settle();
+        let at = at.ok_or(CommandError::Unknown)?;
+        self.drop_rule(at, RuleOutcome::Dropped);
+        self.propagate_changes();
         Ok(())
     }
 
     /// Evaluation cost of all rules after each change: number of condition words plus number of actions.
     #[must_use]
-    pub fn weight_of_rules(&self) -> usize {
-        self.rules.iter().map(|p| p.rule.weight()).sum()
+    pub fn rules_cost(&self) -> usize {
+        self.rules.iter().map(|p| p.rule.cost()).sum()
     }
 
     /// Moves a fired or dropped rule out, to be freed outside the cycle.
-    pub fn take_spent(&mut self) -> Option<(RuleId, Box<Rule>)> {
-        self.spent.pop()
+    pub fn take_finished_rule(&mut self) -> Option<(RuleId, Box<Rule>)> {
+        self.finished_rules.pop()
     }
 
-    fn await_rule(&mut self, command: CommandId, kept: bool) {
+    fn mark_scheduled(&mut self, command: CommandId, kept: bool) {
         let place = self.find(command);
         let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) else {
             return;
         };
-        if entry.command.state == State::Ready {
+        if entry.command.state == CommandState::Ready {
             self.notices.push(Notice::Scheduled { command });
         }
-        entry.command.happen(Event::Schedule);
-        (entry.kept, entry.live) = (entry.kept | kept, true);
+        entry.command.apply_event(CommandEvent::Schedule);
+        (entry.keep_if_orphaned, entry.live) = (entry.keep_if_orphaned | kept, true);
     }
 
-    fn may_be_made(&self, rule: &Rule) -> Result<(), Refused> {
-        if self.rules.len() + self.spent.len() >= self.most_rules {
-            return Err(Refused::Full);
+    fn check_rule(&self, rule: &Rule) -> Result<(), CommandError> {
+        if self.rules.len() + self.finished_rules.len() >= self.rule_capacity {
+            return Err(CommandError::TableFull);
         }
-        if !rule.condition.fits() {
-            return Err(Refused::Condition);
+        if !rule.condition.fits_stack() {
+            return Err(CommandError::ConditionTooDeep);
         }
         for (k, id) in rule.start.iter().enumerate() {
-            if rule.start[..k].contains(id) || rule.after.contains(id) {
-                return Err(Refused::Successor);
+            if rule.start[..k].contains(id) || rule.predecessors.contains(id) {
+                return Err(CommandError::SelfSuccessor);
             }
-            let place = self.find(*id).ok_or(Refused::Unknown)?;
-            self.fits(place, Event::Schedule)?;
+            let place = self.find(*id).ok_or(CommandError::Unknown)?;
+            self.check_event(place, CommandEvent::Schedule)?;
         }
-        self.all_within_reach(rule)?;
+        self.check_all_reachable(rule)?;
         match self.may_come_true(rule) {
             true => Ok(()),
-            false => Err(Refused::Never),
+            false => Err(CommandError::NeverFires),
         }
     }
 
     /// True if the condition may become true before the commands that the rule starts have run.
     fn may_come_true(&self, rule: &Rule) -> bool {
         let know = |id: CommandId, fact: Fact| match fact {
-            Fact::Export(_) if rule.start.contains(&id) => Truth::NEVER,
+            Fact::Export(_) if rule.start.contains(&id) => Truth::UNKNOWN_FOREVER,
             _ if rule.start.contains(&id) => Truth::fixed(false),
-            _ => self.know(id, fact),
+            _ => self.fact_truth(id, fact),
         };
-        rule.condition.truth(know).may_be_true()
+        rule.condition.evaluate(know).may_be_true()
     }
 
-    fn all_within_reach(&self, rule: &Rule) -> Result<(), Refused> {
+    fn check_all_reachable(&self, rule: &Rule) -> Result<(), CommandError> {
         for (k, id) in rule.start.iter().enumerate() {
-            let place = self.find(*id).ok_or(Refused::Unknown)?;
+            let place = self.find(*id).ok_or(CommandError::Unknown)?;
             for resource in self.entry(place)?.command.resources() {
-                self.within_reach(rule, place, resource)?;
+                self.check_reachable(rule, place, resource)?;
                 let earlier = rule.start[..k].iter().filter_map(|s| self.find(*s));
                 let needs = |p: &usize| self.entry(*p).is_ok_and(|e| e.command.needs(resource));
                 if let Some(by) = earlier.into_iter().find(needs) {
-                    return Err(self.held(resource, by));
+                    return Err(self.resource_held_error(resource, by));
                 }
             }
         }
@@ -140,18 +140,18 @@ impl Core {
 
     /// Drops the rules that can no longer fire, orphans the commands that nothing can start any more, and lets the
     /// remaining scheduled commands take freed resources. Called after every change of a command's state.
-    pub(crate) fn settle(&mut self) {
+    pub(crate) fn propagate_changes(&mut self) {
         // A resource taken by one command may be out of reach for another, so iterate to a fixed point. Every iteration
         // but the last takes a resource, which bounds the loop.
-        while self.settle_once() {}
+        while self.propagate_once() {}
     }
 
     /// One iteration of `settle`. Returns true if a scheduled command took a free resource.
-    fn settle_once(&mut self) -> bool {
+    fn propagate_once(&mut self) -> bool {
         self.mark_live();
-        self.drop_closed();
+        self.drop_unfirable_rules();
         for place in 0..self.entries.len() {
-            if self.is_forlorn(place) {
+            if self.is_orphan(place) {
                 self.orphan(place, false);
             }
         }
@@ -162,36 +162,36 @@ impl Core {
     /// commands that only wait for one another in a dependency cycle are orphaned.
     fn mark_live(&mut self) {
         let entries = self.entries.iter_mut().flatten();
-        entries.for_each(|e| e.live = e.command.state != State::Scheduled && !e.gone);
-        self.rules.iter_mut().for_each(|p| p.open = false);
-        let (mut found, mut back) = (self.open_rules(None, false), false);
+        entries.for_each(|e| e.live = e.command.state != CommandState::Scheduled && !e.orphaned);
+        self.rules.iter_mut().for_each(|p| p.may_fire = false);
+        let (mut found, mut back) = (self.mark_firable_rules(None, false), false);
         // Whether a rule may fire depends only on the commands that it mentions. Chains are usually created from one
         // end to the other, so alternating the direction reaches the fixed point in few passes.
         while !found.is_empty() {
             back = !back;
-            found = self.open_rules(Some(found), back);
+            found = self.mark_firable_rules(Some(found), back);
         }
     }
 
     /// Marks rules that may still fire as open, among those that mention a command in `about` (`None` for all rules).
     /// Returns the commands that became live; `back` reverses the order.
-    fn open_rules(&mut self, about: Option<Names>, back: bool) -> Names {
-        let (mut found, rules) = (Names::default(), self.rules.len());
+    fn mark_firable_rules(&mut self, about: Option<CommandSet>, back: bool) -> CommandSet {
+        let (mut found, rules) = (CommandSet::default(), self.rules.len());
         for k in 0..rules {
             let at = if back { rules - 1 - k } else { k };
-            let about = about.map(|names| names.with(&found));
+            let about = about.map(|names| names.union(&found));
             let pending = &self.rules[at];
-            let asked = about.is_none_or(|names| pending.names.meets(&names));
-            if asked && !pending.open && self.may_fire(&pending.rule) {
-                self.rules[at].open = true;
-                self.enliven(at, &mut found);
+            let asked = about.is_none_or(|names| pending.mentioned.intersects(&names));
+            if asked && !pending.may_fire && self.may_fire(&pending.rule) {
+                self.rules[at].may_fire = true;
+                self.mark_started_live(at, &mut found);
             }
         }
         found
     }
 
     /// Marks the commands that a rule starts as live and adds the newly marked ones to `found`.
-    fn enliven(&mut self, at: usize, found: &mut Names) {
+    fn mark_started_live(&mut self, at: usize, found: &mut CommandSet) {
         for k in 0..self.rules[at].rule.start.len() {
             let command = self.rules[at].rule.start[k];
             let entry = self.find(command).and_then(|p| self.entries[p].as_mut());
@@ -203,10 +203,10 @@ impl Core {
     }
 
     /// Drops all rules that are not open, in one pass.
-    fn drop_closed(&mut self) {
-        let (notices, spent) = (&mut self.notices, &mut self.spent);
-        for Pending { id, rule, .. } in self.rules.extract_if(.., |p| !p.open) {
-            let outcome = Outcome::Dropped;
+    fn drop_unfirable_rules(&mut self) {
+        let (notices, spent) = (&mut self.notices, &mut self.finished_rules);
+        for PendingRule { id, rule, .. } in self.rules.extract_if(.., |p| !p.may_fire) {
+            let outcome = RuleOutcome::Dropped;
             notices.push(Notice::Rule { rule: id, outcome });
             // `spent` has enough capacity, as in `drop_rule`.
             spent.push((id, rule));
@@ -220,19 +220,19 @@ impl Core {
             let entry = place.and_then(|p| Some((p, self.entries[p].as_ref()?)));
             entry.is_some_and(|(place, e)| {
                 let mut needs = e.command.resources();
-                e.command.state == State::Scheduled
-                    && needs.all(|r| self.within_reach(rule, place, r).is_ok())
+                e.command.state == CommandState::Scheduled
+                    && needs.all(|r| self.check_reachable(rule, place, r).is_ok())
             })
         };
         self.may_come_true(rule) && rule.start.iter().all(startable)
     }
 
-    fn is_forlorn(&self, place: usize) -> bool {
+    fn is_orphan(&self, place: usize) -> bool {
         let Some(entry) = self.entries[place].as_ref() else {
             return false;
         };
         let id = self.id(place);
-        let waits = entry.command.state == State::Scheduled && !entry.gone;
+        let waits = entry.command.state == CommandState::Scheduled && !entry.orphaned;
         waits && !self.rules.iter().any(|p| p.rule.start.contains(&id))
     }
 
@@ -242,30 +242,30 @@ impl Core {
         let Some(entry) = self.entries[place].as_mut() else {
             return;
         };
-        let kept = keep || entry.kept;
-        entry.command.happen(Event::Orphan { kept });
-        entry.command.hold_all(false);
-        (entry.gone, entry.kept, entry.live) = (!kept, false, kept);
-        if entry.gone {
-            freeze(&mut self.rules, command, entry);
+        let kept = keep || entry.keep_if_orphaned;
+        entry.command.apply_event(CommandEvent::Orphaned { kept });
+        entry.command.set_all_held(false);
+        (entry.orphaned, entry.keep_if_orphaned, entry.live) = (!kept, false, kept);
+        if entry.orphaned {
+            freeze_facts(&mut self.rules, command, entry);
         }
         self.notices.push(Notice::Orphaned { command, kept });
     }
 
     /// Removes a rule from the table and reports its outcome.
-    pub(crate) fn drop_rule(&mut self, at: usize, outcome: Outcome) {
-        let Pending { id, rule, .. } = self.rules.remove(at);
+    pub(crate) fn drop_rule(&mut self, at: usize, outcome: RuleOutcome) {
+        let PendingRule { id, rule, .. } = self.rules.remove(at);
         self.notices.push(Notice::Rule { rule: id, outcome });
         // `spent` has enough capacity: both lists together never exceed the capacity of one.
-        self.spent.push((id, rule));
+        self.finished_rules.push((id, rule));
     }
 }
 
 /// Replaces the facts about a removed command by their final values in all rules.
-pub(crate) fn freeze(rules: &mut [Pending], gone: CommandId, entry: &Entry) {
-    let own: Names = [gone].into_iter().collect();
-    for pending in rules.iter_mut().filter(|p| p.names.meets(&own)) {
+pub(crate) fn freeze_facts(rules: &mut [PendingRule], gone: CommandId, entry: &Entry) {
+    let own: CommandSet = [gone].into_iter().collect();
+    for pending in rules.iter_mut().filter(|p| p.mentioned.intersects(&own)) {
         let condition = &mut pending.rule.condition;
-        condition.freeze(gone, |fact| entry.last_word(fact));
+        condition.freeze(gone, |fact| entry.final_value(fact));
     }
 }

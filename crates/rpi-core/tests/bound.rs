@@ -1,8 +1,8 @@
 //! Compares the compiler's bound on the work per cycle with the work that cycles do.
 
 use rpi_bench::generate;
-use rpi_bench::{Build, Puppet, build};
-use rpi_core::{Machine, Moment};
+use rpi_bench::{FakeDevices, NetBuilder, net_builder};
+use rpi_core::{CycleContext, Instance};
 use rpi_image::image::Step;
 use rpi_lower::{LowerOptions, Plan, lower};
 use rpi_net::passes::{Analysis, analyse};
@@ -15,14 +15,14 @@ const ROOT: FragmentId = FragmentId::ROOT;
 /// Bound of a net and the work of each of its first cycles, in elementary operations.
 fn bound_and_cycles(net: &Net, cycles: u64) -> (u64, Vec<u64>) {
     let analysis: Analysis = analyse(net.clone(), |_| false).expect("a net in order");
-    let plan = Plan::of(&analysis).expect("no rings");
+    let plan = Plan::from_analysis(&analysis).expect("no rings");
     // Lowered as observed, with one step for each primitive, so that the executed steps can be counted.
     let image = lower(&analysis.net, &plan, &LowerOptions::observed(MS)).expect("it is small");
     let works: Vec<u64> = image.steps.iter().map(|step| work(&image, step)).collect();
-    let mut bank = Puppet::new();
-    let mut machine = Machine::load(image, &mut bank).expect("it loads");
+    let mut bank = FakeDevices::new();
+    let mut machine = Instance::load(image, &mut bank).expect("it loads");
     let done = (0..cycles).map(|_| {
-        machine.read(&mut bank, &Moment::default());
+        machine.read(&mut bank, &CycleContext::default());
         let (mut pc, mut done) = (0, 0);
         while pc < works.len() {
             done += works[pc];
@@ -33,7 +33,7 @@ fn bound_and_cycles(net: &Net, cycles: u64) -> (u64, Vec<u64>) {
         bank.advance();
         done
     });
-    (analysis.work.of(ROOT), done.collect())
+    (analysis.work.bound(ROOT), done.collect())
 }
 
 /// Work of a step according to the declaration of its primitive.
@@ -41,7 +41,8 @@ fn work(image: &rpi_image::Image, step: &Step) -> u64 {
     let Step::Run { prim, .. } = *step else {
         return 0;
     };
-    let prim = PrimId::of(&image.prims[usize::from(prim)].name).expect("it is registered");
+    let prim =
+        PrimId::from_name(&image.prims_used[usize::from(prim)].name).expect("it is registered");
     u64::from(prim.prim().desc.work)
 }
 
@@ -62,12 +63,12 @@ fn no_cycle_does_more_than_its_bound() {
 /// Of two mutually exclusive fragments the bound counts the larger one, and cycles with that fragment reach it.
 #[test]
 fn the_bound_of_fragments_that_exclude_each_other_is_reached() {
-    let mut b = Build::new("Gates");
+    let mut b = NetBuilder::new("Gates");
     let time = b.add(ROOT, "Core::Clock", &[]);
     let late = b.add(
         ROOT,
         "Core::DoubleGreater",
-        &[Input::Port(time), build::real(0.0055)],
+        &[Input::Port(time), net_builder::real(0.0055)],
     );
     let early = b.add(ROOT, "Core::BooleanNot", &[Input::Port(late)]);
     for (when, nodes) in [(late, 5), (early, 50)] {
@@ -78,7 +79,7 @@ fn the_bound_of_fragments_that_exclude_each_other_is_reached() {
             flow = b.add(
                 fragment,
                 "Core::DoubleAdd",
-                &[Input::Port(flow), build::real(1.0)],
+                &[Input::Port(flow), net_builder::real(1.0)],
             );
         }
         b.export(name, flow);

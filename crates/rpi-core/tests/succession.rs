@@ -2,7 +2,9 @@
 
 mod support;
 
-use rpi_core::{Cause, Command, CommandId, Continuity, Core, Notice, Refused, State, Why};
+use rpi_core::{
+    AbortReason, Cause, Command, CommandError, CommandId, CommandState, Continuity, Core, Notice,
+};
 use rpi_net::{Net, ResultKind};
 use rpi_prims::FaultCode;
 use support::{
@@ -27,7 +29,7 @@ fn a_command_runs_to_its_end() {
     core.start(ids[0], &mut bank).unwrap();
     ticks(&mut core, &mut bank, 10);
     let command = core.command(ids[0]).unwrap();
-    assert_eq!(command.state(), State::Terminated);
+    assert_eq!(command.state(), CommandState::Terminated);
     assert_eq!(command.result(), Some("done"));
     let ending = command.ending().unwrap();
     assert_eq!(
@@ -61,7 +63,7 @@ fn a_successor_of_a_shorter_period_begins_when_its_predecessor_would_go_on() {
     let mut insert = |period, net: Net| {
         let mut command = load_for(period, &net, &mut bank);
         // These test axes ignore periods, so the velocity appears to change.
-        command.guard(Continuity::Allow);
+        command.set_continuity(Continuity::Allow);
         core.insert(command).map_err(|e| e.1).expect("room")
     };
     let ids = [
@@ -90,7 +92,7 @@ fn without_a_successor_a_yield_is_passed_over() {
     assert_eq!(core.command(ids[0]).unwrap().result(), Some("done"));
     let late = follow(&mut core, ids[1], ids[0], true, &mut bank);
     assert_eq!(late, Ok(()));
-    assert_eq!(core.command(ids[1]).unwrap().state(), State::Running);
+    assert_eq!(core.command(ids[1]).unwrap().state(), CommandState::Running);
     ticks(&mut core, &mut bank, 4);
     assert_eq!(steps(&bank, 0), [1, 1, 1, 1, 1, 0, 1, 1, 0]);
 }
@@ -102,12 +104,12 @@ fn a_refused_start_leaves_it_ready_and_names_the_holder() {
     let (mut core, ids) = core(&[mover(0, 5, 100), mover(0, 2, 100)], &mut bank);
     core.start(ids[0], &mut bank).unwrap();
     let refused = core.start(ids[1], &mut bank);
-    let held = Refused::Held {
+    let held = CommandError::ResourceHeld {
         resource: 0,
         by: ids[0],
     };
     assert_eq!(refused, Err(held));
-    assert_eq!(core.command(ids[1]).unwrap().state(), State::Ready);
+    assert_eq!(core.command(ids[1]).unwrap().state(), CommandState::Ready);
     assert_eq!(core.command(ids[1]).unwrap().held().count(), 0);
     ticks(&mut core, &mut bank, 8);
     assert_eq!(core.start(ids[1], &mut bank), Ok(()));
@@ -137,7 +139,7 @@ fn resources_are_exclusive_and_inherited() {
     ];
     let (mut core, ids) = core(&nets, &mut bank);
     core.start(ids[0], &mut bank).unwrap();
-    let held = Err(Refused::Held {
+    let held = Err(CommandError::ResourceHeld {
         resource: 0,
         by: ids[0],
     });
@@ -145,7 +147,7 @@ fn resources_are_exclusive_and_inherited() {
     follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
     // A scheduled command takes its free resources at once.
     follow(&mut core, ids[2], ids[1], true, &mut bank).unwrap();
-    let held = Err(Refused::Held {
+    let held = Err(CommandError::ResourceHeld {
         resource: 1,
         by: ids[2],
     });
@@ -179,7 +181,8 @@ fn a_chain_can_be_made_from_its_end() {
         broken
             .into_iter()
             .for_each(|k: usize| drop(core.remove(ids[k]).unwrap()));
-        let waits = |k: usize| core.command(ids[k]).map(|c| c.state()) == Some(State::Scheduled);
+        let waits =
+            |k: usize| core.command(ids[k]).map(|c| c.state()) == Some(CommandState::Scheduled);
         let last = broken.unwrap_or(LINKS) - 1;
         assert!((1..LINKS).all(|k| waits(k) == (k <= last)));
         core.start(ids[0], &mut bank).unwrap();
@@ -192,7 +195,7 @@ fn a_chain_can_be_made_from_its_end() {
 #[test]
 fn who_waits_for_a_failed_or_cancelled_command_is_not_started() {
     let failing = || {
-        let mut b = rpi_bench::Build::new("Failing");
+        let mut b = rpi_bench::NetBuilder::new("Failing");
         let count = mover_flow(&mut b, 0, 1.0);
         let late = over(&mut b, count, 2.5);
         let never = over(&mut b, count, 1e6);
@@ -214,10 +217,10 @@ fn who_waits_for_a_failed_or_cancelled_command_is_not_started() {
         );
         assert_eq!(bank.stops[0], 1);
         let state = core.command(ids[1]).map(|c| c.state());
-        assert_eq!(state, kept.then_some(State::Ready));
-        assert_eq!(core.take_gone().is_some(), !kept);
-        assert_eq!(core.take_gone().is_some(), !kept);
-        assert!(core.take_gone().is_none());
+        assert_eq!(state, kept.then_some(CommandState::Ready));
+        assert_eq!(core.take_orphan().is_some(), !kept);
+        assert_eq!(core.take_orphan().is_some(), !kept);
+        assert!(core.take_orphan().is_none());
     }
 }
 
@@ -226,18 +229,24 @@ fn who_waits_for_a_failed_or_cancelled_command_is_not_started() {
 fn cancel_is_a_request_that_drops_the_successor() {
     let mut bank = Axes::new();
     let (mut core, ids) = core(&[mover(0, 5, 1), mover(0, 5, 100)], &mut bank);
-    assert_eq!(core.cancel(ids[0]), Err(Refused::State(State::Ready)));
+    assert_eq!(
+        core.cancel(ids[0]),
+        Err(CommandError::InvalidState(CommandState::Ready))
+    );
     core.start(ids[0], &mut bank).unwrap();
     follow(&mut core, ids[1], ids[0], true, &mut bank).unwrap();
     core.cancel(ids[0]).unwrap();
-    assert_eq!(core.command(ids[1]).unwrap().state(), State::Ready);
+    assert_eq!(core.command(ids[1]).unwrap().state(), CommandState::Ready);
     ticks(&mut core, &mut bank, 3);
-    assert_eq!(core.command(ids[0]).unwrap().state(), State::Cancelling);
-    core.abort(ids[0], Why::Request, &mut bank).unwrap();
+    assert_eq!(
+        core.command(ids[0]).unwrap().state(),
+        CommandState::Cancelling
+    );
+    core.abort(ids[0], AbortReason::Request, &mut bank).unwrap();
     let ending = *core.command(ids[0]).unwrap().ending().unwrap();
     assert_eq!(
         (ending.cause, ending.left_moving, bank.stops[0]),
-        (Cause::Aborted(Why::Request), true, 1)
+        (Cause::Aborted(AbortReason::Request), true, 1)
     );
     core.start(ids[1], &mut bank).unwrap();
 }
@@ -247,7 +256,7 @@ fn cancel_is_a_request_that_drops_the_successor() {
 #[test]
 fn concurrent_access_is_a_fault() {
     let mut bank = Axes::new();
-    let mut b = rpi_bench::Build::new("Twice");
+    let mut b = rpi_bench::NetBuilder::new("Twice");
     mover_flow(&mut b, 0, 1.0);
     mover_flow(&mut b, 0, 2.0);
     let (mut core, ids) = core(&[b.net], &mut bank);
@@ -259,9 +268,9 @@ fn concurrent_access_is_a_fault() {
     };
     assert_eq!(fault.code, FaultCode::ConcurrentAccess);
     assert_eq!((ending.error, bank.log.len()), (-1, 0));
-    let image = core.command(ids[0]).unwrap().machine().image();
+    let image = core.command(ids[0]).unwrap().instance().image();
     assert_eq!(
-        image.place_of(fault.cell).map(|p| p.path.as_str()),
+        image.location_of(fault.slot).map(|p| p.path.as_str()),
         Some("n16")
     );
 }
@@ -285,19 +294,20 @@ fn a_moving_axis_without_set_point_is_stopped() {
         FaultCode::DeviceFailed,
         "it was refused, not missing"
     );
-    let image = core.command(ids[0]).unwrap().machine().image();
-    assert!(image.place_of(fault.cell).is_some(), "{fault:?}");
+    let image = core.command(ids[0]).unwrap().instance().image();
+    assert!(image.location_of(fault.slot).is_some(), "{fault:?}");
     assert_eq!((bank.stops[0], ending.cycles), (1, 4));
 }
 
 #[test]
 fn loading_tells_every_reason() {
     let mut bank = Axes::new();
-    let mut b = rpi_bench::Build::new("Elsewhere");
+    let mut b = rpi_bench::NetBuilder::new("Elsewhere");
     for axis in [7, 8] {
         mover_flow(&mut b, axis, 1.0);
     }
-    let image = rpi_bench::twin::image(&b.net, &rpi_lower::LowerOptions::running(support::MS));
+    let image =
+        rpi_bench::image_compare::lower_net(&b.net, &rpi_lower::LowerOptions::running(support::MS));
     let faults = rpi_core::Command::load(image.unwrap(), &mut bank)
         .err()
         .unwrap();
@@ -320,14 +330,17 @@ fn a_table_has_its_size_and_numbers_are_not_used_again() {
     ];
     let (mut core, ids) = core(&nets, &mut bank);
     let (back, refused) = core.insert(load(&nets[0], &mut bank)).err().unwrap();
-    assert_eq!(refused, Refused::Full);
+    assert_eq!(refused, CommandError::TableFull);
     core.remove(ids[2]).unwrap();
     let new = core.insert(back).map_err(|e| e.1).unwrap();
     assert!(!ids.contains(&new));
     assert!(core.command(ids[2]).is_none());
-    assert_eq!(core.start(ids[2], &mut bank), Err(Refused::Unknown));
+    assert_eq!(core.start(ids[2], &mut bank), Err(CommandError::Unknown));
     core.start(new, &mut bank).unwrap();
-    assert_eq!(core.remove(new).err(), Some(Refused::State(State::Running)));
+    assert_eq!(
+        core.remove(new).err(),
+        Some(CommandError::InvalidState(CommandState::Running))
+    );
 }
 
 /// The smallest net has only the root fragment.
@@ -339,7 +352,7 @@ fn an_empty_net_runs_for_ever() {
     let (mut core, ids) = core(&[net], &mut bank);
     core.start(ids[0], &mut bank).unwrap();
     ticks(&mut core, &mut bank, 100);
-    assert_eq!(core.command(ids[0]).unwrap().state(), State::Running);
+    assert_eq!(core.command(ids[0]).unwrap().state(), CommandState::Running);
 }
 
 /// State at the check of a takeover in motion: a mover on axis 1, and a leaper that takes over axis 0 with a
@@ -348,7 +361,7 @@ fn leap(guard: Continuity) -> (Axes, [Option<Cause>; 2], Vec<Notice>) {
     let mut bank = Axes::new();
     let nets = [mover(0, 9, 4), mover(1, 50, 100), leaper(0)];
     let (mut core, ids) = core(&nets, &mut bank);
-    core.command_mut(ids[2]).unwrap().guard(guard);
+    core.command_mut(ids[2]).unwrap().set_continuity(guard);
     core.start(ids[0], &mut bank).unwrap();
     core.start(ids[1], &mut bank).unwrap();
     follow(&mut core, ids[2], ids[0], true, &mut bank).unwrap();
@@ -358,7 +371,7 @@ fn leap(guard: Continuity) -> (Axes, [Option<Cause>; 2], Vec<Notice>) {
     let causes = [ids[2], ids[1]].map(|id| cause(core.command(id).unwrap()));
     let jumps = std::iter::from_fn(|| core.next_notice());
     let jumps = jumps
-        .filter(|n| matches!(n, Notice::Jumped { command, .. } if *command == ids[2]))
+        .filter(|n| matches!(n, Notice::Discontinuity { command, .. } if *command == ids[2]))
         .collect();
     (bank, causes, jumps)
 }
@@ -366,7 +379,7 @@ fn leap(guard: Continuity) -> (Axes, [Option<Cause>; 2], Vec<Notice>) {
 /// J2: no set-point of the successor is sent, the device stops, and other commands continue.
 #[test]
 fn a_successor_that_jumps_is_refused() {
-    let (bank, causes, jumps) = leap(Continuity::Refuse);
+    let (bank, causes, jumps) = leap(Continuity::Reject);
     let Some(Cause::Fault(fault)) = causes[0] else {
         panic!("{causes:?}");
     };
@@ -379,9 +392,9 @@ fn a_successor_that_jumps_is_refused() {
 /// J3: all commands are stopped.
 #[test]
 fn a_jump_can_stop_everything() {
-    let (bank, causes, jumps) = leap(Continuity::Stop);
+    let (bank, causes, jumps) = leap(Continuity::AbortAll);
     assert!(matches!(causes[0], Some(Cause::Fault(_))), "{causes:?}");
-    assert_eq!(causes[1], Some(Cause::Aborted(Why::Discontinuity)));
+    assert_eq!(causes[1], Some(Cause::Aborted(AbortReason::Discontinuity)));
     assert_eq!((bank.stops, jumps.len()), ([1, 1, 0, 0], 1));
 }
 

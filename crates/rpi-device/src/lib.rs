@@ -26,7 +26,7 @@ pub enum PortKind {
 
 /// Name of a device port, with the kind and type that a command expects.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct PortName<'a> {
+pub struct PortQuery<'a> {
     /// Name of the device in the cell description.
     pub device: &'a str,
     /// Name of the port, for example `joint.commanded_position`, `tcp` or `inverse_kinematics`.
@@ -39,11 +39,11 @@ pub struct PortName<'a> {
     pub ty: Type,
 }
 
-impl<'a> PortName<'a> {
+impl<'a> PortQuery<'a> {
     /// Creates the name of a port of an image.
     #[must_use]
-    pub fn of(port: &'a DevicePort, kind: PortKind) -> PortName<'a> {
-        PortName {
+    pub fn new(port: &'a DevicePort, kind: PortKind) -> PortQuery<'a> {
+        PortQuery {
             device: &port.device,
             port: &port.port,
             index: port.index,
@@ -57,39 +57,39 @@ impl<'a> PortName<'a> {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ResolveError {
     /// The cell has no device with this name.
-    NoDevice,
+    UnknownDevice,
     /// The device has no such port.
-    NoPort,
+    UnknownPort,
     /// The port exists but its index is out of range.
-    NoIndex,
+    IndexOutOfRange,
     /// The port is of another kind or type.
     WrongType,
 }
 
 /// Reasons of a device to reject a set-point, as bits: several can apply.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub struct Refusal(pub u32);
+pub struct Rejection(pub u32);
 
-impl Refusal {
+impl Rejection {
     /// No reason: the set-point is accepted.
-    pub const NONE: Refusal = Refusal(0);
+    pub const NONE: Rejection = Rejection(0);
     /// Another writer has set this port in the same cycle.
-    pub const CONCURRENT_ACCESS: Refusal = Refusal(1);
+    pub const CONCURRENT_ACCESS: Rejection = Rejection(1);
     /// The device has failed.
-    pub const DEVICE_FAILED: Refusal = Refusal(2);
+    pub const DEVICE_FAILED: Rejection = Rejection(2);
     /// The value is unreachable, outside its limits or not a number.
-    pub const ILLEGAL_VALUE: Refusal = Refusal(4);
+    pub const ILLEGAL_VALUE: Rejection = Rejection(4);
 
     /// Returns whether `self` and `other` have a bit in common.
     #[must_use]
-    pub const fn has(self, other: Refusal) -> bool {
+    pub const fn intersects(self, other: Rejection) -> bool {
         self.0 & other.0 != 0
     }
 
     /// Returns the union of both sets of reasons.
     #[must_use]
-    pub const fn and(self, other: Refusal) -> Refusal {
-        Refusal(self.0 | other.0)
+    pub const fn union(self, other: Rejection) -> Rejection {
+        Rejection(self.0 | other.0)
     }
 }
 
@@ -106,7 +106,7 @@ pub enum Quantity {
 
 /// Discontinuity: a set-point that does not continue the previous ones within the limits of its device.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Jump {
+pub struct Discontinuity {
     /// Resource (axis) with the discontinuity.
     pub resource: u32,
     /// Quantity that exceeds its limit.
@@ -126,7 +126,7 @@ pub trait DeviceBank {
     ///
     /// # Errors
     /// Returns the reason if the cell has no such port.
-    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError>;
+    fn resolve(&mut self, name: &PortQuery<'_>) -> Result<PortId, ResolveError>;
 
     /// Returns the resource of a port; the first one if the port has several.
     fn resource(&self, port: PortId) -> u32;
@@ -141,7 +141,7 @@ pub trait DeviceBank {
     /// Called when a command that holds a resource starts. `ticks` is the interval between its set-points, starting
     /// with the next one; the initial interval is one tick. Clears the recorded rejections of set-points of other
     /// commands. A failure of the device remains.
-    fn begin(&mut self, resource: u32, ticks: u32) {
+    fn begin_command(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);
     }
 
@@ -149,18 +149,18 @@ pub trait DeviceBank {
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool;
 
     /// Returns the reasons to reject a set-point in this cycle, without writing it.
-    fn check(&mut self, port: PortId, value: &[u64]) -> Refusal;
+    fn check_set_point(&mut self, port: PortId, value: &[u64]) -> Rejection;
 
     /// Returns the first discontinuity between this set-point and the previous ones of the device, with respect to its
     /// limits of position, velocity and acceleration. The default returns `None`. The check does not depend on whether
     /// the device enforces the limits itself.
-    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+    fn discontinuity(&self, port: PortId, value: &[u64]) -> Option<Discontinuity> {
         let _ = (port, value);
         None
     }
 
     /// Returns the error code of the device of a port; 0 if there is no error.
-    fn error(&self, port: PortId) -> i64;
+    fn error_code(&self, port: PortId) -> i64;
 
     /// Writes the set-point of this cycle.
     fn write(&mut self, port: PortId, value: &[u64]);
@@ -169,7 +169,7 @@ pub trait DeviceBank {
     fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool;
 
     /// Returns whether a resource moves. A moving resource needs a set-point in every cycle.
-    fn moving(&self, resource: u32) -> bool;
+    fn is_moving(&self, resource: u32) -> bool;
 
     /// Stops a resource by the device itself, within its own limits.
     fn stop(&mut self, resource: u32);
@@ -180,8 +180,8 @@ pub trait DeviceBank {
 pub struct NoDevices;
 
 impl DeviceBank for NoDevices {
-    fn resolve(&mut self, _: &PortName<'_>) -> Result<PortId, ResolveError> {
-        Err(ResolveError::NoDevice)
+    fn resolve(&mut self, _: &PortQuery<'_>) -> Result<PortId, ResolveError> {
+        Err(ResolveError::UnknownDevice)
     }
 
     fn resource(&self, port: PortId) -> u32 {
@@ -192,11 +192,11 @@ impl DeviceBank for NoDevices {
         false
     }
 
-    fn check(&mut self, _: PortId, _: &[u64]) -> Refusal {
-        Refusal::DEVICE_FAILED
+    fn check_set_point(&mut self, _: PortId, _: &[u64]) -> Rejection {
+        Rejection::DEVICE_FAILED
     }
 
-    fn error(&self, _: PortId) -> i64 {
+    fn error_code(&self, _: PortId) -> i64 {
         0
     }
 
@@ -206,7 +206,7 @@ impl DeviceBank for NoDevices {
         false
     }
 
-    fn moving(&self, _: u32) -> bool {
+    fn is_moving(&self, _: u32) -> bool {
         false
     }
 

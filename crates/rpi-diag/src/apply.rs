@@ -1,16 +1,18 @@
 //! Application of fixes to source texts.
 
-use crate::{Applicability, Edit, Finding, Fix};
+use crate::{Applicability, Diagnostic, Edit, Fix};
 
 /// Returns the sure fixes that can be applied together, in the order of the diagnostics. A fix is applied as a whole or
 /// not at all. A fix whose edits overlap those of an earlier one is skipped; a later run can apply it. A duplicate of
 /// an earlier fix is skipped for the same reason.
-pub fn sure_fixes(findings: &[Finding]) -> Vec<&Fix> {
+pub fn sure_fixes(diagnostics: &[Diagnostic]) -> Vec<&Fix> {
     let mut taken: Vec<&Fix> = Vec::new();
-    let first = findings.iter().filter_map(|finding| finding.fixes.first());
+    let first = diagnostics
+        .iter()
+        .filter_map(|diagnostic| diagnostic.fixes.first());
     for fix in first.filter(|fix| fix.applicability == Applicability::Sure) {
         let mut edits = taken.iter().flat_map(|other| &other.edits);
-        if edits.all(|edit| fix.edits.iter().all(|own| !touch(own, edit))) {
+        if edits.all(|edit| fix.edits.iter().all(|own| !overlap(own, edit))) {
             taken.push(fix);
         }
     }
@@ -18,23 +20,23 @@ pub fn sure_fixes(findings: &[Finding]) -> Vec<&Fix> {
 }
 
 /// Returns the edits of [`sure_fixes`], last location first, so that applying one does not move the others.
-pub fn sure_edits(findings: &[Finding]) -> Vec<Edit> {
-    let fixes = sure_fixes(findings);
+pub fn sure_edits(diagnostics: &[Diagnostic]) -> Vec<Edit> {
+    let fixes = sure_fixes(diagnostics);
     let mut edits: Vec<Edit> = fixes
         .iter()
         .flat_map(|fix| fix.edits.iter().cloned())
         .collect();
-    last_first(&mut edits);
+    sort_last_first(&mut edits);
     edits
 }
 
 /// Returns whether two edits change the same text or insert at the same location, so that their order would matter.
-fn touch(a: &Edit, b: &Edit) -> bool {
+fn overlap(a: &Edit, b: &Edit) -> bool {
     let end = |edit: &Edit| edit.span.end.max(edit.span.start + 1);
     a.span.file == b.span.file && a.span.start < end(b) && b.span.start < end(a)
 }
 
-fn last_first(edits: &mut [Edit]) {
+fn sort_last_first(edits: &mut [Edit]) {
     edits.sort_by_key(|edit| std::cmp::Reverse((edit.span.file, edit.span.start, edit.span.end)));
 }
 
@@ -42,7 +44,7 @@ fn last_first(edits: &mut [Edit]) {
 /// CRLF).
 pub fn apply<'a>(text: &str, edits: impl Iterator<Item = &'a Edit>) -> String {
     let mut edits: Vec<Edit> = edits.cloned().collect();
-    last_first(&mut edits);
+    sort_last_first(&mut edits);
     let returns = text.contains("\r\n");
     let mut text = text.to_owned();
     for edit in edits {
@@ -64,13 +66,13 @@ mod tests {
         Span::new(FileId(0), start, end)
     }
 
-    fn finding(fix: Fix) -> Finding {
-        Finding::new(Code::RPI0001, "odd").fix(fix)
+    fn diagnostic(fix: Fix) -> Diagnostic {
+        Diagnostic::new(Code::RPI0001, "odd").fix(fix)
     }
 
     fn applied(text: &str, fixes: Vec<Fix>) -> String {
-        let findings: Vec<Finding> = fixes.into_iter().map(finding).collect();
-        apply(text, sure_edits(&findings).iter())
+        let diagnostics: Vec<Diagnostic> = fixes.into_iter().map(diagnostic).collect();
+        apply(text, sure_edits(&diagnostics).iter())
     }
 
     #[test]

@@ -200,7 +200,7 @@ impl Code {
     }
 
     /// Returns whether the code is about unused or unreachable text, which editors show faded.
-    pub fn is_about_needless_text(self) -> bool {
+    pub fn is_unnecessary(self) -> bool {
         matches!(
             self,
             Code::RPI1016
@@ -213,7 +213,7 @@ impl Code {
     }
 
     /// Returns whether the code is about an unclosed body or bracket.
-    pub fn is_about_missing_end(self) -> bool {
+    pub fn is_unclosed(self) -> bool {
         self == Code::RPI0004
     }
 

@@ -1,17 +1,17 @@
 //! Text below the snippets of a diagnostic: help, notes, and fixes with a preview of the changed lines.
 
-use crate::{Edit, Finding, Fix, SourceMap, Span, Style};
+use crate::{Diagnostic, Edit, Fix, SourceMap, Span, Style};
 
 /// Draws the lines below the snippets. Every line ends with a newline; the result is empty if there is nothing to draw.
-pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
+pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
-    for text in &finding.help {
+    for text in &diagnostic.help {
         out.push_str(&paragraph("help", text, style));
     }
-    for text in &finding.notes {
+    for text in &diagnostic.notes {
         out.push_str(&paragraph("note", text, style));
     }
-    for fix in &finding.fixes {
+    for fix in &diagnostic.fixes {
         out.push_str(&paragraph("fix", &fix.title, style));
         out.push_str(&preview(fix, sources, style));
     }
@@ -65,7 +65,7 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
         let region = Region::around(first, sources);
         let count = rest
             .iter()
-            .take_while(|edit| region.holds(edit))
+            .take_while(|edit| region.contains(edit))
             .count()
             .max(1);
         out.push_str(&region.draw(&rest[..count], sources, style));
@@ -75,14 +75,14 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
 }
 
 /// Length in bytes beyond which a changed region is not previewed.
-const LONGEST: u32 = 400;
+const MAX_PREVIEW_BYTES: u32 = 400;
 
 /// Whole source lines around an edit.
 struct Region {
     span: Span,
     first_line: u32,
     /// Whether the edit deletes all of the lines.
-    goes: bool,
+    is_deleted: bool,
 }
 
 impl Region {
@@ -90,7 +90,7 @@ impl Region {
         let text = sources.text(edit.span.file);
         let (start, end) = sources.clamp(edit.span);
         let start = text[..start].rfind('\n').map_or(0, |at| at + 1);
-        let whole = edit.takes_lines(text);
+        let whole = edit.deletes_whole_lines(text);
         let end = match whole {
             true => end - 1,
             false => text[end..].find('\n').map_or(text.len(), |at| end + at),
@@ -99,18 +99,18 @@ impl Region {
         Region {
             span,
             first_line: sources.line_col(span).line,
-            goes: whole,
+            is_deleted: whole,
         }
     }
 
-    fn holds(&self, edit: &Edit) -> bool {
+    fn contains(&self, edit: &Edit) -> bool {
         edit.span.file == self.span.file
             && self.span.start <= edit.span.start
             && edit.span.end <= self.span.end
     }
 
     fn draw(&self, edits: &[&Edit], sources: &SourceMap, style: Style) -> String {
-        if self.span.end - self.span.start > LONGEST {
+        if self.span.end - self.span.start > MAX_PREVIEW_BYTES {
             return String::new();
         }
         let old = sources.slice(self.span);
@@ -120,7 +120,7 @@ impl Region {
         if lost {
             out.push_str(&self.lines(old, '-', "31", style));
         }
-        if !self.goes {
+        if !self.is_deleted {
             out.push_str(&self.lines(&new, '+', "32", style));
         }
         out

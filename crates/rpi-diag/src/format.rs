@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::{Finding, SourceMap, Style, github, json, render, sarif};
+use crate::{Diagnostic, SourceMap, Style, github, json, render, sarif};
 
 /// Output format of diagnostics.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,36 +53,36 @@ impl FromStr for Format {
 /// Renders diagnostics in the given format; `style` applies to [`Format::Human`] only.
 pub fn render_as(
     format: Format,
-    findings: &[Finding],
+    diagnostics: &[Diagnostic],
     sources: &SourceMap,
     style: Style,
 ) -> String {
     match format {
-        Format::Human => render(findings, sources, style),
-        Format::Short => short(findings, sources),
-        Format::Json => json::render(findings, sources),
-        Format::Sarif => sarif::render(findings, sources),
-        Format::Github => github::render(findings, sources),
+        Format::Human => render(diagnostics, sources, style),
+        Format::Short => short(diagnostics, sources),
+        Format::Json => json::render(diagnostics, sources),
+        Format::Sarif => sarif::render(diagnostics, sources),
+        Format::Github => github::render(diagnostics, sources),
     }
 }
 
-fn short(findings: &[Finding], sources: &SourceMap) -> String {
-    findings
+fn short(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    diagnostics
         .iter()
-        .map(|finding| short_line(finding, sources))
+        .map(|diagnostic| short_line(diagnostic, sources))
         .collect()
 }
 
-fn short_line(finding: &Finding, sources: &SourceMap) -> String {
-    let span = finding.span();
+fn short_line(diagnostic: &Diagnostic, sources: &SourceMap) -> String {
+    let span = diagnostic.span();
     let place = match sources.name(span.file) {
         "" => String::new(),
         name => format!("{name}:{}: ", sources.line_col(span)),
     };
-    let message = finding.message.replace('\n', " ");
+    let message = diagnostic.message.replace('\n', " ");
     format!(
         "{place}{} {}: {message}\n",
-        finding.severity().as_str(),
-        finding.code
+        diagnostic.severity().as_str(),
+        diagnostic.code
     )
 }

@@ -3,34 +3,34 @@
 //! Syntax: `::error file=..,line=..,col=..,endLine=..,endColumn=..,title=..::message`, as documented in GitHub's
 //! "Workflow commands for GitHub Actions".
 
-use crate::{Finding, Severity, SourceMap};
+use crate::{Diagnostic, Severity, SourceMap};
 
 /// Renders one command per diagnostic.
-pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
-    findings
+pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    diagnostics
         .iter()
-        .map(|finding| command(finding, sources))
+        .map(|diagnostic| command(diagnostic, sources))
         .collect()
 }
 
-fn command(finding: &Finding, sources: &SourceMap) -> String {
-    let level = match finding.severity() {
+fn command(diagnostic: &Diagnostic, sources: &SourceMap) -> String {
+    let level = match diagnostic.severity() {
         Severity::Error => "error",
         Severity::Warning => "warning",
         Severity::Note => "notice",
     };
-    let mut properties = place(finding, sources);
-    properties.push(format!("title={}", property(finding.code.as_str())));
-    let message = std::iter::once(&finding.message)
-        .chain(&finding.help)
+    let mut properties = place(diagnostic, sources);
+    properties.push(format!("title={}", property(diagnostic.code.as_str())));
+    let message = std::iter::once(&diagnostic.message)
+        .chain(&diagnostic.help)
         .cloned()
         .collect::<Vec<_>>()
         .join("\n");
     format!("::{level} {}::{}\n", properties.join(","), escape(&message))
 }
 
-fn place(finding: &Finding, sources: &SourceMap) -> Vec<String> {
-    let span = finding.span();
+fn place(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<String> {
+    let span = diagnostic.span();
     let name = sources.name(span.file);
     if name.is_empty() {
         return Vec::new();

@@ -2,21 +2,21 @@
 
 use serde::Serialize;
 
-use crate::{Applicability, Edit, Finding, Fix, Label, LineCol, SourceMap, Span};
+use crate::{Applicability, Diagnostic, Edit, Fix, Label, LineCol, SourceMap, Span};
 
 /// Version of the schema. It is incremented when a field changes its meaning or is removed, not for new fields.
 const SCHEMA_VERSION: u32 = 1;
 
 /// Renders the indented object and a final newline.
-pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
-    let findings = findings
+pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    let diagnostics = diagnostics
         .iter()
-        .map(|finding| finding_row(finding, sources))
+        .map(|diagnostic| json_diagnostic(diagnostic, sources))
         .collect();
-    pretty(&Report {
+    pretty(&JsonReport {
         schema: "rpi-findings",
         version: SCHEMA_VERSION,
-        findings,
+        diagnostics,
     })
 }
 
@@ -26,88 +26,88 @@ pub(crate) fn pretty(value: &impl Serialize) -> String {
 }
 
 #[derive(Serialize)]
-struct Report<'a> {
+struct JsonReport<'a> {
     schema: &'static str,
     version: u32,
-    findings: Vec<FindingRow<'a>>,
+    diagnostics: Vec<JsonDiagnostic<'a>>,
 }
 
 #[derive(Serialize)]
-struct FindingRow<'a> {
+struct JsonDiagnostic<'a> {
     code: &'static str,
     severity: &'static str,
     title: &'static str,
     message: &'a str,
-    labels: Vec<LabelRow<'a>>,
+    labels: Vec<JsonLabel<'a>>,
     help: &'a [String],
     notes: &'a [String],
-    fixes: Vec<FixRow<'a>>,
+    fixes: Vec<JsonFix<'a>>,
     explain: String,
 }
 
 #[derive(Serialize)]
-struct LabelRow<'a> {
+struct JsonLabel<'a> {
     #[serde(flatten)]
-    place: PlaceRow<'a>,
+    place: JsonRange<'a>,
     text: &'a str,
     primary: bool,
 }
 
 #[derive(Serialize)]
-struct FixRow<'a> {
+struct JsonFix<'a> {
     title: &'a str,
     applicability: &'static str,
-    edits: Vec<EditRow<'a>>,
+    edits: Vec<JsonEdit<'a>>,
 }
 
 #[derive(Serialize)]
-struct EditRow<'a> {
+struct JsonEdit<'a> {
     #[serde(flatten)]
-    place: PlaceRow<'a>,
+    place: JsonRange<'a>,
     text: &'a str,
 }
 
 /// Range in a file; `file` is null for a location without text.
 #[derive(Serialize)]
-struct PlaceRow<'a> {
+struct JsonRange<'a> {
     file: Option<&'a str>,
-    start: PointRow,
-    end: PointRow,
+    start: JsonPosition,
+    end: JsonPosition,
 }
 
 /// Position: `offset` counts bytes from 0, `line` and `col` count from 1, `col` in Unicode scalar values.
 #[derive(Serialize)]
-struct PointRow {
+struct JsonPosition {
     offset: usize,
     line: u32,
     col: u32,
 }
 
-fn finding_row<'a>(finding: &'a Finding, sources: &'a SourceMap) -> FindingRow<'a> {
-    FindingRow {
-        code: finding.code.as_str(),
-        severity: finding.severity().as_str(),
-        title: finding.code.title(),
-        message: &finding.message,
-        labels: finding
+fn json_diagnostic<'a>(diagnostic: &'a Diagnostic, sources: &'a SourceMap) -> JsonDiagnostic<'a> {
+    JsonDiagnostic {
+        code: diagnostic.code.as_str(),
+        severity: diagnostic.severity().as_str(),
+        title: diagnostic.code.title(),
+        message: &diagnostic.message,
+        labels: diagnostic
             .labels
             .iter()
-            .map(|label| label_row(label, sources))
+            .map(|label| json_label(label, sources))
             .collect(),
-        help: &finding.help,
-        notes: &finding.notes,
-        fixes: finding
+        help: &diagnostic.help,
+        notes: &diagnostic.notes,
+        fixes: diagnostic
             .fixes
             .iter()
-            .map(|fix| fix_row(fix, sources))
+            .map(|fix| json_fix(fix, sources))
             .collect(),
-        explain: format!("rpic explain {}", finding.code),
+        explain: format!("rpic explain {}", diagnostic.code),
     }
 }
 
-fn label_row<'a>(label: &'a Label, sources: &'a SourceMap) -> LabelRow<'a> {
-    LabelRow {
-        place: place_row(label.span, sources),
+fn json_label<'a>(label: &'a Label, sources: &'a SourceMap) -> JsonLabel<'a> {
+    JsonLabel {
+        place: json_range(label.span, sources),
         text: &label.text,
         primary: label.primary,
     }
@@ -121,36 +121,36 @@ pub(crate) fn applicability(applicability: Applicability) -> &'static str {
     }
 }
 
-fn fix_row<'a>(fix: &'a Fix, sources: &'a SourceMap) -> FixRow<'a> {
-    FixRow {
+fn json_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> JsonFix<'a> {
+    JsonFix {
         title: &fix.title,
         applicability: applicability(fix.applicability),
         edits: fix
             .edits
             .iter()
-            .map(|edit| edit_row(edit, sources))
+            .map(|edit| json_edit(edit, sources))
             .collect(),
     }
 }
 
-fn edit_row<'a>(edit: &'a Edit, sources: &'a SourceMap) -> EditRow<'a> {
-    EditRow {
-        place: place_row(edit.span, sources),
+fn json_edit<'a>(edit: &'a Edit, sources: &'a SourceMap) -> JsonEdit<'a> {
+    JsonEdit {
+        place: json_range(edit.span, sources),
         text: &edit.text,
     }
 }
 
-fn place_row(span: Span, sources: &SourceMap) -> PlaceRow<'_> {
+fn json_range(span: Span, sources: &SourceMap) -> JsonRange<'_> {
     let (start, end) = sources.clamp(span);
-    PlaceRow {
+    JsonRange {
         file: (!span.is_none()).then(|| sources.name(span.file)),
-        start: point_row(start, sources.line_col(span)),
-        end: point_row(end, sources.line_col_end(span)),
+        start: json_position(start, sources.line_col(span)),
+        end: json_position(end, sources.line_col_end(span)),
     }
 }
 
-fn point_row(offset: usize, at: LineCol) -> PointRow {
-    PointRow {
+fn json_position(offset: usize, at: LineCol) -> JsonPosition {
+    JsonPosition {
         offset,
         line: at.line,
         col: at.col,

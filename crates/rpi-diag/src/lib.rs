@@ -1,6 +1,6 @@
 //! Diagnostics: the table of codes, their explanation pages, and rendering.
 //!
-//! Every stage of the compiler reports a problem as a [`Finding`]: a code, a message, labelled locations and, where one
+//! Every stage of the compiler reports a problem as a [`Diagnostic`]: a code, a message, labelled locations and, where one
 //! exists, a fix. This crate declares codes and renders diagnostics; it must not depend on their meaning. The message
 //! is written in the code that performs the check.
 //!
@@ -14,28 +14,28 @@
 //! | `style.rs` | capabilities of the terminal |
 //! | `apply.rs` | applying fixes to texts |
 
-mod apart;
+mod abbreviate;
 mod apply;
 mod codes;
-mod cut;
-mod finding;
+mod diagnostic;
 mod footer;
 mod format;
 mod github;
 mod json;
+mod overlap;
 mod render;
 mod sarif;
 mod snippet;
+mod source_code;
 mod span;
+mod stderr;
 mod style;
-mod tell;
-mod texts;
 
 pub use apply::{apply, sure_edits, sure_fixes};
 pub use codes::{Code, Severity};
-pub use finding::{Applicability, Edit, Finding, Fix, Label};
+pub use diagnostic::{Applicability, Diagnostic, Edit, Fix, Label};
 pub use format::{Format, render_as};
 pub use render::render;
-pub use rpi_words::{counted, suggest, times};
+pub use rpi_words::{suggest, times, with_noun};
 pub use span::{FileId, LineCol, SourceMap, Span};
 pub use style::Style;

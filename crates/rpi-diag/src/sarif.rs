@@ -3,16 +3,19 @@
 
 use serde::Serialize;
 
-use crate::{Code, Edit, Finding, Fix, Label, Severity, SourceMap, Span, json};
+use crate::{Code, Diagnostic, Edit, Fix, Label, Severity, SourceMap, Span, json};
 
 /// Renders the log of one run.
-pub(crate) fn render(findings: &[Finding], sources: &SourceMap) -> String {
-    let mut codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
+pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    let mut codes: Vec<Code> = diagnostics
+        .iter()
+        .map(|diagnostic| diagnostic.code)
+        .collect();
     codes.sort();
     codes.dedup();
-    let results = findings
+    let results = diagnostics
         .iter()
-        .map(|finding| result(finding, &codes, sources))
+        .map(|diagnostic| result(diagnostic, &codes, sources))
         .collect();
     let rules = codes.iter().map(|&code| rule(code)).collect();
     let driver = Driver {
@@ -128,7 +131,7 @@ struct Artifact {
 impl Artifact {
     /// Creates the URI reference of a file (RFC 3986): percent-escaped, with slashes; absolute paths get the `file`
     /// scheme.
-    fn of(name: &str) -> Artifact {
+    fn from_name(name: &str) -> Artifact {
         let path = name.replace('\\', "/");
         let is_drive = path.as_bytes().get(1) == Some(&b':');
         let start = match (path.starts_with('/'), is_drive) {
@@ -207,20 +210,24 @@ fn rule(code: Code) -> Rule {
     }
 }
 
-fn result<'a>(finding: &'a Finding, codes: &[Code], sources: &'a SourceMap) -> SarifResult<'a> {
-    let text = std::iter::once(&finding.message)
-        .chain(&finding.help)
-        .chain(&finding.notes);
+fn result<'a>(
+    diagnostic: &'a Diagnostic,
+    codes: &[Code],
+    sources: &'a SourceMap,
+) -> SarifResult<'a> {
+    let text = std::iter::once(&diagnostic.message)
+        .chain(&diagnostic.help)
+        .chain(&diagnostic.notes);
     SarifResult {
-        rule_id: finding.code.as_str(),
-        rule_index: codes.partition_point(|&code| code < finding.code),
-        level: level(finding.severity()),
+        rule_id: diagnostic.code.as_str(),
+        rule_index: codes.partition_point(|&code| code < diagnostic.code),
+        level: level(diagnostic.severity()),
         message: OwnedText {
             text: text.cloned().collect::<Vec<_>>().join("\n"),
         },
-        locations: locations(finding, true, sources),
-        related_locations: locations(finding, false, sources),
-        fixes: finding
+        locations: locations(diagnostic, true, sources),
+        related_locations: locations(diagnostic, false, sources),
+        fixes: diagnostic
             .fixes
             .iter()
             .filter_map(|fix| sarif_fix(fix, sources))
@@ -228,8 +235,12 @@ fn result<'a>(finding: &'a Finding, codes: &[Code], sources: &'a SourceMap) -> S
     }
 }
 
-fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) -> Vec<Location<'a>> {
-    let labels = finding
+fn locations<'a>(
+    diagnostic: &'a Diagnostic,
+    primary: bool,
+    sources: &'a SourceMap,
+) -> Vec<Location<'a>> {
+    let labels = diagnostic
         .labels
         .iter()
         .filter(|label| label.primary == primary && !label.span.is_none());
@@ -243,7 +254,7 @@ fn locations<'a>(finding: &'a Finding, primary: bool, sources: &'a SourceMap) ->
     once.into_iter()
         .map(|label| Location {
             physical_location: PhysicalLocation {
-                artifact_location: Artifact::of(sources.name(label.span.file)),
+                artifact_location: Artifact::from_name(sources.name(label.span.file)),
                 region: region(label.span, sources),
             },
             message: (!label.text.is_empty()).then_some(Text { text: &label.text }),
@@ -256,7 +267,7 @@ fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> Option<SarifFix<'a>> {
     let edits = fix.in_order();
     let files = edits.chunk_by(|a, b| a.span.file == b.span.file);
     let change = |edits: &[&'a Edit]| Change {
-        artifact_location: Artifact::of(sources.name(edits[0].span.file)),
+        artifact_location: Artifact::from_name(sources.name(edits[0].span.file)),
         replacements: edits
             .iter()
             .map(|edit| Replacement {

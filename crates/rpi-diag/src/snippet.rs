@@ -2,17 +2,17 @@
 
 use std::fmt;
 
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode};
+use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode};
 
-use crate::apart::{Mark, apart};
-use crate::texts::Texts;
-use crate::{Finding, Severity, SourceMap, Style};
+use crate::overlap::{Mark, separate_labels};
+use crate::source_code::DiagnosticSources;
+use crate::{Diagnostic, Severity, SourceMap, Style};
 
 /// Draws the headline and the snippets of a diagnostic. Every line ends with a newline.
-pub(crate) fn draw(finding: &Finding, sources: &SourceMap, style: Style) -> String {
-    let shown = Shown {
-        finding,
-        texts: Texts::of(finding, sources),
+pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
+    let shown = MietteDiagnostic {
+        diagnostic,
+        texts: DiagnosticSources::for_diagnostic(diagnostic, sources),
     };
     let mut out = String::new();
     // No hyperlinks, because not every terminal supports the escape sequence (OSC 8).
@@ -37,7 +37,7 @@ fn tidy(drawn: &str) -> String {
 }
 
 /// Returns miette's theme with the headline and the colours of this crate.
-fn theme(shown: &Shown<'_>, style: Style) -> GraphicalTheme {
+fn theme(shown: &MietteDiagnostic<'_>, style: Style) -> GraphicalTheme {
     let mut theme = match (style.color, style.unicode) {
         (true, true) => GraphicalTheme::unicode(),
         (true, false) => GraphicalTheme::ascii(),
@@ -46,8 +46,8 @@ fn theme(shown: &Shown<'_>, style: Style) -> GraphicalTheme {
     };
     let headline = format!(
         "{} {}:",
-        shown.finding.severity().as_str(),
-        shown.finding.code
+        shown.diagnostic.severity().as_str(),
+        shown.diagnostic.code
     );
     theme.characters.error = headline.clone();
     theme.characters.warning = headline.clone();
@@ -59,16 +59,16 @@ fn theme(shown: &Shown<'_>, style: Style) -> GraphicalTheme {
 }
 
 /// Sets the colours: primary labels get that of the severity, secondary labels that of help texts.
-fn paint(theme: &mut GraphicalTheme, shown: &Shown<'_>) {
+fn paint(theme: &mut GraphicalTheme, shown: &MietteDiagnostic<'_>) {
     let styles = &mut theme.styles;
-    let fault = match shown.finding.severity() {
+    let fault = match shown.diagnostic.severity() {
         Severity::Error => styles.error,
         Severity::Warning => styles.warning,
         Severity::Note => styles.advice,
     };
     styles.link = styles.help;
     // miette assigns the colours to the labels in the order of their offsets.
-    let mut labels = shown.placed();
+    let mut labels = shown.labeled_spans();
     labels.sort_by_key(|label| label.offset());
     let colors = labels
         .iter()
@@ -77,23 +77,23 @@ fn paint(theme: &mut GraphicalTheme, shown: &Shown<'_>) {
 }
 
 /// Adapter of a diagnostic to the trait of miette.
-struct Shown<'a> {
-    finding: &'a Finding,
-    texts: Texts<'a>,
+struct MietteDiagnostic<'a> {
+    diagnostic: &'a Diagnostic,
+    texts: DiagnosticSources<'a>,
 }
 
-impl Shown<'_> {
-    fn placed(&self) -> Vec<LabeledSpan> {
-        let labels = self.finding.labels.iter();
+impl MietteDiagnostic<'_> {
+    fn labeled_spans(&self) -> Vec<LabeledSpan> {
+        let labels = self.diagnostic.labels.iter();
         let marks = labels.filter_map(|label| {
-            let (start, len) = self.texts.place(label.span)?;
+            let (start, len) = self.texts.address_range(label.span)?;
             Some(Mark {
                 range: start..start + len,
                 text: label.text.clone(),
                 primary: label.primary,
             })
         });
-        let marks = apart(marks.collect(), |range| self.texts.of_place(range));
+        let marks = separate_labels(marks.collect(), |range| self.texts.text(range));
         let labels = marks.into_iter().map(|mark| {
             let text = Some(mark.text).filter(|text| !text.is_empty());
             let place = (mark.range.start, mark.range.len());
@@ -106,23 +106,23 @@ impl Shown<'_> {
     }
 }
 
-impl fmt::Debug for Shown<'_> {
+impl fmt::Debug for MietteDiagnostic<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.finding.fmt(f)
+        self.diagnostic.fmt(f)
     }
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for MietteDiagnostic<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.finding.message)
+        f.write_str(&self.diagnostic.message)
     }
 }
 
-impl std::error::Error for Shown<'_> {}
+impl std::error::Error for MietteDiagnostic<'_> {}
 
-impl Diagnostic for Shown<'_> {
+impl miette::Diagnostic for MietteDiagnostic<'_> {
     fn severity(&self) -> Option<miette::Severity> {
-        Some(match self.finding.severity() {
+        Some(match self.diagnostic.severity() {
             Severity::Error => miette::Severity::Error,
             Severity::Warning => miette::Severity::Warning,
             Severity::Note => miette::Severity::Advice,
@@ -134,6 +134,6 @@ impl Diagnostic for Shown<'_> {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        Some(Box::new(self.placed().into_iter()))
+        Some(Box::new(self.labeled_spans().into_iter()))
     }
 }

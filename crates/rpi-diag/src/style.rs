@@ -25,7 +25,7 @@ impl Style {
 
     /// Detects the style of a stream. Colours are used on a terminal only, unless `NO_COLOR` (see
     /// <https://no-color.org>) or `TERM=dumb` is set. The width is at most that of the terminal.
-    pub fn of(stream: &impl IsTerminal) -> Style {
+    pub fn for_stream(stream: &impl IsTerminal) -> Style {
         let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
             || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         let terminal = stream.is_terminal();
@@ -33,7 +33,7 @@ impl Style {
         Style {
             color: terminal && !refused,
             width: size.map_or(Style::PLAIN.width, |(Width(columns), _)| {
-                readable(columns.into())
+                clamp_width(columns.into())
             }),
             ..Style::PLAIN
         }
@@ -41,7 +41,7 @@ impl Style {
 }
 
 /// Clamps the width of a terminal to a readable text width: 40 to 100 columns.
-fn readable(columns: usize) -> usize {
+fn clamp_width(columns: usize) -> usize {
     columns.clamp(40, Style::PLAIN.width)
 }
 
@@ -57,6 +57,6 @@ mod tests {
 
     #[test]
     fn prose_is_as_wide_as_the_terminal_within_bounds() {
-        assert_eq!([10, 72, 300].map(readable), [40, 72, 100]);
+        assert_eq!([10, 72, 300].map(clamp_width), [40, 72, 100]);
     }
 }

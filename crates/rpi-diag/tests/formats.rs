@@ -1,7 +1,7 @@
 //! Conformance of the machine-readable formats to their specifications: SARIF 2.1.0 (OASIS) and GitHub's workflow
 //! commands.
 
-use rpi_diag::{Code, FileId, Finding, Fix, Format, SourceMap, Span, Style, render_as};
+use rpi_diag::{Code, Diagnostic, FileId, Fix, Format, SourceMap, Span, Style, render_as};
 use serde_json::Value;
 
 fn at(file: u32, start: u32, end: u32) -> Span {
@@ -15,23 +15,23 @@ fn sources() -> SourceMap {
     sources
 }
 
-fn finding() -> Finding {
+fn diagnostic() -> Diagnostic {
     let fix = Fix::sure("rename")
         .replace(at(0, 5, 7), "γ")
         .replace(at(1, 0, 3), "1")
         .replace(at(0, 0, 2), "δ");
-    Finding::new(Code::RPI1001, "100% wrong\nand more")
-        .at(at(0, 5, 7), "this: here, there")
-        .also(at(1, 0, 7), "two lines")
-        .also(at(1, 0, 7), "two lines")
-        .also(Span::NONE, "nowhere")
+    Diagnostic::new(Code::RPI1001, "100% wrong\nand more")
+        .primary(at(0, 5, 7), "this: here, there")
+        .secondary(at(1, 0, 7), "two lines")
+        .secondary(at(1, 0, 7), "two lines")
+        .secondary(Span::NONE, "nowhere")
         .help("help it")
         .fix(fix)
         .fix(Fix::maybe("nothing that has a text"))
 }
 
 fn shown(format: Format) -> String {
-    render_as(format, &[finding()], &sources(), Style::PLAIN)
+    render_as(format, &[diagnostic()], &sources(), Style::PLAIN)
 }
 
 fn sarif() -> Value {
@@ -121,7 +121,7 @@ fn annotations_for_github_are_escaped_and_lie_on_their_lines() {
         shown.contains("::100%25 wrong%0Aand more%0Ahelp it"),
         "{shown}"
     );
-    let over_lines = Finding::new(Code::RPI1001, "odd").at(at(1, 0, 7), "");
+    let over_lines = Diagnostic::new(Code::RPI1001, "odd").primary(at(1, 0, 7), "");
     let shown = render_as(Format::Github, &[over_lines], &sources(), Style::PLAIN);
     assert!(
         shown.contains("line=1,endLine=2,title"),

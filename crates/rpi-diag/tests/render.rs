@@ -2,7 +2,7 @@
 //!
 //! The diagnostics here are constructed by hand; those of the compiler are tested in `tests/ui`.
 
-use rpi_diag::{Code, FileId, Finding, Fix, Format, SourceMap, Span, Style, render, render_as};
+use rpi_diag::{Code, Diagnostic, FileId, Fix, Format, SourceMap, Span, Style, render, render_as};
 
 const FIG6: &str = "\
 use motion;
@@ -54,51 +54,51 @@ fn source(name: &str, text: &str) -> (SourceMap, FileId) {
     (sources, file)
 }
 
-fn missing_semicolon() -> (SourceMap, Vec<Finding>) {
+fn missing_semicolon() -> (SourceMap, Vec<Diagnostic>) {
     let (sources, file) = source("fig6.rpi", FIG6);
     let end = find(&sources, file, "way.pose", 0);
     let next = find(&sources, file, "fragment", 0);
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI0001,
         "expected `;` after this equation, found `fragment`",
     )
-    .at(next, "a new declaration begins here")
-    .also(end, "the equation ends here")
+    .primary(next, "a new declaration begins here")
+    .secondary(end, "the equation ends here")
     .fix(Fix::sure("end the equation").insert_after(end, ";"));
-    (sources, vec![finding])
+    (sources, vec![diagnostic])
 }
 
-fn ring() -> (SourceMap, Vec<Finding>) {
+fn ring() -> (SourceMap, Vec<Diagnostic>) {
     let (sources, file) = source("loop.rpi", LOOP);
     let place = |what| find(&sources, file, what, 0);
     let ring = "`a` depends on itself in the same cycle: a -> b -> c -> d -> a";
-    let finding = Finding::new(Code::RPI0001, ring)
-        .at(place("a = x + d"), "`a` needs `d` now")
-        .also(place("b = 2.0 * a"), "`b` needs `a` now")
-        .also(place("c = b - 1.0"), "`c` needs `b` now")
-        .also(place("d = 0.5 * c"), "`d` needs `c` now")
+    let diagnostic = Diagnostic::new(Code::RPI0001, ring)
+        .primary(place("a = x + d"), "`a` needs `d` now")
+        .secondary(place("b = 2.0 * a"), "`b` needs `a` now")
+        .secondary(place("c = b - 1.0"), "`c` needs `b` now")
+        .secondary(place("d = 0.5 * c"), "`d` needs `c` now")
         .help("delay one step of the ring: `pre` gives the value of the cycle before, and is free of the ring")
         .note("a `pre` needs a first value: `0.0 -> pre d`")
         .fix(Fix::maybe("take `d` of the cycle before").replace(place("x + d"), "x + (0.0 -> pre d)"))
         .fix(Fix::maybe("take `a` of the cycle before").replace(place("2.0 * a"), "2.0 * (0.0 -> pre a)"));
-    (sources, vec![finding])
+    (sources, vec![diagnostic])
 }
 
-fn two_files() -> (SourceMap, Vec<Finding>) {
+fn two_files() -> (SourceMap, Vec<Diagnostic>) {
     let mut sources = SourceMap::new();
     let library = sources.add(
         "stdlib/motion.rpi",
         "--| A line.\nfragment Line <<speed: real[m/s]>>\n",
     );
     let user = sources.add("cell.rpi", "way = Line<<speed: 3[m]>>;\n");
-    let finding = Finding::new(Code::RPI0002, "`speed` wants a speed, this is a length")
-        .at(find(&sources, user, "3[m]", 0), "a length, m")
-        .also(find(&sources, library, "real[m/s]", 0), "declared in m/s");
-    (sources, vec![finding])
+    let diagnostic = Diagnostic::new(Code::RPI0002, "`speed` wants a speed, this is a length")
+        .primary(find(&sources, user, "3[m]", 0), "a length, m")
+        .secondary(find(&sources, library, "real[m/s]", 0), "declared in m/s");
+    (sources, vec![diagnostic])
 }
 
-fn human((sources, findings): (SourceMap, Vec<Finding>)) -> String {
-    render(&findings, &sources, Style::PLAIN)
+fn human((sources, diagnostics): (SourceMap, Vec<Diagnostic>)) -> String {
+    render(&diagnostics, &sources, Style::PLAIN)
 }
 
 #[test]
@@ -122,10 +122,10 @@ fn a_long_stretch_between_two_places_is_left_out() {
         "long.rpi",
         &format!("{0}first\n{0}second\n{0}", "x = 1;\n".repeat(100)),
     );
-    let finding = Finding::new(Code::RPI0001, "odd")
-        .at(find(&sources, file, "second", 0), "here")
-        .also(find(&sources, file, "first", 0), "and here");
-    let shown = human((sources, vec![finding]));
+    let diagnostic = Diagnostic::new(Code::RPI0001, "odd")
+        .primary(find(&sources, file, "second", 0), "here")
+        .secondary(find(&sources, file, "first", 0), "and here");
+    let shown = human((sources, vec![diagnostic]));
     assert!(
         shown.contains("long.rpi:101:1") && shown.contains("long.rpi:202:1"),
         "{shown}"
@@ -137,19 +137,21 @@ fn a_long_stretch_between_two_places_is_left_out() {
 fn a_long_line_beside_a_place_is_left_out() {
     let text = format!("y = {0};\nodd\nz = {0};\n", "x + ".repeat(500));
     let (sources, file) = source("beside.rpi", &text);
-    let finding = Finding::new(Code::RPI0001, "odd").at(find(&sources, file, "odd", 0), "here");
-    let shown = human((sources, vec![finding]));
+    let diagnostic =
+        Diagnostic::new(Code::RPI0001, "odd").primary(find(&sources, file, "odd", 0), "here");
+    let shown = human((sources, vec![diagnostic]));
     assert!(shown.lines().all(|line| line.len() < 120), "{shown}");
 }
 
 #[test]
 fn every_form_counts_columns_in_characters() {
     let (sources, file) = source("greek.rpi", "  αβγ = δ;\n");
-    let finding = Finding::new(Code::RPI0002, "odd").at(find(&sources, file, "δ", 0), "here");
+    let diagnostic =
+        Diagnostic::new(Code::RPI0002, "odd").primary(find(&sources, file, "δ", 0), "here");
     for format in [Format::Human, Format::Short] {
         let shown = render_as(
             format,
-            std::slice::from_ref(&finding),
+            std::slice::from_ref(&diagnostic),
             &sources,
             Style::PLAIN,
         );
@@ -159,9 +161,9 @@ fn every_form_counts_columns_in_characters() {
 
 #[test]
 fn colours_on_a_terminal() {
-    let (sources, findings) = ring();
+    let (sources, diagnostics) = ring();
     let shown = render(
-        &findings,
+        &diagnostics,
         &sources,
         Style {
             color: true,
@@ -184,9 +186,9 @@ fn plain_output_has_no_escapes() {
 
 #[test]
 fn ascii_terminals_get_ascii() {
-    let (sources, findings) = ring();
+    let (sources, diagnostics) = ring();
     let shown = render(
-        &findings,
+        &diagnostics,
         &sources,
         Style {
             unicode: false,
@@ -198,17 +200,18 @@ fn ascii_terminals_get_ascii() {
 
 #[test]
 fn without_a_place_the_message_stands_alone() {
-    let finding = Finding::new(Code::RPI0003, "cannot read `cell.toml`: no such file")
+    let diagnostic = Diagnostic::new(Code::RPI0003, "cannot read `cell.toml`: no such file")
         .help("name a file that exists");
-    insta::assert_snapshot!(render(&[finding], &SourceMap::new(), Style::PLAIN));
+    insta::assert_snapshot!(render(&[diagnostic], &SourceMap::new(), Style::PLAIN));
 }
 
 #[test]
 fn a_fault_over_several_lines() {
     let (sources, file) = source("fig6.rpi", FIG6);
     let block = find(&sources, file, "let", 0).merge(find(&sources, file, "way.pose", 0));
-    let finding = Finding::new(Code::RPI0004, "this block has no `tel`").at(block, "opened here");
-    insta::assert_snapshot!(render(&[finding], &sources, Style::PLAIN));
+    let diagnostic =
+        Diagnostic::new(Code::RPI0004, "this block has no `tel`").primary(block, "opened here");
+    insta::assert_snapshot!(render(&[diagnostic], &sources, Style::PLAIN));
 }
 
 /// Draws every range, inside and outside the text, of texts that are easy to handle wrongly.
@@ -235,16 +238,16 @@ fn odd_texts_and_places_are_drawn_without_panic() {
 fn draw_everywhere(text: &str, start: u32, end: u32) {
     let (sources, file) = source("odd.rpi", text);
     let span = Span::new(file, start, end);
-    let finding = Finding::new(Code::RPI0001, "odd")
-        .at(span, "here")
-        .also(Span::NONE, "nowhere")
-        .also(Span::new(FileId(7), start, end), "no such file")
+    let diagnostic = Diagnostic::new(Code::RPI0001, "odd")
+        .primary(span, "here")
+        .secondary(Span::NONE, "nowhere")
+        .secondary(Span::new(FileId(7), start, end), "no such file")
         .fix(Fix::sure("mend").replace(span, "\n"));
     for name in Format::names() {
         let format = name.parse().expect("a listed form");
         let shown = render_as(
             format,
-            std::slice::from_ref(&finding),
+            std::slice::from_ref(&diagnostic),
             &sources,
             Style::PLAIN,
         );
@@ -258,8 +261,8 @@ fn draw_everywhere(text: &str, start: u32, end: u32) {
 
 #[test]
 fn forms_for_machines() {
-    let (sources, findings) = missing_semicolon();
-    let form = |format| render_as(format, &findings, &sources, Style::PLAIN);
+    let (sources, diagnostics) = missing_semicolon();
+    let form = |format| render_as(format, &diagnostics, &sources, Style::PLAIN);
     insta::assert_snapshot!("short", form(Format::Short));
     insta::assert_snapshot!("github", form(Format::Github));
     insta::assert_snapshot!("json", form(Format::Json));
@@ -267,7 +270,7 @@ fn forms_for_machines() {
 }
 
 #[test]
-fn no_findings_say_nothing_to_people_and_an_empty_list_to_machines() {
+fn no_diagnostics_say_nothing_to_people_and_an_empty_list_to_machines() {
     let none = |format| render_as(format, &[], &SourceMap::new(), Style::PLAIN);
     assert_eq!(none(Format::Human), "");
     assert_eq!(none(Format::Short), "");
@@ -299,10 +302,10 @@ fn of_a_line_without_end_only_what_matters_is_shown() {
     );
     let (sources, file) = source("net.rpinet", &text);
     let at = find(&sources, file, "broken", 0);
-    let finding = Finding::new(Code::RPI0001, "expected an equation")
-        .at(at, "found this")
+    let diagnostic = Diagnostic::new(Code::RPI0001, "expected an equation")
+        .primary(at, "found this")
         .fix(Fix::maybe("leave it out").replace(at, ""));
-    let shown = human((sources, vec![finding]));
+    let shown = human((sources, vec![diagnostic]));
     assert!(shown.len() < 600, "{} bytes", shown.len());
     for part in [
         "a = b; broken c = d;",
@@ -315,10 +318,10 @@ fn of_a_line_without_end_only_what_matters_is_shown() {
 }
 
 #[test]
-fn of_very_many_findings_the_first_are_shown() {
+fn of_very_many_diagnostics_the_first_are_shown() {
     let (sources, file) = source("a.rpi", "x");
-    let finding = Finding::new(Code::RPI0001, "again").at(Span::new(file, 0, 1), "here");
-    let shown = human((sources, vec![finding; 250]));
+    let diagnostic = Diagnostic::new(Code::RPI0001, "again").primary(Span::new(file, 0, 1), "here");
+    let shown = human((sources, vec![diagnostic; 250]));
     assert_eq!(shown.matches("error RPI0001: again").count(), 100);
     assert!(shown.contains("and 150 more"), "{shown}");
     assert!(shown.contains("250 errors"), "{shown}");

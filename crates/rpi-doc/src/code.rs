@@ -1,50 +1,52 @@
 //! Programs in HTML: highlighted tokens, and names with links.
 
-use rpi_syntax::{Mode, PieceKind, pieces};
+use rpi_syntax::{Dialect, SourceTokenKind, source_tokens};
 
-use crate::html::escaped;
+use crate::html::escape;
 
 /// Returns a program or a part of one in HTML. `link` returns the target of a name, if it has one.
-pub(crate) fn code(text: &str, mode: Mode, link: &dyn Fn(&str) -> Option<String>) -> String {
+pub(crate) fn code(text: &str, mode: Dialect, link: &dyn Fn(&str) -> Option<String>) -> String {
     let mut out = String::with_capacity(2 * text.len());
     let mut at = 0;
-    for piece in pieces(text, mode) {
+    for piece in source_tokens(text, mode) {
         if piece.range.start < at {
             continue;
         }
-        out.push_str(&escaped(&text[at..piece.range.start]));
+        out.push_str(&escape(&text[at..piece.range.start]));
         let word = &text[piece.range.clone()];
-        out.push_str(&coloured(piece.kind, word, link));
+        out.push_str(&highlighted(piece.kind, word, link));
         at = piece.range.end;
     }
-    out.push_str(&escaped(&text[at..]));
+    out.push_str(&escape(&text[at..]));
     out
 }
 
-fn coloured(kind: PieceKind, word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
+fn highlighted(kind: SourceTokenKind, word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
     let class = match kind {
-        PieceKind::Name => return named(word, link),
-        PieceKind::Fixed if word.starts_with(|c: char| c.is_ascii_alphabetic()) => "k",
-        PieceKind::Fixed => return escaped(word),
-        PieceKind::Number => "n",
-        PieceKind::Text => "s",
-        PieceKind::Comment(_) => "c",
+        SourceTokenKind::Name => return linked_name(word, link),
+        SourceTokenKind::KeywordOrSymbol if word.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+            "k"
+        }
+        SourceTokenKind::KeywordOrSymbol => return escape(word),
+        SourceTokenKind::Number => "n",
+        SourceTokenKind::String => "s",
+        SourceTokenKind::Comment(_) => "c",
     };
     // A span over several lines would be broken by the line numbers.
     let lines = word.split('\n');
-    let lines = lines.map(|line| format!("<span class=\"{class}\">{}</span>", escaped(line)));
+    let lines = lines.map(|line| format!("<span class=\"{class}\">{}</span>", escape(line)));
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn named(word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
+fn linked_name(word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
     match link(word) {
-        Some(href) => format!("<a href=\"{}\">{}</a>", escaped(&href), escaped(word)),
-        None => escaped(word),
+        Some(href) => format!("<a href=\"{}\">{}</a>", escape(&href), escape(word)),
+        None => escape(word),
     }
 }
 
 /// Returns a whole text in HTML, with a linkable number before each line.
-pub(crate) fn listing(text: &str, mode: Mode) -> String {
+pub(crate) fn listing(text: &str, mode: Dialect) -> String {
     let coloured = code(text, mode, &|_| None);
     let mut out = String::from("<pre class=\"listing\"><code>");
     for (k, line) in coloured.trim_end().split('\n').enumerate() {
@@ -58,7 +60,7 @@ pub(crate) fn listing(text: &str, mode: Mode) -> String {
 }
 
 /// Returns a block of code in HTML.
-pub(crate) fn block(text: &str, mode: Mode, link: &dyn Fn(&str) -> Option<String>) -> String {
+pub(crate) fn block(text: &str, mode: Dialect, link: &dyn Fn(&str) -> Option<String>) -> String {
     let coloured = code(text.trim_end(), mode, link);
     format!("<pre class=\"code\"><code>{coloured}</code></pre>\n")
 }
@@ -70,7 +72,7 @@ mod tests {
     #[test]
     fn words_are_coloured_and_names_linked() {
         let link = |name: &str| (name == "f").then(|| "m.html#f".to_owned());
-        let html = code("y = pre f(3) < x; -- <b>", Mode::Rpi, &link);
+        let html = code("y = pre f(3) < x; -- <b>", Dialect::Rpi, &link);
         let expected = "y = <span class=\"k\">pre</span> <a href=\"m.html#f\">f</a>(<span class=\"n\">3</span>) &lt; x; \
                         <span class=\"c\">-- &lt;b&gt;</span>";
         assert_eq!(html, expected);
@@ -78,7 +80,7 @@ mod tests {
 
     #[test]
     fn comments_over_lines_keep_lines_whole() {
-        let html = listing("(* a\nb *)", Mode::Rpi);
+        let html = listing("(* a\nb *)", Dialect::Rpi);
         assert_eq!(html.matches("<span class=\"c\">").count(), 2);
         assert!(html.contains("id=\"L2\""));
     }

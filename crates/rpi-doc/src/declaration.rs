@@ -1,65 +1,65 @@
 //! A declaration in HTML: signature, doc comment, members, net.
 
-use rpi_driver::Inspected;
+use rpi_driver::Inspection;
 use rpi_sema::query::{Def, DefId, DefKind};
-use rpi_syntax::Mode;
+use rpi_syntax::Dialect;
 use rpi_syntax::ast::{Item, ItemKind};
 
 use crate::code;
 use crate::drawing;
-use crate::html::escaped;
-use crate::markdown::markdown;
-use crate::parts;
-use crate::places::Places;
+use crate::html::escape;
+use crate::links::LinkMap;
+use crate::markdown::to_html;
+use crate::members;
 
 /// Context for the declarations of one file.
-pub(crate) struct Shown<'s> {
-    pub(crate) seen: &'s Inspected,
-    pub(crate) places: &'s Places,
+pub(crate) struct PageContext<'s> {
+    pub(crate) inspected: &'s Inspection,
+    pub(crate) links: &'s LinkMap,
     /// Path of the page with the source text, relative to the page of the module.
     pub(crate) listing: String,
 }
 
-impl Shown<'_> {
+impl PageContext<'_> {
     /// Returns the target of a name within a declaration. A name of the declaration itself is not linked.
     pub(crate) fn link(&self, from: &Def, name: &str) -> Option<String> {
         let (file, offset) = (from.span.file, from.span.end);
-        let index = self.seen.index();
+        let index = self.inspected.index();
         let found = index.resolve_path(file, offset, name)?;
         let own = index.def(found).span == from.span;
-        let top = name.contains('.') || crate::places::is_top(self.seen, index.def(found));
+        let top = name.contains('.') || crate::links::is_top(self.inspected, index.def(found));
         (!own && top)
-            .then(|| self.places.href(self.seen, found))
+            .then(|| self.links.href(self.inspected, found))
             .flatten()
     }
 
     /// Returns the section of a declaration.
     pub(crate) fn section(&self, id: DefId, item: &Item) -> String {
-        let def = self.seen.index().def(id);
+        let def = self.inspected.index().def(id);
         let link = |name: &str| self.link(def, name);
-        let line = self.seen.sources.line_col(def.span).line;
-        let (name, kind) = (escaped(&def.name), def.kind.word());
+        let line = self.inspected.sources.line_col(def.span).line;
+        let (name, kind) = (escape(&def.name), def.kind.description());
         let mut out = format!(
             "<section class=\"declaration\" id=\"{name}\">\n<h3><a href=\"#{name}\">{name}</a> <span class=\"kind\">{kind}</span>"
         );
-        if Some(def.span.file) == self.seen.sources.files().next() {
+        if Some(def.span.file) == self.inspected.sources.files().next() {
             let listing = &self.listing;
             out.push_str(&format!(
                 " <a class=\"source\" href=\"{listing}#L{line}\" title=\"line {line} of the source\">source</a>"
             ));
         }
         out.push_str("</h3>\n");
-        let signature = code::code(&self.signature(def, item), self.seen.mode(), &link);
+        let signature = code::code(&self.signature(def, item), self.inspected.mode(), &link);
         out.push_str(&format!(
             "<pre class=\"signature\"><code>{signature}</code></pre>\n"
         ));
         if let Some(doc) = &def.doc {
             out.push_str(&format!(
                 "<div class=\"doc\">\n{}</div>\n",
-                markdown(doc, &link)
+                to_html(doc, &link)
             ));
         }
-        out.push_str(&parts::tables(self.seen, id, &link));
+        out.push_str(&members::tables(self.inspected, id, &link));
         out.push_str(&self.drawing(id, item));
         out.push_str("</section>\n");
         out
@@ -70,19 +70,27 @@ impl Shown<'_> {
     fn signature(&self, def: &Def, item: &Item) -> String {
         match def.kind {
             DefKind::Const => {
-                format!("const {}: {}", def.name, parts::type_text(self.seen, def))
+                format!(
+                    "const {}: {}",
+                    def.name,
+                    members::type_text(self.inspected, def)
+                )
             }
             DefKind::Type => {
-                let whole = self.seen.sources.slice(def.whole).trim_end_matches(';');
+                let whole = self
+                    .inspected
+                    .sources
+                    .slice(def.full_span)
+                    .trim_end_matches(';');
                 format!("type {whole}")
             }
-            _ => without_docs(&rpi_syntax::head(item, self.seen.mode())),
+            _ => without_docs(&rpi_syntax::header(item, self.inspected.mode())),
         }
     }
 
     fn drawing(&self, id: DefId, item: &Item) -> String {
-        let def = self.seen.index().def(id);
-        let Some(drawn) = drawing::of(self, id, item) else {
+        let def = self.inspected.index().def(id);
+        let Some(drawn) = drawing::draw_declaration(self, id, item) else {
             return String::new();
         };
         let open = if drawn.is_small { " open" } else { "" };
@@ -108,9 +116,9 @@ fn without_docs(head: &str) -> String {
 }
 
 /// Returns the description of a file of this language.
-pub(crate) fn mode_word(mode: Mode) -> &'static str {
+pub(crate) fn mode_word(mode: Dialect) -> &'static str {
     match mode {
-        Mode::Rpi => "module",
-        Mode::Lustre => "Lustre file",
+        Dialect::Rpi => "module",
+        Dialect::Lustre => "Lustre file",
     }
 }

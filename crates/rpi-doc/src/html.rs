@@ -1,7 +1,7 @@
 //! HTML escaping, and the frame of every page.
 
 /// Escapes a text for HTML elements and attributes.
-pub(crate) fn escaped(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -35,7 +35,7 @@ impl Page<'_> {
     /// Returns the whole page.
     pub(crate) fn html(&self) -> String {
         let Page { up, side, main, .. } = self;
-        let (title, project) = (escaped(self.title), escaped(self.project));
+        let (title, project) = (escape(self.title), escape(self.project));
         let whole = match title == project {
             true => title,
             false => format!("{title} - {project}"),
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn nothing_in_a_text_is_markup() {
         assert_eq!(
-            escaped("a < b & \"c\"\u{1}"),
+            escape("a < b & \"c\"\u{1}"),
             "a &lt; b &amp; &quot;c&quot;\u{fffd}"
         );
     }

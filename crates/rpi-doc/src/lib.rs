@@ -18,10 +18,10 @@ mod code;
 mod declaration;
 mod drawing;
 mod html;
+mod links;
 mod markdown;
+mod members;
 mod module;
-mod parts;
-mod places;
 mod site;
 
 pub use site::{Module, Site};

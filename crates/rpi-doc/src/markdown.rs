@@ -4,16 +4,16 @@
 use pulldown_cmark::{
     BrokenLink, CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd,
 };
-use rpi_syntax::Mode;
+use rpi_syntax::Dialect;
 
 use crate::code;
-use crate::html::escaped;
+use crate::html::escape;
 
 /// Function that returns the link target of a name, if it has one.
 pub(crate) type Link<'l> = &'l dyn Fn(&str) -> Option<String>;
 
 /// Converts a doc comment to HTML.
-pub(crate) fn markdown(text: &str, link: Link<'_>) -> String {
+pub(crate) fn to_html(text: &str, link: Link<'_>) -> String {
     let resolved = |broken: BrokenLink<'_>| {
         let href = link(broken.reference.trim_matches('`'))?;
         Some((CowStr::from(href), CowStr::from("")))
@@ -36,17 +36,17 @@ pub(crate) fn summary(text: &str) -> String {
     let first = text.split("\n\n").next().unwrap_or_default();
     let joined = first.lines().map(str::trim).collect::<Vec<_>>().join(" ");
     let plain = joined.replace("[`", "`").replace("`]", "`");
-    let parts = plain[..sentence(&plain)].split('`').enumerate();
+    let parts = plain[..first_sentence_len(&plain)].split('`').enumerate();
     let parts = parts.map(|(k, part)| match k % 2 {
-        1 => format!("<code>{}</code>", escaped(part)),
-        _ => escaped(part),
+        1 => format!("<code>{}</code>", escape(part)),
+        _ => escape(part),
     });
     parts.collect()
 }
 
 /// Returns the length in bytes of the first sentence. A sentence ends with a full stop outside of parentheses, followed
 /// by a space and an upper-case letter or a backquote.
-fn sentence(text: &str) -> usize {
+fn first_sentence_len(text: &str) -> usize {
     let is_end = |at: &usize| {
         let (before, next) = (&text[..*at], text[at + 2..].chars().next());
         let inside = before.matches('(').count() > before.matches(')').count();
@@ -71,10 +71,9 @@ impl Writer<'_> {
                 self.block = Some((language(&kind), String::new()));
                 None
             }
-            Event::End(TagEnd::CodeBlock) => self
-                .block
-                .take()
-                .map(|(language, text)| Event::Html(written(&language, &text, self.link).into())),
+            Event::End(TagEnd::CodeBlock) => self.block.take().map(|(language, text)| {
+                Event::Html(code_block(&language, &text, self.link).into())
+            }),
             Event::Text(text) => self.text(text),
             Event::Html(text) | Event::InlineHtml(text) => Some(Event::Text(text)),
             Event::Code(text) => Some(self.quoted(text)),
@@ -86,7 +85,7 @@ impl Writer<'_> {
                 leads.then_some(event)
             }
             Event::End(TagEnd::Link) => self.links.pop()?.then_some(event),
-            other => Some(lowered(other)),
+            other => Some(lower_heading(other)),
         }
     }
 
@@ -104,7 +103,7 @@ impl Writer<'_> {
     fn quoted<'e>(&self, text: CowStr<'e>) -> Event<'e> {
         match (self.link)(&text).filter(|_| self.links.is_empty()) {
             Some(href) => {
-                let (href, text) = (escaped(&href), escaped(&text));
+                let (href, text) = (escape(&href), escape(&text));
                 Event::InlineHtml(format!("<a href=\"{href}\"><code>{text}</code></a>").into())
             }
             None => Event::Code(text),
@@ -113,7 +112,7 @@ impl Writer<'_> {
 }
 
 /// Lowers a heading, because the page has its own headings above those of a comment.
-fn lowered(event: Event<'_>) -> Event<'_> {
+fn lower_heading(event: Event<'_>) -> Event<'_> {
     let below = |level: HeadingLevel| {
         HeadingLevel::try_from((level as usize + 3).min(6)).unwrap_or(HeadingLevel::H6)
     };
@@ -136,11 +135,11 @@ fn language(kind: &CodeBlockKind<'_>) -> String {
     }
 }
 
-fn written(language: &str, text: &str, link: Link<'_>) -> String {
+fn code_block(language: &str, text: &str, link: Link<'_>) -> String {
     match language {
-        "rpi" => code::block(text, Mode::Rpi, link),
-        "lus" => code::block(text, Mode::Lustre, link),
-        _ => format!("<pre><code>{}</code></pre>\n", escaped(text)),
+        "rpi" => code::block(text, Dialect::Rpi, link),
+        "lus" => code::block(text, Dialect::Lustre, link),
+        _ => format!("<pre><code>{}</code></pre>\n", escape(text)),
     }
 }
 
@@ -158,7 +157,7 @@ mod tests {
     use super::*;
 
     fn html(text: &str) -> String {
-        markdown(text, &|name| (name == "f").then(|| "m.html#f".to_owned()))
+        to_html(text, &|name| (name == "f").then(|| "m.html#f".to_owned()))
     }
 
     #[test]

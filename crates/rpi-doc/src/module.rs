@@ -1,13 +1,13 @@
 //! Page of a module, and the parts of it that other pages show.
 
-use rpi_driver::{Inspected, doc_blocks};
+use rpi_driver::{Inspection, doc_blocks};
 use rpi_sema::query::{Def, DefId, DefKind};
 use rpi_syntax::ast::{Item, ItemKind};
 
-use crate::declaration::Shown;
-use crate::html::escaped;
-use crate::markdown::{markdown, summary};
-use crate::places::is_top;
+use crate::declaration::PageContext;
+use crate::html::escape;
+use crate::links::is_top;
+use crate::markdown::{summary, to_html};
 
 /// Sections of a page, in order of importance.
 const SECTIONS: &[(DefKind, &str)] = &[
@@ -24,7 +24,7 @@ const SECTIONS: &[(DefKind, &str)] = &[
 ];
 
 /// Returns the declarations of a module by section, each in source order.
-pub(crate) fn sections(seen: &Inspected) -> Vec<(&'static str, Vec<(DefId, &Item)>)> {
+pub(crate) fn sections(seen: &Inspection) -> Vec<(&'static str, Vec<(DefId, &Item)>)> {
     let declared = declared(seen);
     let of = |kind: DefKind| {
         let found = declared.iter();
@@ -36,10 +36,10 @@ pub(crate) fn sections(seen: &Inspected) -> Vec<(&'static str, Vec<(DefId, &Item
 }
 
 /// Returns every declaration of the own files of the module.
-fn declared(seen: &Inspected) -> Vec<(DefId, &Item)> {
+fn declared(seen: &Inspection) -> Vec<(DefId, &Item)> {
     let mut found = Vec::new();
     for item in seen.own_items() {
-        if matches!(item.kind, ItemKind::Test(_) | ItemKind::Broken(_)) {
+        if matches!(item.kind, ItemKind::Test(_) | ItemKind::Error(_)) {
             continue;
         }
         let inside = |def: &Def| {
@@ -57,7 +57,7 @@ fn declared(seen: &Inspected) -> Vec<(DefId, &Item)> {
 
 /// Returns the description of the module: a doc comment at the top of its text that is followed by an empty line or a
 /// `use`.
-pub(crate) fn about(seen: &Inspected) -> Option<String> {
+pub(crate) fn description(seen: &Inspection) -> Option<String> {
     let file = seen.sources.files().next()?;
     let text = seen.sources.text(file);
     let block = doc_blocks(text, seen.mode()).into_iter().next()?;
@@ -74,19 +74,19 @@ fn is_before_use(after: &str) -> bool {
 }
 
 /// Returns the main content of the page.
-pub(crate) fn content(shown: &Shown<'_>, name: &str) -> String {
-    let seen = shown.seen;
+pub(crate) fn content(shown: &PageContext<'_>, name: &str) -> String {
+    let seen = shown.inspected;
     let word = crate::declaration::mode_word(seen.mode());
     let mut out = format!(
         "<h1>{} <span class=\"kind\">{word}</span> <a class=\"source\" href=\"{}\">source</a></h1>\n",
-        escaped(name),
+        escape(name),
         shown.listing
     );
-    if let Some(about) = about(seen) {
-        let link = |name: &str| of_module(shown, name);
+    if let Some(about) = description(seen) {
+        let link = |name: &str| module_link(shown, name);
         out.push_str(&format!(
             "<div class=\"doc\">\n{}</div>\n",
-            markdown(&about, &link)
+            to_html(&about, &link)
         ));
     }
     let sections = sections(seen);
@@ -105,20 +105,20 @@ fn id_of(title: &str) -> String {
     format!("-{}", title.to_lowercase().replace(' ', "-"))
 }
 
-fn of_module(shown: &Shown<'_>, name: &str) -> Option<String> {
-    let file = shown.seen.sources.files().next()?;
-    let found = shown.seen.index().resolve_path(file, 0, name)?;
-    shown.places.href(shown.seen, found)
+fn module_link(shown: &PageContext<'_>, name: &str) -> Option<String> {
+    let file = shown.inspected.sources.files().next()?;
+    let found = shown.inspected.index().resolve_path(file, 0, name)?;
+    shown.links.href(shown.inspected, found)
 }
 
-fn overview(seen: &Inspected, title: &str, found: &[(DefId, &Item)]) -> String {
+fn overview(seen: &Inspection, title: &str, found: &[(DefId, &Item)]) -> String {
     let mut out = format!(
         "<table class=\"overview\"><caption><a href=\"#{}\">{title}</a></caption>\n<tbody>\n",
         id_of(title)
     );
     for (id, _) in found {
         let def = seen.index().def(*id);
-        let name = escaped(&def.name);
+        let name = escape(&def.name);
         let about = def.doc.as_deref().map(summary).unwrap_or_default();
         out.push_str(&format!(
             "<tr><th scope=\"row\"><a href=\"#{name}\">{name}</a></th><td>{about}</td></tr>\n"
@@ -129,15 +129,18 @@ fn overview(seen: &Inspected, title: &str, found: &[(DefId, &Item)]) -> String {
 }
 
 /// Returns the list of the tests of the module.
-fn tests(shown: &Shown<'_>) -> String {
-    let tests = shown.seen.own_items().filter_map(|item| match &item.kind {
-        ItemKind::Test(test) => Some(&test.title),
-        _ => None,
-    });
+fn tests(shown: &PageContext<'_>) -> String {
+    let tests = shown
+        .inspected
+        .own_items()
+        .filter_map(|item| match &item.kind {
+            ItemKind::Test(test) => Some(&test.title),
+            _ => None,
+        });
     let lines: Vec<String> = tests
         .map(|title| {
-            let line = shown.seen.sources.line_col(title.span).line;
-            let title = escaped(&title.name);
+            let line = shown.inspected.sources.line_col(title.span).line;
+            let title = escape(&title.name);
             format!(
                 "<li><a href=\"{}#L{line}\">{title}</a></li>\n",
                 shown.listing
@@ -154,7 +157,7 @@ fn tests(shown: &Shown<'_>) -> String {
 }
 
 /// Returns the side bar of the page.
-pub(crate) fn side(seen: &Inspected) -> String {
+pub(crate) fn side_bar(seen: &Inspection) -> String {
     let mut out = String::new();
     for (title, found) in sections(seen) {
         out.push_str(&format!(
@@ -162,7 +165,7 @@ pub(crate) fn side(seen: &Inspected) -> String {
             id_of(title)
         ));
         for (id, _) in found {
-            let name = escaped(&seen.index().def(id).name);
+            let name = escape(&seen.index().def(id).name);
             out.push_str(&format!("<li><a href=\"#{name}\">{name}</a></li>\n"));
         }
         out.push_str("</ul>\n");

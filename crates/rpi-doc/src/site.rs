@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use rpi_driver::Inspected;
+use rpi_driver::Inspection;
 
 use crate::code;
-use crate::declaration::Shown;
-use crate::html::{Page, escaped};
-use crate::markdown::{markdown, summary};
+use crate::declaration::PageContext;
+use crate::html::{Page, escape};
+use crate::links::{LinkMap, is_top};
+use crate::markdown::{summary, to_html};
 use crate::module;
-use crate::places::{Places, is_top};
 
 const STYLE: &str = include_str!("../assets/style.css");
 const SEARCH: &str = include_str!("../assets/search.js");
@@ -22,7 +22,7 @@ pub struct Module {
     /// Whether it belongs to the standard library.
     pub is_library: bool,
     /// Checked module; its own text is the first file.
-    pub seen: Inspected,
+    pub inspected: Inspection,
 }
 
 /// Files of a reference.
@@ -35,8 +35,8 @@ pub struct Site {
 impl Site {
     /// Generates the reference of modules under one title; `about` is Markdown.
     #[must_use]
-    pub fn of(title: &str, about: &str, modules: &[Module]) -> Site {
-        let shelf = Shelf::new(title, modules);
+    pub fn new(title: &str, about: &str, modules: &[Module]) -> Site {
+        let shelf = SiteBuilder::new(title, modules);
         let mut files = vec![
             ("index.html".to_owned(), shelf.index(about)),
             ("names.js".to_owned(), shelf.names()),
@@ -53,34 +53,40 @@ impl Site {
 }
 
 /// Modules with their pages.
-struct Shelf<'m> {
+struct SiteBuilder<'m> {
     title: &'m str,
     modules: &'m [Module],
     /// Page name of each module.
     pages: Vec<String>,
-    places: Places,
+    links: LinkMap,
 }
 
-impl<'m> Shelf<'m> {
-    fn new(title: &'m str, modules: &'m [Module]) -> Shelf<'m> {
+impl<'m> SiteBuilder<'m> {
+    fn new(title: &'m str, modules: &'m [Module]) -> SiteBuilder<'m> {
         let mut taken: BTreeSet<String> = BTreeSet::from(["index".to_owned()]);
-        let mut places = Places::default();
+        let mut places = LinkMap::default();
         let mut pages = Vec::new();
         for module in modules {
             let page = unique(&page_name(&module.name), &mut taken);
-            let mut own: Vec<_> = module.seen.own_items().map(|item| item.span.file).collect();
-            own.extend(module.seen.sources.files().next());
+            let mut own: Vec<_> = module
+                .inspected
+                .own_items()
+                .map(|item| item.span.file)
+                .collect();
+            own.extend(module.inspected.sources.files().next());
             own.sort();
             own.dedup();
-            let names = own.into_iter().map(|file| module.seen.sources.name(file));
+            let names = own
+                .into_iter()
+                .map(|file| module.inspected.sources.name(file));
             names.for_each(|name| places.add(name, &page));
             pages.push(page);
         }
-        Shelf {
+        SiteBuilder {
             title,
             modules,
             pages,
-            places,
+            links: places,
         }
     }
 
@@ -99,7 +105,7 @@ impl<'m> Shelf<'m> {
     /// Returns the list of modules for the side bar of every page.
     fn contents(&self, up: &str) -> String {
         let line = |(module, page): (&Module, &String)| {
-            let name = escaped(&module.name);
+            let name = escape(&module.name);
             format!("<li><a href=\"{up}{page}.html\">{name}</a></li>\n")
         };
         let all = self.modules.iter().zip(&self.pages).map(line);
@@ -110,58 +116,63 @@ impl<'m> Shelf<'m> {
     }
 
     fn module(&self, module: &Module, page: &str) -> String {
-        let shown = Shown {
-            seen: &module.seen,
-            places: &self.places,
+        let shown = PageContext {
+            inspected: &module.inspected,
+            links: &self.links,
             listing: format!("src/{page}.html"),
         };
         let main = module::content(&shown, &module.name);
-        self.page(&module.name, "", &module::side(&module.seen), &main)
+        self.page(
+            &module.name,
+            "",
+            &module::side_bar(&module.inspected),
+            &main,
+        )
     }
 
     /// Returns the page with the source text of the main file of a module.
     fn source(&self, module: &Module, page: &str) -> String {
-        let name = escaped(&module.name);
+        let name = escape(&module.name);
         let mut main = format!(
             "<h1><a href=\"../{page}.html\">{name}</a> <span class=\"kind\">source</span></h1>\n"
         );
-        if let Some(file) = module.seen.sources.files().next() {
+        if let Some(file) = module.inspected.sources.files().next() {
             main.push_str(&code::listing(
-                module.seen.sources.text(file),
-                module.seen.mode(),
+                module.inspected.sources.text(file),
+                module.inspected.mode(),
             ));
         }
         self.page(&format!("{} (source)", module.name), "../", "", &main)
     }
 
     fn index(&self, about: &str) -> String {
-        let mut main = format!("<h1>{}</h1>\n", escaped(self.title));
+        let mut main = format!("<h1>{}</h1>\n", escape(self.title));
         if !about.is_empty() {
             main.push_str(&format!(
                 "<div class=\"doc\">\n{}</div>\n",
-                markdown(about, &|_| None)
+                to_html(about, &|_| None)
             ));
         }
-        let own = self.listed("Modules", false);
+        let own = self.module_table("Modules", false);
         let used = if own.is_empty() {
             "Modules"
         } else {
             "Standard library modules"
         };
         main.push_str(&own);
-        main.push_str(&self.listed(used, true));
+        main.push_str(&self.module_table(used, true));
         main.push_str(&self.all_names());
         self.page(self.title, "", "", &main)
     }
 
-    fn listed(&self, title: &str, library: bool) -> String {
+    fn module_table(&self, title: &str, library: bool) -> String {
         let all = self.modules.iter().zip(&self.pages);
         let rows: String = all
             .filter(|(module, _)| module.is_library == library)
             .map(|(module, page)| {
-                let about = module::about(&module.seen);
+                let about = module::description(&module.inspected);
                 let about = about.as_deref().map(summary).unwrap_or_default();
-                let name = escaped(&module.name);
+                let name = escape(&module.name);
                 format!("<tr><th scope=\"row\"><a href=\"{page}.html\">{name}</a></th><td>{about}</td></tr>\n")
             })
             .collect();
@@ -178,7 +189,7 @@ impl<'m> Shelf<'m> {
         let mut names = self.declarations();
         names.sort_by_key(|name| (name.name.to_lowercase(), name.href.clone()));
         let lines = names.iter().map(|name| {
-            let (text, href) = (escaped(&name.name), escaped(&name.href));
+            let (text, href) = (escape(&name.name), escape(&name.href));
             format!(
                 "<li><a href=\"{href}\">{text}</a> <span class=\"kind\">{}</span></li>\n",
                 name.kind
@@ -200,17 +211,17 @@ impl<'m> Shelf<'m> {
                 name.href,
                 name.about,
             ];
-            let cells: Vec<String> = cells.iter().map(|cell| text_in_script(cell)).collect();
+            let cells: Vec<String> = cells.iter().map(|cell| js_string(cell)).collect();
             format!("  [{}]", cells.join(", "))
         });
         let rows: Vec<String> = rows.collect();
         format!("const NAMES = [\n{}\n];\n", rows.join(",\n"))
     }
 
-    fn declarations(&self) -> Vec<Named> {
+    fn declarations(&self) -> Vec<IndexEntry> {
         let mut found = Vec::new();
         for module in self.modules {
-            let seen = &module.seen;
+            let seen = &module.inspected;
             for (id, _) in module::sections(seen)
                 .into_iter()
                 .flat_map(|(_, found)| found)
@@ -218,12 +229,12 @@ impl<'m> Shelf<'m> {
                 let def = seen.index().def(id);
                 let first = def.doc.as_deref().and_then(|doc| doc.lines().next());
                 found.extend(
-                    self.places
+                    self.links
                         .href(seen, id)
                         .filter(|_| is_top(seen, def))
-                        .map(|href| Named {
+                        .map(|href| IndexEntry {
                             name: def.name.to_string(),
-                            kind: def.kind.word(),
+                            kind: def.kind.description(),
                             module: module.name.clone(),
                             href,
                             about: first.unwrap_or_default().to_owned(),
@@ -236,7 +247,7 @@ impl<'m> Shelf<'m> {
 }
 
 /// Declaration in the index.
-struct Named {
+struct IndexEntry {
     name: String,
     kind: &'static str,
     module: String,
@@ -267,7 +278,7 @@ fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
 }
 
 /// Returns a text as a JavaScript string literal.
-fn text_in_script(text: &str) -> String {
+fn js_string(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
@@ -288,10 +299,7 @@ mod tests {
 
     #[test]
     fn texts_in_scripts_stay_texts() {
-        assert_eq!(
-            text_in_script("a\"</script>\\"),
-            "\"a\\\"\\u003c/script>\\\\\""
-        );
+        assert_eq!(js_string("a\"</script>\\"), "\"a\\\"\\u003c/script>\\\\\"");
     }
 
     #[test]

@@ -7,12 +7,12 @@ use html5ever::tendril::TendrilSink;
 use html5ever::{ParseOpts, parse_document};
 use markup5ever_rcdom::{Handle, NodeData, RcDom};
 use rpi_doc::{Module, Site};
-use rpi_driver::{Disk, Files, inspect, library_modules, library_text};
+use rpi_driver::{DiskLoader, FileLoader, inspect, library_modules, library_text};
 use rpi_testkit::workspace_root;
 
 struct Nothing;
 
-impl Files for Nothing {
+impl FileLoader for Nothing {
     fn text(&self, _: &Path) -> Option<String> {
         None
     }
@@ -22,7 +22,7 @@ fn library() -> Vec<Module> {
     let module = |name: &str| Module {
         name: name.to_owned(),
         is_library: true,
-        seen: inspect(
+        inspected: inspect(
             &PathBuf::from(format!("stdlib/{name}.rpi")),
             library_text(name).unwrap(),
             &Nothing,
@@ -37,11 +37,11 @@ fn belt() -> Site {
     let mut modules = vec![Module {
         name: "belt".to_owned(),
         is_library: false,
-        seen: inspect(Path::new("belt.rpi"), text, &Disk),
+        inspected: inspect(Path::new("belt.rpi"), text, &DiskLoader),
     }];
-    assert_eq!(modules[0].seen.findings, []);
+    assert_eq!(modules[0].inspected.diagnostics, []);
     modules.extend(library());
-    Site::of("belt & more", "A *cell* with `a < b`.", &modules)
+    Site::new("belt & more", "A *cell* with `a < b`.", &modules)
 }
 
 fn page<'s>(site: &'s Site, name: &str) -> &'s str {
@@ -77,7 +77,7 @@ fn the_same_program_gives_the_same_pages() {
 #[test]
 fn every_module_of_the_library_has_a_page_with_all_its_names() {
     let modules = library();
-    let site = Site::of("library", "", &modules);
+    let site = Site::new("library", "", &modules);
     for module in &modules {
         let page = page(&site, &format!("{}.html", module.name));
         let ids = ids(page);

@@ -3,22 +3,22 @@
 use std::ops::Range;
 use std::path::Path;
 
-use rpi_diag::{Finding, Severity, SourceMap, Span};
+use rpi_diag::{Diagnostic, Severity, SourceMap, Span};
 use rpi_image::Image;
 use rpi_lower::{LowerOptions, Plan};
 use rpi_net::passes::analyse;
 use rpi_net::{FragmentId, Net};
-use rpi_sema::elab::Claims;
-use rpi_syntax::Mode;
+use rpi_sema::elab::ClaimPolicy;
+use rpi_syntax::Dialect;
 
+use crate::coverage_points::{self, CoveragePoints};
 use crate::doctext;
-use crate::files::Disk;
-use crate::input::{Input, InputError, Kind};
-use crate::marks::{self, Marks};
+use crate::file_loader::DiskLoader;
+use crate::input::{Input, InputError, InputKind};
 use crate::modules::Modules;
-use crate::source::{self, Told};
+use crate::program::{self, AnalysisSummary};
+use crate::program_tests::Test;
 use crate::task::Task;
-use crate::tests::Test;
 use crate::violation;
 
 /// Result of compiling a file.
@@ -27,25 +27,25 @@ pub struct Compiled {
     /// Source texts that the diagnostics refer to.
     pub sources: SourceMap,
     /// Diagnostics, in the order of the stages.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
     /// Commands that can be run.
     pub program: Program,
     /// Tasks of the program: which command follows which.
     pub tasks: Vec<Task>,
     /// Commands that can only run with the arguments given by a task.
-    pub unset: Vec<Unset>,
+    pub unbound: Vec<UnboundCommand>,
     /// Tests of the program.
     pub tests: Vec<Test>,
     /// Summary of the analyses of each command and node, if requested.
-    pub told: Vec<Told>,
+    pub summaries: Vec<AnalysisSummary>,
     /// Coverage points, if requested.
-    pub marks: Vec<Marks>,
+    pub coverage_points: Vec<CoveragePoints>,
 }
 
 /// Command with a parameter that has no value: there is neither a constant of its name nor a default in its
 /// declaration.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Unset {
+pub struct UnboundCommand {
     /// Name of the command.
     pub command: String,
     /// Parameters without a value, as declared: `to: Pose`.
@@ -54,30 +54,30 @@ pub struct Unset {
 
 /// Options of the compiler.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub struct Asked {
+pub struct CompileOptions {
     /// Treatment of assertions and contracts in the compiled nets.
-    pub claims: Claims,
+    pub claims: ClaimPolicy,
     /// Whether to summarise the results of the analyses.
-    pub told: bool,
+    pub summaries: bool,
     /// Whether to report operations that can fault at run time.
     pub faults: bool,
     /// Whether to return the coverage points.
     pub marks: bool,
     /// Whether the text comes from a client that may not read files of this machine. Other files are not searched for
     /// then.
-    pub alone: bool,
+    pub no_files: bool,
     /// Period of a cycle in ns; default: that of the machine.
     pub period_ns: Option<u64>,
 }
 
-impl From<Claims> for Asked {
-    fn from(claims: Claims) -> Asked {
-        Asked {
+impl From<ClaimPolicy> for CompileOptions {
+    fn from(claims: ClaimPolicy) -> CompileOptions {
+        CompileOptions {
             claims,
-            told: false,
+            summaries: false,
             faults: false,
             marks: false,
-            alone: false,
+            no_files: false,
             period_ns: None,
         }
     }
@@ -97,49 +97,52 @@ pub enum Program {
 /// # Errors
 /// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
 pub fn compile(input: &Input) -> Result<Compiled, InputError> {
-    compile_with(input, Claims::Off)
+    compile_with(input, ClaimPolicy::Off)
 }
 
 /// Compiles a file up to checked nets, with options.
 ///
 /// # Errors
 /// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
-pub fn compile_with(input: &Input, asked: impl Into<Asked>) -> Result<Compiled, InputError> {
+pub fn compile_with(
+    input: &Input,
+    asked: impl Into<CompileOptions>,
+) -> Result<Compiled, InputError> {
     match input.kind {
-        Kind::Rpib => image(input),
-        Kind::Rpinet => Ok(net(input, input.text()?)),
-        Kind::Rpi | Kind::Lustre => program(input, input.text()?, asked.into()),
+        InputKind::Rpib => image(input),
+        InputKind::Rpinet => Ok(net(input, input.text()?)),
+        InputKind::Rpi | InputKind::Lustre => program(input, input.text()?, asked.into()),
     }
 }
 
-fn program(input: &Input, text: &str, asked: Asked) -> Result<Compiled, InputError> {
+fn program(input: &Input, text: &str, asked: CompileOptions) -> Result<Compiled, InputError> {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
     let mut text = program_text(input, &name, &path, text);
-    text.folder = text.folder.filter(|_| !asked.alone);
+    text.folder = text.folder.filter(|_| !asked.no_files);
     let mut modules = text.modules(&mut sources);
     // Falling back to the default machine would check budgets against the wrong speed.
-    if let Some(why) = modules.no_machine.take() {
+    if let Some(why) = modules.machine_error.take() {
         return Err(why);
     }
     modules.machine.period_ns = asked.period_ns.unwrap_or(modules.machine.period_ns);
-    let mode = Mode::of_path(&path);
-    let (mut built, _) = source::build_modules(&modules, &sources, asked);
+    let mode = Dialect::from_path(&path);
+    let (mut built, _) = program::build_modules(&modules, &sources, asked);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
-    built.findings.extend(links);
-    let mut findings = built.findings;
-    crate::fixes::of_the_program(&mut findings, &sources);
-    crate::fixes::whole_lines(&mut findings, &sources);
+    built.diagnostics.extend(links);
+    let mut diagnostics = built.diagnostics;
+    crate::fixes::remove_library_fixes(&mut diagnostics, &sources);
+    crate::fixes::delete_whole_lines(&mut diagnostics, &sources);
     Ok(Compiled {
         sources,
-        findings,
+        diagnostics: diagnostics,
         program: Program::Nets(built.nets),
         tests: built.tests,
-        told: built.told,
+        summaries: built.summaries,
         tasks: built.tasks,
-        unset: built.unset,
-        marks: match asked.marks {
-            true => marks::of_modules(&modules),
+        unbound: built.unbound,
+        coverage_points: match asked.marks {
+            true => coverage_points::coverage_points(&modules),
             false => Vec::new(),
         },
     })
@@ -156,17 +159,17 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
     let example = doctext::example_text(text, lines);
     let around = program_text(input, &name, &path, text);
     let mut sources = SourceMap::new();
-    let modules = Modules::load_example(&example, &around, &Disk, &mut sources);
-    let (built, _) = source::build_modules(&modules, &sources, Claims::Report.into());
+    let modules = Modules::load_example(&example, &around, &DiskLoader, &mut sources);
+    let (built, _) = program::build_modules(&modules, &sources, ClaimPolicy::Report.into());
     Ok(Compiled {
         sources,
-        findings: built.findings,
+        diagnostics: built.diagnostics,
         program: Program::Nets(built.nets),
         tests: built.tests,
-        told: built.told,
+        summaries: built.summaries,
         tasks: built.tasks,
-        unset: built.unset,
-        marks: Vec::new(),
+        unbound: built.unbound,
+        coverage_points: Vec::new(),
     })
 }
 
@@ -175,8 +178,8 @@ pub(crate) fn program_text<'t>(
     name: &'t str,
     path: &'t str,
     text: &'t str,
-) -> source::Text<'t> {
-    source::Text {
+) -> program::SourceText<'t> {
+    program::SourceText {
         name,
         path,
         text,
@@ -189,47 +192,51 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         .map_err(|e| InputError::new(&input.path, format!("not a valid image: {e}")))?;
     Ok(Compiled {
         sources: SourceMap::new(),
-        findings: Vec::new(),
+        diagnostics: Vec::new(),
         program: Program::Image(Box::new(image)),
         tasks: Vec::new(),
-        unset: Vec::new(),
+        unbound: Vec::new(),
         tests: Vec::new(),
-        told: Vec::new(),
-        marks: Vec::new(),
+        summaries: Vec::new(),
+        coverage_points: Vec::new(),
     })
 }
 
 fn net(input: &Input, text: &str) -> Compiled {
     let mut sources = SourceMap::new();
     let file = sources.add(display(&input.path), text);
-    let (net, mut findings) = rpi_net::rpinet::read(&input.stem(), file, text);
+    let (net, mut diagnostics) = rpi_net::rpinet::parse(&input.stem(), file, text);
     let mut told = Vec::new();
-    let net = net.and_then(|net| checked(net, &mut findings, &mut told));
+    let net = net.and_then(|net| analyse_net(net, &mut diagnostics, &mut told));
     Compiled {
         sources,
-        findings,
+        diagnostics: diagnostics,
         program: Program::Nets(net.into_iter().collect()),
         tasks: Vec::new(),
-        unset: Vec::new(),
+        unbound: Vec::new(),
         tests: Vec::new(),
-        told,
-        marks: Vec::new(),
+        summaries: told,
+        coverage_points: Vec::new(),
     }
 }
 
 /// Returns the net after the passes, or `None` if they reported errors.
-fn checked(net: Net, findings: &mut Vec<Finding>, told: &mut Vec<Told>) -> Option<Net> {
+fn analyse_net(
+    net: Net,
+    diagnostics: &mut Vec<Diagnostic>,
+    told: &mut Vec<AnalysisSummary>,
+) -> Option<Net> {
     match rpi_net::passes::analyse(net, |_| false) {
         Ok(analysis) => {
-            findings.extend(analysis.findings);
-            told.push(Told {
+            diagnostics.extend(analysis.diagnostics);
+            told.push(AnalysisSummary {
                 name: analysis.net.name.clone(),
-                lines: analysis.told,
+                lines: analysis.summary,
             });
             analysis.schedule.map(|_| analysis.net)
         }
         Err(violation) => {
-            findings.push(violation::finding(&violation, Span::NONE));
+            diagnostics.push(violation::diagnostic(&violation, Span::NONE));
             None
         }
     }
@@ -243,7 +250,7 @@ impl Compiled {
     /// Returns whether there is an error, which prevents the program from running.
     #[must_use]
     pub fn has_errors(&self) -> bool {
-        self.findings
+        self.diagnostics
             .iter()
             .any(|f| f.severity() == Severity::Error)
     }
@@ -262,7 +269,7 @@ impl Compiled {
 ///
 /// # Errors
 /// If the net has a dependency cycle or is too large.
-pub fn lower_to_run(net: &Net, period_ns: u64) -> Result<Image, String> {
+pub fn lower_for_execution(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::running(period_ns))
 }
 
@@ -280,24 +287,24 @@ pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String
 /// # Errors
 /// As [`lower_to_run`].
 pub fn lower_for_tick(net: &Net, period_ns: u64, tick_ns: u64) -> Result<(Image, u64), String> {
-    lowered(net, &LowerOptions::running(period_ns).with_tick(tick_ns))
+    lower_with_work_bound(net, &LowerOptions::running(period_ns).with_tick(tick_ns))
 }
 
 /// Lowers a checked net for observation: every port can be observed.
 ///
 /// # Errors
 /// If the net has a dependency cycle or is too large.
-pub fn lower_to_look(net: &Net, period_ns: u64) -> Result<Image, String> {
+pub fn lower_for_observation(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::observed(period_ns))
 }
 
 pub(crate) fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
-    lowered(net, options).map(|(image, _)| image)
+    lower_with_work_bound(net, options).map(|(image, _)| image)
 }
 
-fn lowered(net: &Net, options: &LowerOptions<'_>) -> Result<(Image, u64), String> {
+fn lower_with_work_bound(net: &Net, options: &LowerOptions<'_>) -> Result<(Image, u64), String> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
-    let plan = Plan::of(&analysis).ok_or("the net has a dependency cycle")?;
+    let plan = Plan::from_analysis(&analysis).ok_or("the net has a dependency cycle")?;
     let image = rpi_lower::lower(&analysis.net, &plan, options)?;
-    Ok((image, analysis.work.of(FragmentId::ROOT)))
+    Ok((image, analysis.work.bound(FragmentId::ROOT)))
 }

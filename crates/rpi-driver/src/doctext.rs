@@ -5,20 +5,20 @@
 
 use std::ops::Range;
 
-use rpi_diag::{Code, Finding, SourceMap, Span};
+use rpi_diag::{Code, Diagnostic, SourceMap, Span};
 use rpi_sema::query::Index;
-use rpi_syntax::{CommentKind, Mode, PieceKind, pieces};
+use rpi_syntax::{CommentKind, Dialect, SourceTokenKind, source_tokens};
 
 /// Line of a doc comment: the byte range of its text, after `--|` and one space.
 type Line = Range<usize>;
 
 /// Returns the doc comments of a text, each as the ranges of its consecutive lines.
 #[must_use]
-pub fn doc_blocks(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
+pub fn doc_blocks(text: &str, mode: Dialect) -> Vec<Vec<Range<usize>>> {
     let mut blocks: Vec<Vec<Line>> = Vec::new();
     let mut end = 0;
-    for piece in pieces(text, mode) {
-        if piece.kind != PieceKind::Comment(CommentKind::Doc) {
+    for piece in source_tokens(text, mode) {
+        if piece.kind != SourceTokenKind::Comment(CommentKind::Doc) {
             continue;
         }
         let begin = piece.range.start + "--|".len();
@@ -39,7 +39,7 @@ pub fn doc_blocks(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
 
 /// Returns the examples of a text, each as the byte ranges of its lines.
 #[must_use]
-pub fn examples(text: &str, mode: Mode) -> Vec<Vec<Range<usize>>> {
+pub fn examples(text: &str, mode: Dialect) -> Vec<Vec<Range<usize>>> {
     let mut found = Vec::new();
     for block in doc_blocks(text, mode) {
         let mut open: Option<(bool, Vec<Line>)> = None;
@@ -103,9 +103,9 @@ pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
 /// Returns the diagnostics of links in the first text that have no target.
 pub(crate) fn broken_links(
     sources: &SourceMap,
-    mode: Mode,
+    mode: Dialect,
     index: &dyn Fn() -> Index,
-) -> Vec<Finding> {
+) -> Vec<Diagnostic> {
     let Some(file) = sources.files().next() else {
         return Vec::new();
     };
@@ -114,26 +114,26 @@ pub(crate) fn broken_links(
         return Vec::new();
     }
     let index = index();
-    let (mut findings, mut patience) = (Vec::new(), PATIENCE);
+    let (mut diagnostics, mut patience) = (Vec::new(), SUGGESTION_BUDGET);
     for line in doc_blocks(text, mode).into_iter().flatten() {
         for (range, name) in doc_links(&text[line.clone()]) {
             let offset = |at: usize| u32::try_from(line.start + at).unwrap_or(u32::MAX);
             let span = Span::new(file, offset(range.start), offset(range.end));
             if index.resolve_path(file, span.start, name).is_none() {
-                findings.push(leads_nowhere(&index, span, name, &mut patience));
+                diagnostics.push(broken_link(&index, span, name, &mut patience));
             }
         }
     }
-    findings
+    diagnostics
 }
 
 /// Largest number of names compared for "did you mean" suggestions, summed over all links. It bounds the time for a
 /// text with many broken links.
-const PATIENCE: usize = 200_000;
+const SUGGESTION_BUDGET: usize = 200_000;
 
-fn leads_nowhere(index: &Index, span: Span, name: &str, patience: &mut usize) -> Finding {
-    let finding = Finding::new(Code::RPI1201, format!("undefined name `{name}` in a link"))
-        .at(span, "not in scope here");
+fn broken_link(index: &Index, span: Span, name: &str, patience: &mut usize) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::RPI1201, format!("undefined name `{name}` in a link"))
+        .primary(span, "not in scope here");
     let visible = match *patience {
         0 => Vec::new(),
         _ => index.visible(span.file, span.start),
@@ -141,10 +141,9 @@ fn leads_nowhere(index: &Index, span: Span, name: &str, patience: &mut usize) ->
     *patience = patience.saturating_sub(visible.len());
     let names = visible.iter().map(|id| index.def(*id).name.as_str());
     match rpi_diag::suggest(name, names) {
-        Some(near) => {
-            finding.fix(rpi_diag::Fix::maybe(format!("did you mean `{near}`?")).replace(span, near))
-        }
-        None => finding.help("for a name without a declaration, omit the brackets: `name`"),
+        Some(near) => diagnostic
+            .fix(rpi_diag::Fix::maybe(format!("did you mean `{near}`?")).replace(span, near)),
+        None => diagnostic.help("for a name without a declaration, omit the brackets: `name`"),
     }
 }
 
@@ -156,7 +155,7 @@ mod tests {
 
     #[test]
     fn examples_stand_where_they_stand() {
-        let all = examples(TEXT, Mode::Rpi);
+        let all = examples(TEXT, Dialect::Rpi);
         assert_eq!(all.len(), 1);
         let text = example_text(TEXT, &all[0]);
         assert_eq!(text.len(), TEXT.len());
@@ -175,6 +174,6 @@ mod tests {
 
     #[test]
     fn blocks_end_at_empty_lines() {
-        assert_eq!(doc_blocks(TEXT, Mode::Rpi).len(), 2);
+        assert_eq!(doc_blocks(TEXT, Dialect::Rpi).len(), 2);
     }
 }

@@ -1,16 +1,16 @@
 //! Intermediate and output forms of a program (`rpic compile --emit`).
 
-use rpi_diag::{Finding, SourceMap};
+use rpi_diag::{Diagnostic, SourceMap};
 use rpi_lower::LowerOptions;
 use rpi_net::Net;
-use rpi_net::lustre::Boundary;
+use rpi_net::lustre::NodeInterface;
 use rpi_net::passes::{Item, analyse};
 use rpi_sema::program::Program;
-use rpi_syntax::{Mode, Parens, with_stack};
+use rpi_syntax::{Dialect, Parens, with_large_stack};
 use std::fmt::Write as _;
 
 use crate::compile::lower;
-use crate::files::Disk;
+use crate::file_loader::DiskLoader;
 use crate::input::{Input, InputError};
 use crate::modules::Modules;
 
@@ -43,17 +43,24 @@ pub fn typed(input: &Input) -> Result<String, InputError> {
     let path = input.path.display().to_string();
     let folder = input.path.parent();
     let text = input.text()?;
-    let modules = Modules::load(&input.stem(), &path, text, folder, &Disk, &mut sources);
+    let modules = Modules::load(
+        &input.stem(),
+        &path,
+        text,
+        folder,
+        &DiskLoader,
+        &mut sources,
+    );
     let texts = modules.sources();
     let (program, _) = Program::collect(&texts);
-    Ok(with_stack(|| {
+    Ok(with_large_stack(|| {
         let units = rpi_sema::check(&program).units;
-        units.iter().map(rpi_sema::typed::print).collect()
+        units.iter().map(rpi_sema::typed::format_unit).collect()
     }))
 }
 
-fn mode(input: &Input) -> Mode {
-    Mode::of_path(&input.path.display().to_string())
+fn mode(input: &Input) -> Dialect {
+    Dialect::from_path(&input.path.display().to_string())
 }
 
 /// Returns the order of evaluation of a net: one line per primitive, indented by fragment. Returns `None` if there is a
@@ -64,8 +71,8 @@ pub fn schedule(net: &Net) -> Option<String> {
     let schedule = analysis.schedule.as_ref()?;
     let mut out = String::new();
     let net = &analysis.net;
-    for item in schedule.walk() {
-        let depth = |fragment| net.enclosing(fragment).count() - 1;
+    for item in schedule.items() {
+        let depth = |fragment| net.ancestors(fragment).count() - 1;
         // Writing to a string cannot fail.
         let _ = match item {
             Item::Node(id) => {
@@ -85,9 +92,9 @@ pub fn schedule(net: &Net) -> Option<String> {
 /// Returns the net in the text format of the reference system, and diagnostics for the parts that this format cannot
 /// represent.
 #[must_use]
-pub fn rpinet(net: &Net) -> (String, Vec<Finding>) {
-    let (net, findings) = rpi_net::rpinet::with_ports(net);
-    (rpi_net::rpinet::write(&net), findings)
+pub fn rpinet(net: &Net) -> (String, Vec<Diagnostic>) {
+    let (net, diagnostics) = rpi_net::rpinet::results_to_ports(net);
+    (rpi_net::rpinet::write(&net), diagnostics)
 }
 
 /// Returns the image of a net as text, one line per step.
@@ -96,21 +103,21 @@ pub fn rpinet(net: &Net) -> (String, Vec<Finding>) {
 /// If the net cannot be lowered.
 pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
     let image = lower(net, &LowerOptions::running(period_ns))?;
-    let catalogue = |name: &str| rpi_prims::PrimId::of(name).map(rpi_prims::PrimId::desc);
-    Ok(rpi_image::print::print(&image, &catalogue))
+    let catalogue = |name: &str| rpi_prims::PrimId::from_name(name).map(rpi_prims::PrimId::desc);
+    Ok(rpi_image::text::print(&image, &catalogue))
 }
 
 /// Returns the net as C99 source.
 ///
 /// # Errors
 /// One diagnostic per type of primitive that is not supported in C.
-pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
+pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Diagnostic>> {
     let options = LowerOptions::running(period_ns);
     // Invalid nets and dependency cycles have been reported by earlier stages.
     let Ok(analysis) = analyse(net.clone(), options.may_be_absent) else {
         return Err(Vec::new());
     };
-    match rpi_lower::Plan::of(&analysis) {
+    match rpi_lower::Plan::from_analysis(&analysis) {
         Some(plan) => rpi_lower::emit_c(&analysis.net, &plan, &options),
         None => Err(Vec::new()),
     }
@@ -122,10 +129,10 @@ pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Finding>> {
 /// If the net is invalid.
 pub fn lustre(
     net: &Net,
-    boundary: &Boundary<'_>,
+    boundary: &NodeInterface<'_>,
     period_ns: u64,
-) -> Result<(String, Vec<Finding>), String> {
+) -> Result<(String, Vec<Diagnostic>), String> {
     let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
-    let made = rpi_net::lustre::write(&analysis, boundary, period_ns);
-    Ok((made.text, made.findings))
+    let made = rpi_net::lustre::to_lustre(&analysis, boundary, period_ns);
+    Ok((made.text, made.diagnostics))
 }

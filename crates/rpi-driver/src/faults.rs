@@ -3,13 +3,13 @@
 
 use std::collections::BTreeSet;
 
-use rpi_diag::{Code, Finding, SourceMap, Span};
-use rpi_net::passes::{Analysis, CanFault, FaultKind, can_fault};
-use rpi_sema::elab::Operand;
+use rpi_diag::{Code, Diagnostic, SourceMap, Span};
+use rpi_net::passes::{Analysis, FaultKind, PossibleFault, possible_faults};
+use rpi_sema::elab::LazyOperand;
 
 /// Operation that was not proved free of faults.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct FaultPlace {
+pub struct FaultLocation {
     /// Location of the operation.
     pub span: Span,
     /// Kind of the fault.
@@ -18,7 +18,7 @@ pub struct FaultPlace {
     pub guarded: bool,
 }
 
-impl FaultPlace {
+impl FaultLocation {
     /// Returns a description of the fault.
     #[must_use]
     pub fn text(&self) -> String {
@@ -30,29 +30,31 @@ impl FaultPlace {
 }
 
 /// Returns the operations of a net that can fault.
-pub(crate) fn of(analysis: &Analysis) -> Vec<CanFault> {
+pub(crate) fn faults_of_net(analysis: &Analysis) -> Vec<PossibleFault> {
     let schedule = analysis.schedule.as_ref();
-    schedule.map_or_else(Vec::new, |schedule| can_fault(&analysis.net, schedule))
+    schedule.map_or_else(Vec::new, |schedule| {
+        possible_faults(&analysis.net, schedule)
+    })
 }
 
 /// Returns the locations of the operations, without duplicates, in source order.
-pub(crate) fn places(found: &[CanFault]) -> BTreeSet<FaultPlace> {
-    let place = |one: &CanFault| FaultPlace {
+pub(crate) fn locations(found: &[PossibleFault]) -> BTreeSet<FaultLocation> {
+    let place = |one: &PossibleFault| FaultLocation {
         span: one.span,
         kind: one.kind,
-        guarded: one.guarded,
+        guarded: one.is_guarded,
     };
     found.iter().map(place).collect()
 }
 
 /// Returns the summary: a count and one line per location.
-pub(crate) fn lines(found: &[CanFault], sources: &SourceMap) -> Vec<(&'static str, String)> {
-    let places = places(found);
+pub(crate) fn lines(found: &[PossibleFault], sources: &SourceMap) -> Vec<(&'static str, String)> {
+    let places = locations(found);
     let count = match places.len() {
         0 => "no operation can fault".to_owned(),
-        count => format!("{} can fault", rpi_diag::counted(count, "operation")),
+        count => format!("{} can fault", rpi_diag::with_noun(count, "operation")),
     };
-    let place = |place: &FaultPlace| {
+    let place = |place: &FaultLocation| {
         let at = sources.line_col(place.span);
         let name = sources.name(place.span.file);
         let text = format!("{name}:{}:{}: {}", at.line, at.col, place.text());
@@ -63,29 +65,32 @@ pub(crate) fn lines(found: &[CanFault], sources: &SourceMap) -> Vec<(&'static st
 }
 
 /// Returns warnings about operands that are not always needed, have state and can fault: one per faulting operation.
-pub(crate) fn of_operands(operands: &[Operand], found: &[CanFault]) -> Vec<Finding> {
+pub(crate) fn stateful_operand_warnings(
+    operands: &[LazyOperand],
+    found: &[PossibleFault],
+) -> Vec<Diagnostic> {
     let mut warned = BTreeSet::new();
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     for operand in operands {
         let first = found.partition_point(|one| one.node.0 < operand.nodes.start);
         let inside = found[first..].iter();
         let inside = inside.take_while(|one| one.node.0 < operand.nodes.end);
         // An operation in nested operands is reported for the inner operand only.
-        for one in inside.filter(|one| !one.guarded) {
+        for one in inside.filter(|one| !one.is_guarded) {
             if warned.insert(one.node) {
-                findings.push(finding(operand, one));
+                diagnostics.push(diagnostic(operand, one));
             }
         }
     }
-    findings
+    diagnostics
 }
 
-fn finding(operand: &Operand, fault: &CanFault) -> Finding {
+fn diagnostic(operand: &LazyOperand, fault: &PossibleFault) -> Diagnostic {
     let message =
         "this operand has state, so it is evaluated and can fault even when it is not needed";
-    Finding::new(Code::RPI3008, message)
-        .at(operand.span, "evaluated in every cycle")
-        .also(fault.span, format!("can fault: {}", fault.kind))
+    Diagnostic::new(Code::RPI3008, message)
+        .primary(operand.span, "evaluated in every cycle")
+        .secondary(fault.span, format!("can fault: {}", fault.kind))
         .help(
             "apply the condition to its inputs, or run it conditionally with `activate ... every`",
         )

@@ -2,35 +2,35 @@
 //! know, and fixes of the standard library are removed.
 
 use crate::modules::is_library_path;
-use rpi_diag::{Edit, Finding, Fix, SourceMap, Span};
-use rpi_sema::Checked;
+use rpi_diag::{Diagnostic, Edit, Fix, SourceMap, Span};
+use rpi_sema::CheckedProgram;
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::{Expr, Kind};
+use rpi_sema::typed::{Expr, TypedExprKind};
 use std::cell::OnceCell;
 
 /// Untyped initial values with which the fixes of the passes begin, by machine type.
-const PLAIN: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
+const UNTYPED_INITIAL_VALUES: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
 
 /// Gives the initial values in fixes the type of the expression that they precede. Fixes for types without literals are
 /// removed.
-pub(crate) fn typed(findings: &mut [Finding], checked: &Checked) {
-    let places = Places::of(checked);
-    for finding in findings {
-        finding.fixes.retain_mut(|fix| type_fix(fix, &places));
+pub(crate) fn type_initial_values(diagnostics: &mut [Diagnostic], checked: &CheckedProgram) {
+    let places = ExprIndex::of(checked);
+    for diagnostic in diagnostics {
+        diagnostic.fixes.retain_mut(|fix| type_fix(fix, &places));
     }
 }
 
 /// Expressions of a program by location. They are sorted on first use.
-struct Places<'c> {
-    checked: &'c Checked,
+struct ExprIndex<'c> {
+    checked: &'c CheckedProgram,
     /// Sorted expressions, with copies of their locations so that sorting does not access the expressions.
     sorted: OnceCell<Vec<(Span, &'c Expr)>>,
 }
 
-impl<'c> Places<'c> {
-    fn of(checked: &'c Checked) -> Places<'c> {
+impl<'c> ExprIndex<'c> {
+    fn of(checked: &'c CheckedProgram) -> ExprIndex<'c> {
         let sorted = OnceCell::new();
-        Places { checked, sorted }
+        ExprIndex { checked, sorted }
     }
 
     fn sorted(&self) -> &[(Span, &'c Expr)] {
@@ -55,28 +55,30 @@ impl<'c> Places<'c> {
 }
 
 /// Removes the fixes that would change the standard library, which is embedded in the compiler.
-pub(crate) fn of_the_program(findings: &mut [Finding], sources: &SourceMap) {
+pub(crate) fn remove_library_fixes(diagnostics: &mut [Diagnostic], sources: &SourceMap) {
     let is_library = |span: Span| is_library_path(sources.name(span.file));
-    for finding in findings {
-        finding
+    for diagnostic in diagnostics {
+        diagnostic
             .fixes
             .retain(|fix| fix.edits.iter().all(|edit| !is_library(edit.span)));
     }
 }
 
 /// Extends deletions that would leave a blank line to the whole line.
-pub(crate) fn whole_lines(findings: &mut [Finding], sources: &SourceMap) {
-    let fixes = findings.iter_mut().flat_map(|finding| &mut finding.fixes);
+pub(crate) fn delete_whole_lines(diagnostics: &mut [Diagnostic], sources: &SourceMap) {
+    let fixes = diagnostics
+        .iter_mut()
+        .flat_map(|diagnostic| &mut diagnostic.fixes);
     for edit in fixes.flat_map(|fix| &mut fix.edits) {
-        edit.take_lines(sources.text(edit.span.file));
+        edit.extend_to_whole_lines(sources.text(edit.span.file));
     }
 }
 
 /// Returns false if the initial value cannot be written as a literal.
-fn type_fix(fix: &mut Fix, places: &Places<'_>) -> bool {
+fn type_fix(fix: &mut Fix, places: &ExprIndex<'_>) -> bool {
     for pair in fix.edits.chunks_mut(2) {
         if let [before, after] = pair {
-            bare_name(before, after, places);
+            remove_parentheses(before, after, places);
         }
     }
     let mut insertions = fix.edits.iter_mut().filter(|edit| edit.span.is_empty());
@@ -84,7 +86,7 @@ fn type_fix(fix: &mut Fix, places: &Places<'_>) -> bool {
 }
 
 /// Writes `pre x` instead of `pre (x)` if the delayed expression is a single name.
-fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
+fn remove_parentheses(before: &mut Edit, after: &mut Edit, places: &ExprIndex<'_>) {
     let (Some(head), Some(tail)) = (before.text.strip_suffix('('), after.text.strip_prefix(')'))
     else {
         return;
@@ -95,44 +97,44 @@ fn bare_name(before: &mut Edit, after: &mut Edit, places: &Places<'_>) {
     }
     let whole = before.span.merge(after.span);
     let mut here = places.starting(whole).filter(|expr| expr.span == whole);
-    if here.any(|expr| matches!(expr.kind, Kind::Flow(_))) {
+    if here.any(|expr| matches!(expr.kind, TypedExprKind::Flow(_))) {
         (before.text, after.text) = (head.to_owned(), tail.to_owned());
     }
 }
 
 /// Returns `None` if the initial value of the edit cannot be written as a literal.
-fn type_edit(edit: &mut Edit, places: &Places<'_>) -> Option<()> {
+fn type_edit(edit: &mut Edit, places: &ExprIndex<'_>) -> Option<()> {
     let (open, rest) = match edit.text.strip_prefix('(') {
         Some(rest) => ("(", rest),
         None => ("", edit.text.as_str()),
     };
     let begins = |plain: &&str| rest.strip_prefix(*plain);
-    if let Some(behind) = PLAIN.iter().find_map(begins)
+    if let Some(behind) = UNTYPED_INITIAL_VALUES.iter().find_map(begins)
         && let Some(ty) = type_at(edit.span, places)
     {
-        edit.text = format!("{open}{} -> {behind}", neutral(ty)?);
+        edit.text = format!("{open}{} -> {behind}", zero_literal(ty)?);
     }
     Some(())
 }
 
 /// Returns the type of the shortest expression of known type that begins at a location.
-fn type_at<'c>(place: Span, places: &Places<'c>) -> Option<&'c Ty> {
+fn type_at<'c>(place: Span, places: &ExprIndex<'c>) -> Option<&'c Ty> {
     let mut here = places.starting(place);
     let known = here.find(|expr| !expr.ty.has_unknown());
     known.map(|expr| &expr.ty)
 }
 
 /// Returns a literal of the type, the zero of addition where there is one.
-fn neutral(ty: &Ty) -> Option<String> {
+fn zero_literal(ty: &Ty) -> Option<String> {
     match ty {
         Ty::Bool => Some("false".to_owned()),
         Ty::Int => Some("0".to_owned()),
-        Ty::Subrange(range) => Some(range.nearest(0).to_string()),
-        Ty::Real(dim) if *ty == Ty::REAL || dim.is_plain() => Some("0.0".to_owned()),
+        Ty::Subrange(range) => Some(range.clamp(0).to_string()),
+        Ty::Real(dim) if *ty == Ty::REAL || dim.is_dimensionless() => Some("0.0".to_owned()),
         Ty::Real(dim) => Some(format!("0[{dim}]")),
         Ty::Duration => Some("0[s]".to_owned()),
         Ty::Enum(values) => values.values.first().map(ToString::to_string),
-        Ty::Array(element, n) => Some(format!("{}^{n}", neutral(element)?)),
+        Ty::Array(element, n) => Some(format!("{}^{n}", zero_literal(element)?)),
         // The name of a generic instance contains its arguments and cannot be written in a program.
         Ty::Struct(of) if !of.name.contains('<') => {
             let fields = of.fields.iter();
@@ -140,7 +142,7 @@ fn neutral(ty: &Ty) -> Option<String> {
                 Some(format!(
                     "{} = {}",
                     field.name.as_ref()?,
-                    neutral(&field.ty)?
+                    zero_literal(&field.ty)?
                 ))
             });
             let fields: Option<Vec<String>> = fields.collect();

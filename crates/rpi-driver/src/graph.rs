@@ -9,7 +9,7 @@ pub fn dot(net: &Net) -> String {
     let mut out = String::from(
         "digraph net {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\", fontsize=10];\n  edge [arrowsize=0.6];\n",
     );
-    let cluster = Cluster {
+    let cluster = GraphSyntax {
         open: |f, title| {
             format!(
                 "subgraph cluster_{} {{ label=\"{}\"; style=rounded;",
@@ -20,7 +20,7 @@ pub fn dot(net: &Net) -> String {
         close: "}",
         node: |n, label| format!("n{} [label=\"{}\"];", n.0, escaped(label)),
     };
-    put(net, FragmentId::ROOT, &cluster, &mut out);
+    write_fragment(net, FragmentId::ROOT, &cluster, &mut out);
     for (from, to, label) in links(net) {
         let _ = writeln!(
             out,
@@ -48,12 +48,12 @@ pub fn dot(net: &Net) -> String {
 #[must_use]
 pub fn mermaid(net: &Net) -> String {
     let mut out = String::from("flowchart LR\n");
-    let cluster = Cluster {
+    let cluster = GraphSyntax {
         open: |f, title| format!("subgraph f{}[\"{}\"]", f.0, escaped(title)),
         close: "end",
         node: |n, label| format!("n{}[\"{}\"]", n.0, escaped(label).replace("\\n", "<br/>")),
     };
-    put(net, FragmentId::ROOT, &cluster, &mut out);
+    write_fragment(net, FragmentId::ROOT, &cluster, &mut out);
     for (from, to, _) in links(net) {
         let _ = writeln!(out, "  n{} --> n{}", from.0, to.0);
     }
@@ -64,14 +64,14 @@ pub fn mermaid(net: &Net) -> String {
 }
 
 /// Syntax of fragments and primitives in a drawing language.
-struct Cluster {
+struct GraphSyntax {
     open: fn(FragmentId, &str) -> String,
     close: &'static str,
     node: fn(NodeId, &str) -> String,
 }
 
-fn put(net: &Net, fragment: FragmentId, cluster: &Cluster, out: &mut String) {
-    let indent = "  ".repeat(net.enclosing(fragment).count());
+fn write_fragment(net: &Net, fragment: FragmentId, cluster: &GraphSyntax, out: &mut String) {
+    let indent = "  ".repeat(net.ancestors(fragment).count());
     for id in net
         .node_ids()
         .filter(|id| net.node(*id).fragment == fragment)
@@ -93,7 +93,7 @@ fn put(net: &Net, fragment: FragmentId, cluster: &Cluster, out: &mut String) {
             "{indent}{}",
             (cluster.open)(child, &net.fragment(child).name)
         );
-        put(net, child, cluster, out);
+        write_fragment(net, child, cluster, out);
         let _ = writeln!(out, "{indent}{}", cluster.close);
     }
 }
@@ -119,7 +119,7 @@ fn activations(net: &Net) -> impl Iterator<Item = (NodeId, FragmentId)> + '_ {
 
 fn first_node(net: &Net, fragment: FragmentId) -> Option<NodeId> {
     net.node_ids()
-        .find(|id| net.enclosing(net.node(*id).fragment).any(|f| f == fragment))
+        .find(|id| net.ancestors(net.node(*id).fragment).any(|f| f == fragment))
 }
 
 fn escaped(text: &str) -> String {

@@ -8,7 +8,7 @@ use flate2::read::MultiGzDecoder;
 
 /// Kind of a file, decided by its extension.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum InputKind {
     /// RPI program.
     Rpi,
     /// Lustre program.
@@ -19,18 +19,18 @@ pub enum Kind {
     Rpib,
 }
 
-const KINDS: &[(&str, Kind)] = &[
-    ("rpi", Kind::Rpi),
-    ("lus", Kind::Lustre),
-    ("rpinet", Kind::Rpinet),
-    ("rpib", Kind::Rpib),
+const KINDS: &[(&str, InputKind)] = &[
+    ("rpi", InputKind::Rpi),
+    ("lus", InputKind::Lustre),
+    ("rpinet", InputKind::Rpinet),
+    ("rpib", InputKind::Rpib),
 ];
 
-impl Kind {
+impl InputKind {
     /// Returns the kind of a file by its extension; a final `.gz` is ignored.
     #[must_use]
-    pub fn of(path: &Path) -> Option<Kind> {
-        let plain = unpacked_name(path);
+    pub fn from_path(path: &Path) -> Option<InputKind> {
+        let plain = name_without_gz(path);
         let (_, extension) = plain.rsplit_once('.')?;
         KINDS.iter().find(|k| k.0 == extension).map(|k| k.1)
     }
@@ -42,7 +42,7 @@ pub struct Input {
     /// Path as given by the user.
     pub path: PathBuf,
     /// Kind of the content.
-    pub kind: Kind,
+    pub kind: InputKind,
     /// Content, decompressed.
     pub bytes: Vec<u8>,
 }
@@ -121,8 +121,8 @@ impl std::error::Error for InputError {}
 /// # Errors
 /// If the extension is unknown, or the file cannot be read or decompressed.
 pub fn read(path: &Path) -> Result<Input, InputError> {
-    let bytes = std::fs::read(path).map_err(|e| unreadable(path, &e))?;
-    let kind = Kind::of(path).ok_or_else(|| {
+    let bytes = std::fs::read(path).map_err(|e| read_error(path, &e))?;
+    let kind = InputKind::from_path(path).ok_or_else(|| {
         let known: Vec<String> = KINDS.iter().map(|k| format!(".{}", k.0)).collect();
         let help = format!(
             "known extensions: {} (also compressed, .gz)",
@@ -134,9 +134,9 @@ pub fn read(path: &Path) -> Result<Input, InputError> {
         }
     })?;
     let bytes =
-        unpacked(bytes).map_err(|e| InputError::new(path, format!("invalid gzip file: {e}")))?;
+        decompress(bytes).map_err(|e| InputError::new(path, format!("invalid gzip file: {e}")))?;
     let bytes = match kind {
-        Kind::Lustre => as_unicode(bytes),
+        InputKind::Lustre => as_unicode(bytes),
         _ => bytes,
     };
     Ok(Input {
@@ -147,7 +147,7 @@ pub fn read(path: &Path) -> Result<Input, InputError> {
 }
 
 /// Decompresses the content if it begins with the gzip magic number (RFC 1952, section 2.3.1).
-fn unpacked(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
+fn decompress(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(bytes);
     }
@@ -158,7 +158,7 @@ fn unpacked(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
 
 /// Returns the file name without folders and extensions.
 pub(crate) fn stem(path: &Path) -> String {
-    let name = unpacked_name(path);
+    let name = name_without_gz(path);
     let stem = name.split_once('.').map(|(stem, _)| stem.to_owned());
     stem.unwrap_or(name)
 }
@@ -176,7 +176,7 @@ fn as_unicode(bytes: Vec<u8>) -> Vec<u8> {
     }
 }
 
-fn unpacked_name(path: &Path) -> String {
+fn name_without_gz(path: &Path) -> String {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
     let name = name.unwrap_or_default();
     name.strip_suffix(".gz").unwrap_or(&name).to_owned()
@@ -184,9 +184,9 @@ fn unpacked_name(path: &Path) -> String {
 
 /// Returns the error for a file that cannot be read, with a suggestion.
 #[must_use]
-pub fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
+pub fn read_error(path: &Path, error: &std::io::Error) -> InputError {
     let (message, help) = match error.kind() {
-        ErrorKind::NotFound => ("no such file".to_owned(), nearest(path)),
+        ErrorKind::NotFound => ("no such file".to_owned(), suggest_file(path)),
         ErrorKind::IsADirectory => {
             let help = "give a file in this folder".to_owned();
             ("this is a folder".to_owned(), Some(help))
@@ -201,7 +201,7 @@ pub fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
 }
 
 /// Returns a suggestion: the existing file with the most similar name.
-fn nearest(path: &Path) -> Option<String> {
+fn suggest_file(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     let Ok(entries) = std::fs::read_dir(folder) else {
@@ -210,7 +210,7 @@ fn nearest(path: &Path) -> Option<String> {
     let mut names: Vec<String> = entries
         .flatten()
         .map(|e| e.file_name().to_string_lossy().into_owned())
-        .filter(|name| Kind::of(Path::new(name)).is_some())
+        .filter(|name| InputKind::from_path(Path::new(name)).is_some())
         .collect();
     names.sort();
     let wanted = path.file_name()?.to_string_lossy().into_owned();
@@ -225,9 +225,9 @@ mod tests {
 
     #[test]
     fn names_tell_kinds() {
-        let kind = |name: &str| Kind::of(Path::new(name));
-        assert_eq!(kind("a/b.rpi"), Some(Kind::Rpi));
-        assert_eq!(kind("lin.rpinet.gz"), Some(Kind::Rpinet));
+        let kind = |name: &str| InputKind::from_path(Path::new(name));
+        assert_eq!(kind("a/b.rpi"), Some(InputKind::Rpi));
+        assert_eq!(kind("lin.rpinet.gz"), Some(InputKind::Rpinet));
         assert_eq!(kind("lin.txt"), None);
         assert_eq!(kind("rpi"), None);
     }

@@ -6,49 +6,49 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rpi_diag::{FileId, Finding, SourceMap, Span};
-use rpi_sema::Checked;
-use rpi_sema::elab::Claims;
+use rpi_diag::{Diagnostic, FileId, SourceMap, Span};
+use rpi_sema::CheckedProgram;
+use rpi_sema::elab::ClaimPolicy;
 use rpi_sema::facts::{self, Facts};
-use rpi_sema::query::{Def, Index, Typed, type_around, types_of_flows, types_of_read};
+use rpi_sema::query::{Def, FlowType, Index, flow_types, read_types, type_at};
 use rpi_syntax::ast::Item;
-use rpi_syntax::{Mode, with_stack};
+use rpi_syntax::{Dialect, with_large_stack};
 
-use crate::compile::Asked;
+use crate::compile::CompileOptions;
 use crate::doctext;
-use crate::faults::FaultPlace;
-use crate::files::Files;
+use crate::faults::FaultLocation;
+use crate::file_loader::FileLoader;
 use crate::input::stem;
 use crate::modules::Modules;
-use crate::source::build_modules;
+use crate::program::build_modules;
 
 /// Results of checking a program, which may have errors. Its main text is file 0.
 #[derive(Debug)]
-pub struct Inspected {
+pub struct Inspection {
     /// Source texts that the diagnostics refer to. Those of the standard library are named `stdlib/....rpi`.
     pub sources: SourceMap,
     /// Diagnostics.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
     modules: Modules,
-    checked: Checked,
+    checked: CheckedProgram,
     index: OnceCell<Index>,
     facts: OnceCell<Vec<Facts>>,
-    flows: OnceCell<BTreeMap<Span, Vec<Typed>>>,
-    faults: OnceCell<Vec<FaultPlace>>,
+    flows: OnceCell<BTreeMap<Span, Vec<FlowType>>>,
+    faults: OnceCell<Vec<FaultLocation>>,
 }
 
 /// Checks a text with all stages. Other files are read through `files`. The extension of the path decides the language.
 #[must_use]
-pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
+pub fn inspect(path: &Path, text: &str, files: &dyn FileLoader) -> Inspection {
     let mut sources = SourceMap::new();
     let name = path.display().to_string();
     let modules = Modules::load(&stem(path), &name, text, path.parent(), files, &mut sources);
-    let (mut built, checked) = build_modules(&modules, &sources, Claims::Report.into());
-    let links = doctext::broken_links(&sources, Mode::of_path(&name), &|| modules.index());
-    built.findings.extend(links);
-    Inspected {
+    let (mut built, checked) = build_modules(&modules, &sources, ClaimPolicy::Report.into());
+    let links = doctext::broken_links(&sources, Dialect::from_path(&name), &|| modules.index());
+    built.diagnostics.extend(links);
+    Inspection {
         sources,
-        findings: built.findings,
+        diagnostics: built.diagnostics,
         modules,
         checked,
         index: OnceCell::new(),
@@ -58,11 +58,11 @@ pub fn inspect(path: &Path, text: &str, files: &dyn Files) -> Inspected {
     }
 }
 
-impl Inspected {
+impl Inspection {
     /// Returns the language of the main text.
     #[must_use]
-    pub fn mode(&self) -> Mode {
-        Mode::of_path(self.sources.name(FileId(0)))
+    pub fn mode(&self) -> Dialect {
+        Dialect::from_path(self.sources.name(FileId(0)))
     }
 
     /// Returns the declarations of the main module: those of its file and of the included files.
@@ -77,38 +77,38 @@ impl Inspected {
 
     /// Returns the index of all definitions and references.
     pub fn index(&self) -> &Index {
-        let index = || with_stack(|| self.modules.index());
+        let index = || with_large_stack(|| self.modules.index());
         self.index.get_or_init(index)
     }
 
     /// Returns the distinct types of a flow definition: several if it is checked for several static arguments, none if
     /// checking did not reach it.
     #[must_use]
-    pub fn types_of(&self, def: &Def) -> &[Typed] {
-        let flows = || with_stack(|| types_of_flows(&self.checked.units, self.facts()));
+    pub fn types_of(&self, def: &Def) -> &[FlowType] {
+        let flows = || with_large_stack(|| flow_types(&self.checked.units, self.facts()));
         let found = self.flows.get_or_init(flows).get(&def.span);
         found.map_or(&[], Vec::as_slice)
     }
 
     /// Returns the distinct types of a name at a use.
     #[must_use]
-    pub fn types_of_read(&self, name: Span) -> Vec<Typed> {
-        with_stack(|| types_of_read(&self.checked.units, self.facts(), name))
+    pub fn types_of_read(&self, name: Span) -> Vec<FlowType> {
+        with_large_stack(|| read_types(&self.checked.units, self.facts(), name))
     }
 
     /// Returns the smallest expression that contains a position, and its types.
     #[must_use]
-    pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<Typed>)> {
-        with_stack(|| type_around(&self.checked.units, self.facts(), file, offset))
+    pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<FlowType>)> {
+        with_large_stack(|| type_at(&self.checked.units, self.facts(), file, offset))
     }
 
     /// Returns the faults of the smallest operation that contains a position and can fault at run time.
-    pub fn faults_around(&self, file: FileId, offset: u32) -> Vec<FaultPlace> {
-        let is_around = |one: &&FaultPlace| {
+    pub fn faults_around(&self, file: FileId, offset: u32) -> Vec<FaultLocation> {
+        let is_around = |one: &&FaultLocation| {
             one.span.file == file && one.span.start <= offset && offset < one.span.end
         };
         let around = || self.faults().iter().filter(is_around);
-        let length = |one: &FaultPlace| one.span.end - one.span.start;
+        let length = |one: &FaultLocation| one.span.end - one.span.start;
         let smallest = around().map(length).min();
         let all = around().filter(|one| Some(length(one)) == smallest);
         all.copied().collect()
@@ -116,10 +116,10 @@ impl Inspected {
 
     /// Returns all operations that can fault. They are computed on first use, because that requires the later stages to
     /// run again.
-    fn faults(&self) -> &[FaultPlace] {
-        let asked = Asked {
+    fn faults(&self) -> &[FaultLocation] {
+        let asked = CompileOptions {
             faults: true,
-            ..Asked::from(Claims::Off)
+            ..CompileOptions::from(ClaimPolicy::Off)
         };
         let faults = || build_modules(&self.modules, &self.sources, asked).0.faults;
         self.faults.get_or_init(faults)
@@ -133,7 +133,7 @@ impl Inspected {
 
     fn facts(&self) -> &[Facts] {
         let units = &self.checked.units;
-        let facts = || with_stack(|| facts::find(units, &vec![true; units.len()]).0);
+        let facts = || with_large_stack(|| facts::analyse(units, &vec![true; units.len()]).0);
         self.facts.get_or_init(facts)
     }
 }
@@ -141,7 +141,7 @@ impl Inspected {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Disk;
+    use crate::DiskLoader;
 
     fn offset(text: &str, what: &str) -> u32 {
         u32::try_from(text.find(what).unwrap()).unwrap()
@@ -153,31 +153,33 @@ mod tests {
 
     #[test]
     fn names_types_and_presence_are_known_beside_a_fault() {
-        let seen = inspect(Path::new("a.rpi"), TEXT, &Disk);
-        assert_eq!(seen.findings.len(), 1, "{:?}", seen.findings);
+        let seen = inspect(Path::new("a.rpi"), TEXT, &DiskLoader);
+        assert_eq!(seen.diagnostics.len(), 1, "{:?}", seen.diagnostics);
         let index = seen.index();
         let at = |what: &str| {
             index
-                .at(FileId(0), offset(TEXT, what))
+                .reference_at(FileId(0), offset(TEXT, what))
                 .map(|r| index.def(r.def))
         };
         let half = at("half(a)").unwrap();
         assert_eq!(half.doc.as_deref(), Some("Half of it."));
         let z = at("z;").unwrap();
         assert_eq!(z.span.start, offset(TEXT, "z = half"));
-        let text = |types: &[Typed]| types.iter().map(Typed::to_string).collect::<Vec<_>>();
+        let text = |types: &[FlowType]| types.iter().map(FlowType::to_string).collect::<Vec<_>>();
         assert_eq!(text(seen.types_of(z)), ["real[m]"]);
-        let read = index.at(FileId(0), offset(TEXT, "z;\n  c")).unwrap();
+        let read = index
+            .reference_at(FileId(0), offset(TEXT, "z;\n  c"))
+            .unwrap();
         assert_eq!(text(&seen.types_of_read(read.span)), ["real[m]?"]);
-        let item = seen.item_around(half.whole).unwrap();
-        let head = rpi_syntax::head(item, seen.mode());
+        let item = seen.item_around(half.full_span).unwrap();
+        let head = rpi_syntax::header(item, seen.mode());
         assert_eq!(head, "function half (x: real[m]) returns (y: real[m])");
     }
 
     #[test]
     fn an_editor_may_have_changed_other_files() {
         struct Changed;
-        impl Files for Changed {
+        impl FileLoader for Changed {
             fn text(&self, path: &Path) -> Option<String> {
                 path.ends_with("parts.rpi")
                     .then(|| "const n: int = 3;".to_owned())
@@ -185,8 +187,11 @@ mod tests {
         }
         let text = "use parts;\nconst m: int = n + 1;\n";
         let seen = inspect(Path::new("a.rpi"), text, &Changed);
-        assert_eq!(seen.findings, []);
-        let n = seen.index().at(FileId(0), offset(text, "n +")).unwrap();
+        assert_eq!(seen.diagnostics, []);
+        let n = seen
+            .index()
+            .reference_at(FileId(0), offset(text, "n +"))
+            .unwrap();
         let def = seen.index().def(n.def);
         assert_eq!(seen.sources.name(def.span.file), "parts.rpi");
     }

@@ -5,47 +5,47 @@
 //! This crate handles files and the order of the stages; it must not depend on the content of diagnostics or on the
 //! execution of commands.
 
-mod agreed;
 mod compile;
+mod coverage_points;
 mod doctext;
+mod duration;
 pub mod emit;
 mod faults;
-mod files;
+mod file_loader;
 mod fixes;
 pub mod graph;
 pub mod import;
 mod input;
 mod inspect;
+mod instance_diagnostics;
 mod machine;
-mod marks;
 mod modules;
 mod node;
-mod period;
+mod program;
+mod program_tests;
 mod project;
-mod source;
 mod task;
-mod tests;
-mod typed;
-mod unwanted;
+mod typed_program;
+mod unused_outputs;
 mod violation;
 
 pub use compile::{
-    Asked, Compiled, Program, Unset, compile, compile_example, compile_with, lower_for_tick,
-    lower_to_look, lower_to_run, lower_with_work,
+    CompileOptions, Compiled, Program, UnboundCommand, compile, compile_example, compile_with,
+    lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
 };
+pub use coverage_points::CoveragePoints;
 pub use doctext::{doc_blocks, doc_links, examples};
-pub use faults::FaultPlace;
-pub use files::{Disk, Files};
-pub use input::{Input, InputError, Kind, read, unreadable, utf8};
-pub use inspect::{Inspected, inspect};
+pub use duration::{format_duration, parse_duration};
+pub use faults::FaultLocation;
+pub use file_loader::{DiskLoader, FileLoader};
+pub use input::{Input, InputError, InputKind, read, read_error, utf8};
+pub use inspect::{Inspection, inspect};
 pub use machine::{MACHINE, machine_text, read_machine};
-pub use marks::Marks;
 pub use modules::{library_modules, library_text};
-pub use node::{Node, NodeCompiled, compile_node};
-pub use period::{parse_period, period_text};
+pub use node::{CompiledNode, Node, compile_node};
+pub use program::AnalysisSummary;
+pub use program_tests::Test;
 pub use project::{MANIFEST, Project, files_of};
-pub use rpi_sema::elab::Claims;
-pub use source::Told;
+pub use rpi_sema::elab::ClaimPolicy;
 pub use task::{Task, TaskNode, TaskPlan};
-pub use tests::Test;
-pub use typed::{Typed, typed};
+pub use typed_program::{TypedProgram, check_typed};

@@ -8,17 +8,17 @@
 
 use std::path::Path;
 
-use rpi_net::passes::Machine;
+use rpi_net::passes::MachineProfile;
 use serde::Deserialize;
 
-use crate::files::Files;
+use crate::file_loader::FileLoader;
 use crate::input::InputError;
 
 /// File name of the machine description.
 pub const MACHINE: &str = "machine.toml";
 
 /// Required content of the file.
-const WANTED: &str = "required is `ns-per-operation` above 0, optional is `period-us` above 0; `rpic machine` writes such a file";
+const FORMAT_HELP: &str = "required is `ns-per-operation` above 0, optional is `period-us` above 0; `rpic machine` writes such a file";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -31,7 +31,10 @@ struct Profile {
 ///
 /// # Errors
 /// If the file exists but is invalid.
-pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machine, InputError> {
+pub(crate) fn load_machine(
+    folder: Option<&Path>,
+    files: &dyn FileLoader,
+) -> Result<MachineProfile, InputError> {
     let path = folder.unwrap_or(Path::new("")).join(MACHINE);
     let text = folder.and_then(|_| files.text(&path));
     let machine = match text {
@@ -41,7 +44,7 @@ pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machin
     machine
         .map(Option::unwrap_or_default)
         .map_err(|why| InputError {
-            help: Some(WANTED.to_owned()),
+            help: Some(FORMAT_HELP.to_owned()),
             ..InputError::new(&path, why)
         })
 }
@@ -50,14 +53,14 @@ pub(crate) fn machine(folder: Option<&Path>, files: &dyn Files) -> Result<Machin
 ///
 /// # Errors
 /// If the file cannot be read or is invalid.
-pub fn read_machine(path: &Path) -> Result<Machine, String> {
+pub fn read_machine(path: &Path) -> Result<MachineProfile, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
-    parse(&text).map_err(|why| format!("{name}: {why}: {WANTED}"))
+    parse(&text).map_err(|why| format!("{name}: {why}: {FORMAT_HELP}"))
 }
 
 /// Parses a machine description; the error is a message.
-fn parse(text: &str) -> Result<Machine, String> {
+fn parse(text: &str) -> Result<MachineProfile, String> {
     let no_machine = |why: &str| format!("invalid machine description{why}");
     let profile: Profile = toml::from_str(text).map_err(|e| {
         let begin = e.span().map_or(0, |span| span.start);
@@ -68,9 +71,9 @@ fn parse(text: &str) -> Result<Machine, String> {
         no_machine(&format!(": line {line}: {}", e.message()))
     })?;
     let period = profile.period_us.map(|us| us.saturating_mul(1000));
-    let machine = Machine {
+    let machine = MachineProfile {
         ns_per_operation: profile.ns_per_operation,
-        period_ns: period.unwrap_or(Machine::default().period_ns),
+        period_ns: period.unwrap_or(MachineProfile::default().period_ns),
     };
     let sound = machine.ns_per_operation.is_finite() && machine.ns_per_operation > 0.0;
     let sound = sound && machine.period_ns > 0;

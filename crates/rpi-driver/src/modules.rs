@@ -4,17 +4,17 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use rpi_diag::{FileId, Finding, SourceMap};
-use rpi_net::passes::Machine;
+use rpi_diag::{Diagnostic, FileId, SourceMap};
+use rpi_net::passes::MachineProfile;
 use rpi_sema::program::{Program, Source};
 use rpi_sema::query::Index;
 use rpi_syntax::ast::{File, Ident, Item, ItemKind};
-use rpi_syntax::{Mode, Name, parse};
+use rpi_syntax::{Dialect, Name, parse};
 
-use crate::files::Files;
+use crate::file_loader::FileLoader;
 use crate::input::InputError;
-use crate::machine::machine;
-use crate::source::Text;
+use crate::machine::load_machine;
+use crate::program::SourceText;
 
 /// Module of the standard library.
 struct Library {
@@ -50,7 +50,7 @@ const LIBRARY: &[Library] = &[
 #[derive(Debug)]
 struct Module {
     name: String,
-    mode: Mode,
+    mode: Dialect,
     files: Vec<File>,
     implicit: bool,
 }
@@ -60,10 +60,10 @@ struct Module {
 pub(crate) struct Modules {
     modules: Vec<Module>,
     /// Machine for which the program is checked.
-    pub(crate) machine: Machine,
+    pub(crate) machine: MachineProfile,
     /// Error in the machine description; the default machine is used then.
-    pub(crate) no_machine: Option<InputError>,
-    pub(crate) findings: Vec<Finding>,
+    pub(crate) machine_error: Option<InputError>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
 impl Modules {
@@ -74,11 +74,11 @@ impl Modules {
         path: &str,
         text: &str,
         folder: Option<&Path>,
-        disk: &dyn Files,
+        disk: &dyn FileLoader,
         sources: &mut SourceMap,
     ) -> Modules {
         let mut loader = Loader::new(folder, disk, sources);
-        let mode = Mode::of_path(path);
+        let mode = Dialect::from_path(path);
         loader.module(name, path, text, mode, false);
         loader.finish(mode)
     }
@@ -86,12 +86,12 @@ impl Modules {
     /// Parses an example in the documentation of a module. The example imports the module implicitly.
     pub(crate) fn load_example(
         example: &str,
-        of: &Text<'_>,
-        disk: &dyn Files,
+        of: &SourceText<'_>,
+        disk: &dyn FileLoader,
         sources: &mut SourceMap,
     ) -> Modules {
         let mut loader = Loader::new(of.folder, disk, sources);
-        let mode = Mode::of_path(of.path);
+        let mode = Dialect::from_path(of.path);
         loader.module("example", of.path, example, mode, false);
         loader.module(of.name, of.path, of.text, mode, true);
         loader.finish(mode)
@@ -118,7 +118,7 @@ impl Modules {
     pub(crate) fn index(&self) -> Index {
         let sources = self.sources();
         let (program, _) = Program::collect(&sources);
-        Index::of(&program, &sources)
+        Index::build(&program, &sources)
     }
 
     /// Returns the modules in the form that the checker expects.
@@ -138,44 +138,48 @@ impl Modules {
 
 struct Loader<'a> {
     folder: Option<PathBuf>,
-    disk: &'a dyn Files,
+    disk: &'a dyn FileLoader,
     sources: &'a mut SourceMap,
     modules: Vec<Module>,
-    findings: Vec<Finding>,
-    open: VecDeque<String>,
+    diagnostics: Vec<Diagnostic>,
+    pending: VecDeque<String>,
 }
 
 impl<'a> Loader<'a> {
-    fn new(folder: Option<&Path>, disk: &'a dyn Files, sources: &'a mut SourceMap) -> Loader<'a> {
+    fn new(
+        folder: Option<&Path>,
+        disk: &'a dyn FileLoader,
+        sources: &'a mut SourceMap,
+    ) -> Loader<'a> {
         Loader {
             folder: folder.map(Path::to_owned),
             disk,
             sources,
             modules: Vec::new(),
-            findings: Vec::new(),
-            open: VecDeque::new(),
+            diagnostics: Vec::new(),
+            pending: VecDeque::new(),
         }
     }
 
     /// Adds the implicit modules (for `.rpi`) and the modules needed by those loaded so far.
-    fn finish(mut self, mode: Mode) -> Modules {
-        if mode == Mode::Rpi {
+    fn finish(mut self, mode: Dialect) -> Modules {
+        if mode == Dialect::Rpi {
             let implicit = LIBRARY.iter().filter(|library| library.implicit);
             implicit.for_each(|library| self.library(library));
         }
-        while let Some(name) = self.open.pop_front() {
+        while let Some(name) = self.pending.pop_front() {
             self.find(&name);
         }
-        let machine = machine(self.folder.as_deref(), self.disk);
+        let machine = load_machine(self.folder.as_deref(), self.disk);
         Modules {
             machine: machine.as_ref().copied().unwrap_or_default(),
-            no_machine: machine.err(),
+            machine_error: machine.err(),
             modules: self.modules,
-            findings: self.findings,
+            diagnostics: self.diagnostics,
         }
     }
 
-    fn module(&mut self, name: &str, path: &str, text: &str, mode: Mode, implicit: bool) {
+    fn module(&mut self, name: &str, path: &str, text: &str, mode: Dialect, implicit: bool) {
         let file = self.sources.add(path, text);
         let mut files = vec![self.parse(file, text, mode)];
         // `files` grows during the loop, because an included file may include others.
@@ -187,7 +191,7 @@ impl<'a> Loader<'a> {
             next += 1;
         }
         let used = files.iter().flat_map(uses);
-        self.open.extend(used);
+        self.pending.extend(used);
         self.modules.push(Module {
             name: name.to_owned(),
             mode,
@@ -196,14 +200,14 @@ impl<'a> Loader<'a> {
         });
     }
 
-    fn parse(&mut self, file: FileId, text: &str, mode: Mode) -> File {
+    fn parse(&mut self, file: FileId, text: &str, mode: Dialect) -> File {
         let parsed = parse(file, text, mode);
-        self.findings.extend(parsed.findings);
+        self.diagnostics.extend(parsed.diagnostics);
         parsed.file
     }
 
     /// Parses an included file, unless it was included before.
-    fn include(&mut self, include: &Ident, mode: Mode) -> Option<File> {
+    fn include(&mut self, include: &Ident, mode: Dialect) -> Option<File> {
         let folder = self.folder.as_ref();
         let path = folder.map(|folder| folder.join(include.name.as_str()));
         let path_text = path.as_ref().map(|path| path.display().to_string());
@@ -216,14 +220,14 @@ impl<'a> Loader<'a> {
         }
         let text = path.and_then(|path| self.disk.text(&path));
         let Some((path, text)) = path_text.zip(text) else {
-            self.findings
-                .push(rpi_sema::no_file(include, folder.is_none()));
+            self.diagnostics
+                .push(rpi_sema::file_not_found(include, folder.is_none()));
             return None;
         };
         // A `.lus` file is Lustre whichever file includes it. Any other file has the language of the including module.
-        let mode = match Mode::of_path(&path) {
-            Mode::Lustre => Mode::Lustre,
-            Mode::Rpi => mode,
+        let mode = match Dialect::from_path(&path) {
+            Dialect::Lustre => Dialect::Lustre,
+            Dialect::Rpi => mode,
         };
         let file = self.sources.add(path, text.as_str());
         Some(self.parse(file, &text, mode))
@@ -240,7 +244,7 @@ impl<'a> Loader<'a> {
                 library.name,
                 &path,
                 library.text,
-                Mode::Rpi,
+                Dialect::Rpi,
                 library.implicit,
             );
         }
@@ -258,7 +262,13 @@ impl<'a> Loader<'a> {
         if let Some(path) = beside
             && let Some(text) = self.disk.text(&path)
         {
-            return self.module(name, &path.display().to_string(), &text, Mode::Rpi, false);
+            return self.module(
+                name,
+                &path.display().to_string(),
+                &text,
+                Dialect::Rpi,
+                false,
+            );
         }
         if let Some(library) = LIBRARY.iter().find(|library| library.name == name) {
             self.library(library);
@@ -307,25 +317,25 @@ pub fn library_text(name: &str) -> Option<&'static str> {
 }
 
 /// Access to the standard library for suggestions about missing imports.
-pub(crate) const BESIDE: rpi_sema::program::Library = rpi_sema::program::Library {
+pub(crate) const LIBRARY_NAMES: rpi_sema::program::Library = rpi_sema::program::Library {
     modules: || library_modules().collect(),
-    declaring,
+    declaring: declaring_module,
 };
 
 /// Returns the module of the standard library that declares a name, among the modules that need a `use`.
-fn declaring(name: &str) -> Option<&'static str> {
+fn declaring_module(name: &str) -> Option<&'static str> {
     static NAMES: OnceLock<BTreeMap<String, &'static str>> = OnceLock::new();
-    NAMES.get_or_init(declared).get(name).copied()
+    NAMES.get_or_init(library_names).get(name).copied()
 }
 
 /// Returns every name declared by the modules of the standard library, with its module.
-fn declared() -> BTreeMap<String, &'static str> {
+fn library_names() -> BTreeMap<String, &'static str> {
     let mut names = BTreeMap::new();
     for library in LIBRARY.iter().filter(|library| !library.implicit) {
-        let file = parse(FileId(0), library.text, Mode::Rpi).file;
+        let file = parse(FileId(0), library.text, Dialect::Rpi).file;
         let source = Source {
             name: Name::from(library.name),
-            mode: Mode::Rpi,
+            mode: Dialect::Rpi,
             files: vec![&file],
             implicit: false,
         };

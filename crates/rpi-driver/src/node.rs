@@ -1,26 +1,26 @@
 //! Compilation of a single node: its selection, its net, and the columns of its input and output tables.
 
-use rpi_diag::{FileId, Finding, Severity, SourceMap};
+use rpi_diag::{Diagnostic, FileId, Severity, SourceMap};
 use rpi_image::Scalar;
 use rpi_net::{Column, Net};
-use rpi_sema::elab::{Claims, Elaborated, PortShape, elaborate_alone};
+use rpi_sema::elab::{ClaimPolicy, ElaboratedUnit, PortShape, elaborate_node};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::UnitId;
 use rpi_syntax::ast::{ItemKind, NodeKind};
-use rpi_syntax::{CommentKind, Mode};
+use rpi_syntax::{CommentKind, Dialect};
 
 use crate::compile::{display, program_text};
 use crate::input::{Input, InputError};
-use crate::source::{self, Front};
+use crate::program::{self, AnalysedProgram};
 
 /// Result of compiling a single node of a file.
 #[derive(Debug)]
-pub struct NodeCompiled {
+pub struct CompiledNode {
     /// Source texts that the diagnostics refer to.
     pub sources: SourceMap,
     /// Diagnostics.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
     /// Node, if it has no errors.
     pub node: Option<Node>,
 }
@@ -38,11 +38,11 @@ pub struct Node {
     pub locals: Vec<Column>,
 }
 
-impl NodeCompiled {
+impl CompiledNode {
     /// Returns whether there is an error, which prevents the node from running.
     #[must_use]
     pub fn has_errors(&self) -> bool {
-        self.findings
+        self.diagnostics
             .iter()
             .any(|f| f.severity() == Severity::Error)
     }
@@ -56,44 +56,45 @@ impl NodeCompiled {
 pub fn compile_node(
     input: &Input,
     name: Option<&str>,
-    claims: Claims,
+    claims: ClaimPolicy,
     locals: bool,
-) -> Result<NodeCompiled, InputError> {
+) -> Result<CompiledNode, InputError> {
     let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
     let mut sources = SourceMap::new();
     let modules = program_text(input, &stem, &path, text).modules(&mut sources);
-    if let Some(why) = &modules.no_machine {
+    if let Some(why) = &modules.machine_error {
         return Err(why.clone());
     }
-    let (made, findings, _) = source::with_front(&modules, &sources, |front, findings| {
-        if source::has_errors(findings) {
-            return Ok(None);
-        }
-        let unit = chosen(front, name, &marked(text, &path), &stem)?;
-        let elaborated = elaborate_alone(
-            &front.checked.units,
-            front.facts,
-            unit,
-            Claims::Report,
-            locals,
-        );
-        let made = source::analysed(front, unit, &[], elaborated, findings);
-        let made = made.map(|made| match claims {
-            Claims::Report => made,
-            _ => elaborate_alone(&front.checked.units, front.facts, unit, claims, locals),
+    let (made, diagnostics, _) =
+        program::with_checked_program(&modules, &sources, |front, diagnostics| {
+            if program::has_errors(diagnostics) {
+                return Ok(None);
+            }
+            let unit = select_node(front, name, &main_nodes(text, &path), &stem)?;
+            let elaborated = elaborate_node(
+                &front.checked.units,
+                front.facts,
+                unit,
+                ClaimPolicy::Report,
+                locals,
+            );
+            let made = program::analyse_unit(front, unit, &[], elaborated, diagnostics);
+            let made = made.map(|made| match claims {
+                ClaimPolicy::Report => made,
+                _ => elaborate_node(&front.checked.units, front.facts, unit, claims, locals),
+            });
+            Ok(made.map(node))
         });
-        Ok(made.map(node))
-    });
     let node = made.map_err(|message: String| InputError::new(&input.path, message))?;
-    Ok(NodeCompiled {
+    Ok(CompiledNode {
         sources,
-        findings,
+        diagnostics: diagnostics,
         node,
     })
 }
 
-fn chosen(
-    front: &Front<'_>,
+fn select_node(
+    front: &AnalysedProgram<'_>,
     name: Option<&str>,
     marked: &[String],
     stem: &str,
@@ -102,19 +103,21 @@ fn chosen(
         .checked
         .runnable
         .iter()
-        .filter(|(decl, _)| !is_apart(front.program.decl(*decl).kind))
+        .filter(|(decl, _)| !is_not_a_node(front.program.decl(*decl).kind))
         .map(|(decl, unit)| (front.program.decl(*decl).name.as_str(), *unit))
         .collect();
     let named = |name: &str| nodes.iter().find(|node| node.0 == name).map(|node| node.1);
     if let Some(name) = name {
-        return named(name).ok_or_else(|| missing(front, name, &nodes));
+        return named(name).ok_or_else(|| no_such_node(front, name, &nodes));
     }
     let marked = marked.iter().find_map(|name| named(name));
-    let found = marked.or_else(|| named(stem)).or_else(|| last(front));
+    let found = marked
+        .or_else(|| named(stem))
+        .or_else(|| last_uncalled(front));
     found.ok_or_else(|| {
         let with_devices = ["command", "task"].map(|kind| format!("a {kind}"));
         let decls = front.program.root().decls.iter();
-        let mut kinds = decls.map(|id| front.program.decl(*id).kind.what());
+        let mut kinds = decls.map(|id| front.program.decl(*id).kind.description());
         match kinds.any(|kind| with_devices.iter().any(|known| known == kind)) {
             true => "there is no node in it that can be run by itself; its commands run without --node, --step, --inputs and the like".to_owned(),
             false => "there is no node in it that can be run".to_owned(),
@@ -124,7 +127,7 @@ fn chosen(
 
 /// Returns the last node that no other node calls; calls from commands and tests do not count. Nodes of the file itself
 /// take precedence over included ones.
-fn last(front: &Front<'_>) -> Option<UnitId> {
+fn last_uncalled(front: &AnalysedProgram<'_>) -> Option<UnitId> {
     let is_node = |decl: DeclId| {
         let kind = &front.program.decl(decl).kind;
         matches!(kind, DeclKind::Node(node) if node.kind != NodeKind::Contract)
@@ -134,7 +137,7 @@ fn last(front: &Front<'_>) -> Option<UnitId> {
         .filter(|(decl, _)| is_node(*decl))
         .copied()
         .collect();
-    let called = source::called(nodes.iter().map(|(_, unit)| front.checked.unit(*unit)));
+    let called = program::called_units(nodes.iter().map(|(_, unit)| front.checked.unit(*unit)));
     let latest_first = nodes.into_iter().rev();
     let free = latest_first.filter(|(_, unit)| !called.contains(unit));
     let included = |decl: &DeclId| front.program.decl(*decl).span.file != OWN;
@@ -146,7 +149,7 @@ fn last(front: &Front<'_>) -> Option<UnitId> {
 const OWN: FileId = FileId(0);
 
 /// Returns whether a declaration is checked like a node but is not a node.
-fn is_apart(kind: DeclKind<'_>) -> bool {
+fn is_not_a_node(kind: DeclKind<'_>) -> bool {
     match kind {
         DeclKind::Node(node) => node.kind == NodeKind::Contract,
         DeclKind::Test(_) => true,
@@ -154,7 +157,7 @@ fn is_apart(kind: DeclKind<'_>) -> bool {
     }
 }
 
-fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {
+fn no_such_node(front: &AnalysedProgram<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {
     let mut declared = front.program.root().decls.iter();
     if declared.any(|id| front.program.decl(*id).name == *name) {
         return format!(
@@ -172,11 +175,11 @@ fn missing(front: &Front<'_>, name: &str, nodes: &[(&str, UnitId)]) -> String {
 const MARK: &str = "--%MAIN";
 
 /// Returns the names of the declarations that contain `--%MAIN`.
-fn marked(text: &str, path: &str) -> Vec<String> {
+fn main_nodes(text: &str, path: &str) -> Vec<String> {
     if !text.contains(MARK) {
         return Vec::new();
     }
-    let parsed = rpi_syntax::parse(FileId(0), text, Mode::of_path(path));
+    let parsed = rpi_syntax::parse(FileId(0), text, Dialect::from_path(path));
     let marks = parsed.comments.all.iter().filter(|comment| {
         let span = comment.span;
         let text = &text[span.start as usize..span.end as usize];
@@ -195,7 +198,7 @@ fn marked(text: &str, path: &str) -> Vec<String> {
     nodes.collect()
 }
 
-fn node(mut elaborated: Elaborated) -> Node {
+fn node(mut elaborated: ElaboratedUnit) -> Node {
     let locals = elaborated.locals.iter().map(|local| column(&local.shape));
     let locals = locals.collect();
     let ports = elaborated.locals.into_iter().map(|local| local.port);
@@ -215,8 +218,8 @@ fn column(shape: &PortShape) -> Column {
     };
     Column {
         key: shape.key.clone(),
-        ty: shape.ty.scalar().unwrap_or(Scalar::Bool),
-        values,
+        scalar: shape.ty.scalar().unwrap_or(Scalar::Bool),
+        enum_values: values,
         optional: shape.optional,
         range: match shape.ty {
             Ty::Subrange(range) => Some(range.bounds()),

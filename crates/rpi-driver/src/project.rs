@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::input::{InputError, Kind};
+use crate::input::{InputError, InputKind};
 
 /// File name of the project description.
 pub const MANIFEST: &str = "rpi.toml";
@@ -53,7 +53,7 @@ impl Project {
         }
         let input = crate::input::read(path)?;
         match input.kind {
-            Kind::Rpi | Kind::Lustre => Ok(Project {
+            InputKind::Rpi | InputKind::Lustre => Ok(Project {
                 name: input.stem(),
                 description: String::new(),
                 root: path.parent().unwrap_or(Path::new("")).to_owned(),
@@ -97,7 +97,12 @@ pub fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
     let mut files = Vec::new();
     for path in paths {
         match path.is_dir() || path.ends_with(MANIFEST) {
-            true => files.extend(Project::open(path)?.files.iter().map(|file| shown(file))),
+            true => files.extend(
+                Project::open(path)?
+                    .files
+                    .iter()
+                    .map(|file| without_dot(file)),
+            ),
             false => files.push(path.clone()),
         }
     }
@@ -105,7 +110,7 @@ pub fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
 }
 
 /// Returns a path without a leading `./`.
-fn shown(path: &Path) -> PathBuf {
+fn without_dot(path: &Path) -> PathBuf {
     path.strip_prefix(".").unwrap_or(path).to_owned()
 }
 
@@ -129,8 +134,8 @@ fn folder_name(root: &Path) -> String {
 /// files but not to folders, which may form a loop or lie outside the project.
 fn programs(path: &Path, files: &mut Vec<PathBuf>) {
     if path.is_file() {
-        let kind = Kind::of(path);
-        if matches!(kind, Some(Kind::Rpi | Kind::Lustre)) {
+        let kind = InputKind::from_path(path);
+        if matches!(kind, Some(InputKind::Rpi | InputKind::Lustre)) {
             files.push(path.to_owned());
         }
         return;

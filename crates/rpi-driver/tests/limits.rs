@@ -3,19 +3,19 @@
 use std::fmt::Write;
 
 use rpi_diag::Code;
-use rpi_driver::{Input, Kind, compile};
-use rpi_syntax::Mode;
+use rpi_driver::{Input, InputKind, compile};
+use rpi_syntax::Dialect;
 
 /// Returns the codes and messages of the diagnostics of a program.
 fn found(text: &str) -> Vec<(Code, String)> {
     let input = Input {
         path: "limits.rpi".into(),
-        kind: Kind::Rpi,
+        kind: InputKind::Rpi,
         bytes: text.as_bytes().to_vec(),
     };
     let compiled = compile(&input).expect("programs are read");
-    let said = compiled.findings.into_iter();
-    said.map(|finding| (finding.code, finding.message))
+    let said = compiled.diagnostics.into_iter();
+    said.map(|diagnostic| (diagnostic.code, diagnostic.message))
         .collect()
 }
 
@@ -69,7 +69,7 @@ fn expressions_may_nest_as_deeply_as_they_may() {
         node("int", &delays),
     ] {
         assert_eq!(found(&text), []);
-        let formatted = rpi_syntax::format(&text, Mode::Rpi).expect("it has no faults");
+        let formatted = rpi_syntax::format(&text, Dialect::Rpi).expect("it has no faults");
         assert_eq!(found(&formatted), []);
         let size = formatted.len();
         assert!(size < 100 * text.len(), "{size} bytes");

@@ -5,16 +5,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use rpi_diag::FileId;
-use rpi_driver::{Disk, Inspected, inspect};
+use rpi_driver::{DiskLoader, Inspection, inspect};
 use rpi_image::Scalar;
 use rpi_prims::{PrimId, registry};
 use rpi_sema::query::{builtin, spatial_parts};
-use rpi_syntax::{KEYWORDS, Piece, PieceKind, pieces};
+use rpi_syntax::{KEYWORDS, SourceToken, SourceTokenKind, source_tokens};
 use rpi_testkit::files_below;
 
-fn seen(path: &Path) -> Inspected {
+fn seen(path: &Path) -> Inspection {
     let text = std::fs::read_to_string(path).unwrap();
-    inspect(path, &text, &Disk)
+    inspect(path, &text, &DiskLoader)
 }
 
 /// Returns correct programs.
@@ -28,7 +28,7 @@ fn right() -> Vec<PathBuf> {
 fn every_name_of_a_right_program_is_explained() {
     for path in right() {
         let seen = seen(&path);
-        assert_eq!(seen.findings, [], "{}", path.display());
+        assert_eq!(seen.diagnostics, [], "{}", path.display());
         let unknown = unexplained(&seen);
         assert_eq!(unknown, Vec::<String>::new(), "{}", path.display());
     }
@@ -54,13 +54,13 @@ fn references_are_places_of_the_name() {
 }
 
 /// Returns the names in the main text that have no explanation, with their lines.
-fn unexplained(seen: &Inspected) -> Vec<String> {
+fn unexplained(seen: &Inspection) -> Vec<String> {
     let text = seen.sources.text(FileId(0));
     let known = without_declaration();
-    let all = pieces(text, seen.mode());
-    let words: Vec<&Piece> = all
+    let all = source_tokens(text, seen.mode());
+    let words: Vec<&SourceToken> = all
         .iter()
-        .filter(|p| !matches!(p.kind, PieceKind::Comment(_)))
+        .filter(|p| !matches!(p.kind, SourceTokenKind::Comment(_)))
         .collect();
     let word = |k: usize| words.get(k).map_or("", |piece| &text[piece.range.clone()]);
     let mut unknown = Vec::new();
@@ -68,14 +68,14 @@ fn unexplained(seen: &Inspected) -> Vec<String> {
         let name = word(k);
         let offset = u32::try_from(piece.range.start).unwrap();
         let is_frame = word(k + 1) == "in" || k > 0 && word(k - 1) == "in";
-        let explained = piece.kind != PieceKind::Name
+        let explained = piece.kind != SourceTokenKind::Name
             || seen
                 .index()
-                .at(FileId(0), offset)
+                .reference_at(FileId(0), offset)
                 .is_some_and(|r| r.span.start == offset)
             || known.contains(name)
             || builtin(name).is_some()
-            || PrimId::of(name).is_some()
+            || PrimId::from_name(name).is_some()
             // `on any then end`: keywords that are names elsewhere.
             || name == "any"
             || KEYWORDS.iter().any(|word| word.text == name)
@@ -112,15 +112,15 @@ fn without_declaration() -> BTreeSet<String> {
 }
 
 /// Returns whether the token after these is in the unit brackets after a number or `real`.
-fn is_unit(words: &[&Piece], text: &str) -> bool {
-    let written = |piece: &&&Piece| &text[piece.range.clone()];
+fn is_unit(words: &[&SourceToken], text: &str) -> bool {
+    let written = |piece: &&&SourceToken| &text[piece.range.clone()];
     let mut before = words.iter().rev();
-    let inside = |p: &&&Piece| {
-        matches!(p.kind, PieceKind::Name | PieceKind::Number)
+    let inside = |p: &&&SourceToken| {
+        matches!(p.kind, SourceTokenKind::Name | SourceTokenKind::Number)
             || ["/", "*", "^"].contains(&written(p))
     };
     let open = before.by_ref().find(|piece| !inside(piece));
     let of = before.next();
-    let measured = of.is_some_and(|p| p.kind == PieceKind::Number || written(&p) == "real");
+    let measured = of.is_some_and(|p| p.kind == SourceTokenKind::Number || written(&p) == "real");
     open.is_some_and(|p| written(&p) == "[") && measured
 }

@@ -7,35 +7,38 @@ use cap::Cap;
 use rustix::time::{ClockId, clock_gettime};
 
 /// Largest CPU time for one input. CPU time is used because wall-clock time would include other processes.
-pub const CPU: Duration = Duration::from_secs(1);
+pub const CPU_BUDGET: Duration = Duration::from_secs(1);
 
 /// Largest memory for one input, in bytes, above what was allocated before.
-pub const MEMORY: usize = 200 << 20;
+pub const MEMORY_BUDGET: usize = 200 << 20;
 
 /// Factor on the CPU budget. Instrumentation for a fuzzer makes the code three to five times slower. An input that is
 /// too slow with instrumentation is run again without it (`rpi-fuzz-again`), which decides.
-const COUNTING: u32 = if cfg!(feature = "counted") { 5 } else { 1 };
+const INSTRUMENTATION_FACTOR: u32 = if cfg!(feature = "counted") { 5 } else { 1 };
 
 /// Memory in bytes at which the process is aborted at once, to protect the machine.
-const HARD: usize = 2 << 30;
+const HARD_MEMORY_LIMIT: usize = 2 << 30;
 
 /// Allocator that records the current and the highest number of allocated bytes.
 #[global_allocator]
-static ALLOCATOR: Cap<System> = Cap::new(System, HARD);
+static ALLOCATOR: Cap<System> = Cap::new(System, HARD_MEMORY_LIMIT);
 
 /// Runs `work` within the budget. Not for concurrent use, because threads would share one budget.
 ///
 /// # Panics
 /// If the work exceeds the budget.
-pub fn within(work: impl FnOnce()) {
+pub fn run_within_budget(work: impl FnOnce()) {
     let (began, taken) = (cpu(), ALLOCATOR.allocated());
     work();
     let spent = cpu().saturating_sub(began);
-    assert!(spent <= COUNTING * CPU, "took {spent:?}");
+    assert!(
+        spent <= INSTRUMENTATION_FACTOR * CPU_BUDGET,
+        "took {spent:?}"
+    );
     // `max_allocated` is the maximum since the process began. It exceeds this budget only if this run raised it,
     // because all earlier runs were within theirs.
     let most = ALLOCATOR.max_allocated().saturating_sub(taken);
-    assert!(most <= MEMORY, "took {} MB", most >> 20);
+    assert!(most <= MEMORY_BUDGET, "took {} MB", most >> 20);
 }
 
 fn cpu() -> Duration {

@@ -1,7 +1,7 @@
 //! Entry point for compiled images: the loader.
 
-use rpi_core::{Machine, Moment, catalogue};
-use rpi_image::print::print;
+use rpi_core::{CycleContext, Instance, prim_desc};
+use rpi_image::text::print;
 use rpi_image::{Image, rpib, verify};
 use rpi_sim::{Cell, SimBank};
 
@@ -12,12 +12,12 @@ const CYCLES: usize = 8;
 pub(crate) fn load(input: &[u8]) {
     let _ = Image::from_bytes(input);
     let mut sealed = input.to_vec();
-    rpib::seal(&mut sealed);
+    rpib::update_checksum(&mut sealed);
     if let Ok(image) = Image::from_bytes(&sealed) {
         let again = Image::from_bytes(&image.to_bytes());
         assert_eq!(again.as_ref(), Ok(&image), "written and read again");
-        if verify(&image, &catalogue).is_ok() {
-            assert!(!print(&image, &catalogue).is_empty());
+        if verify(&image, &prim_desc).is_ok() {
+            assert!(!print(&image, &prim_desc).is_empty());
             run(image);
         }
     }
@@ -29,11 +29,11 @@ fn run(image: Image) {
         return;
     };
     let mut bank = SimBank::new(&cell, 1e-3);
-    let Ok(mut machine) = Machine::load(image, &mut bank) else {
+    let Ok(mut machine) = Instance::load(image, &mut bank) else {
         return;
     };
     for _ in 0..CYCLES {
-        machine.read(&mut bank, &Moment::default());
+        machine.read(&mut bank, &CycleContext::default());
         machine.evaluate(&mut bank);
         machine.commit();
         machine.hand_over(&mut bank);

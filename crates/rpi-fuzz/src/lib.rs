@@ -16,19 +16,19 @@
 //! | `words.rs` | dictionary |
 
 mod budget;
+mod current_input;
+mod dictionary;
 mod image;
-mod last;
-mod mutate;
+mod mutator;
 mod net;
 mod seeds;
 mod texts;
-mod words;
 
-pub use budget::{CPU, MEMORY, within};
-pub use mutate::Mutator;
-pub use seeds::{Seed, found};
+pub use budget::{CPU_BUDGET, MEMORY_BUDGET, run_within_budget};
+pub use dictionary::dictionary;
+pub use mutator::Mutator;
+pub use seeds::{Seed, saved_inputs};
 pub use texts::LUSTRE;
-pub use words::dictionary;
 
 /// Entry point for untrusted input.
 #[derive(Debug)]
@@ -83,6 +83,6 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
 /// If there is no such entry point, if it panics, or if the budget is exceeded.
 pub fn run(name: &str, input: &[u8]) {
     let entry = entry(name).unwrap_or_else(|| panic!("unknown entry point: {name}"));
-    last::keep(input);
-    within(|| (entry.run)(input));
+    current_input::save(input);
+    run_within_budget(|| (entry.run)(input));
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use rpi_driver::{Claims, Input, Kind, compile, compile_node, emit, lower_to_run};
+use rpi_driver::{ClaimPolicy, Input, InputKind, compile, compile_node, emit, lower_for_execution};
 use rpi_net::Net;
 use rpi_testkit::{files_below, workspace_root};
 
@@ -21,9 +21,9 @@ pub struct Seed {
 /// Folders that contain programs.
 const FOLDERS: &[&str] = &["examples", "stdlib", "tests", "crates/rpi-diag/pages"];
 /// Folder of the inputs that fuzzers found, with one folder per entry point.
-const FOUND: &str = "tests/fuzz";
+const SAVED_FOLDER: &str = "tests/fuzz";
 /// Largest size in bytes of a seed made from a net. Larger ones slow a fuzzer down without covering more code.
-const LARGEST: usize = 1 << 14;
+const MAX_SEED_BYTES: usize = 1 << 14;
 
 /// Returns all programs of the project and those on the explanation pages of diagnostics, right and wrong ones.
 pub(crate) fn texts() -> Vec<Seed> {
@@ -41,18 +41,20 @@ pub(crate) fn texts() -> Vec<Seed> {
 
 /// Returns the nets of all programs that compile, in text format.
 pub(crate) fn nets() -> Vec<Seed> {
-    made(|net| emit::rpinet(net).0.into_bytes())
+    seeds_from_nets(|net| emit::rpinet(net).0.into_bytes())
 }
 
 /// Returns the images of all programs that compile.
 pub(crate) fn images() -> Vec<Seed> {
-    made(|net| lower_to_run(net, 1_000_000).map_or(Vec::new(), |image| image.to_bytes()))
+    seeds_from_nets(|net| {
+        lower_for_execution(net, 1_000_000).map_or(Vec::new(), |image| image.to_bytes())
+    })
 }
 
 /// Returns the inputs that a fuzzer found for an entry point; they are kept permanently.
 #[must_use]
-pub fn found(entry: &str) -> Vec<Seed> {
-    let paths = files_below(&format!("{FOUND}/{entry}"), &[""]);
+pub fn saved_inputs(entry: &str) -> Vec<Seed> {
+    let paths = files_below(&format!("{SAVED_FOLDER}/{entry}"), &[""]);
     paths.iter().filter_map(|path| text(path, "")).collect()
 }
 
@@ -76,12 +78,12 @@ fn blocks(page: &Seed) -> Vec<Seed> {
     code.enumerate().map(seed).collect()
 }
 
-fn made(form: impl Fn(&Net) -> Vec<u8>) -> Vec<Seed> {
+fn seeds_from_nets(form: impl Fn(&Net) -> Vec<u8>) -> Vec<Seed> {
     let mut seeds = Vec::new();
     for text in texts() {
         for (k, net) in nets_of(&text).iter().enumerate() {
             let (name, bytes) = (format!("{}-{k}", text.name), form(net));
-            if (1..LARGEST).contains(&bytes.len()) {
+            if (1..MAX_SEED_BYTES).contains(&bytes.len()) {
                 seeds.push(Seed { name, bytes });
             }
         }
@@ -91,8 +93,8 @@ fn made(form: impl Fn(&Net) -> Vec<u8>) -> Vec<Seed> {
 
 fn nets_of(seed: &Seed) -> Vec<Net> {
     let kind = match seed.bytes.starts_with(LUSTRE.as_bytes()) {
-        true => Kind::Lustre,
-        false => Kind::Rpi,
+        true => InputKind::Lustre,
+        false => InputKind::Rpi,
     };
     let input = Input {
         path: seed.name.clone().into(),
@@ -100,7 +102,7 @@ fn nets_of(seed: &Seed) -> Vec<Net> {
         bytes: seed.bytes.clone(),
     };
     let commands = compile(&input).map_or(Vec::new(), |made| made.nets().to_vec());
-    let node = compile_node(&input, None, Claims::Report, false)
+    let node = compile_node(&input, None, ClaimPolicy::Report, false)
         .ok()
         .and_then(|made| made.node);
     commands

@@ -1,10 +1,13 @@
 //! Entry points for program texts: lexer, parser and checker.
 
-use rpi_diag::{FileId, Finding, Format, SourceMap, Style, apply, render_as, sure_edits};
-use rpi_driver::{Claims, Input, Kind, compile, compile_node, lower_to_look, lower_to_run};
+use rpi_diag::{Diagnostic, FileId, Format, SourceMap, Style, apply, render_as, sure_edits};
+use rpi_driver::{
+    ClaimPolicy, Input, InputKind, compile, compile_node, lower_for_execution,
+    lower_for_observation,
+};
 use rpi_image::Image;
 use rpi_net::Net;
-use rpi_syntax::{Mode, format, parse as parse_text, pieces};
+use rpi_syntax::{Dialect, format, parse as parse_text, source_tokens};
 
 /// First line that marks a text as Lustre; any other text is `.rpi`.
 pub const LUSTRE: &str = "--.lus\n";
@@ -15,11 +18,11 @@ const FOLDER: &str = "no-such-folder";
 /// Period for which images are compiled, in ns: 1 ms.
 const PERIOD_NS: u64 = 1_000_000;
 
-fn text(input: &[u8]) -> (String, Mode) {
+fn text(input: &[u8]) -> (String, Dialect) {
     let text = String::from_utf8_lossy(input).into_owned();
     let mode = match text.starts_with(LUSTRE) {
-        true => Mode::Lustre,
-        false => Mode::Rpi,
+        true => Dialect::Lustre,
+        false => Dialect::Rpi,
     };
     (text, mode)
 }
@@ -28,7 +31,7 @@ fn text(input: &[u8]) -> (String, Mode) {
 pub(crate) fn lex(input: &[u8]) {
     let (text, mode) = text(input);
     let mut end = 0;
-    for piece in pieces(&text, mode) {
+    for piece in source_tokens(&text, mode) {
         assert!(end <= piece.range.start, "{piece:?} begins before {end}");
         assert!(text.get(piece.range.clone()).is_some(), "{piece:?}");
         end = piece.range.end;
@@ -41,7 +44,7 @@ pub(crate) fn parse(input: &[u8]) {
     let mut sources = SourceMap::new();
     let file = sources.add("fuzz", text.as_str());
     let parse = parse_text(file, &text, mode);
-    shown(&parse.findings, &sources);
+    check_rendering(&parse.diagnostics, &sources);
     if let Ok(once) = format(&text, mode) {
         let twice = format(&once, mode);
         assert_eq!(twice.as_ref(), Ok(&once), "formatted again");
@@ -52,8 +55,8 @@ pub(crate) fn parse(input: &[u8]) {
 pub(crate) fn check(input: &[u8]) {
     let (text, mode) = text(input);
     let (ending, kind) = match mode {
-        Mode::Lustre => ("lus", Kind::Lustre),
-        Mode::Rpi => ("rpi", Kind::Rpi),
+        Dialect::Lustre => ("lus", InputKind::Lustre),
+        Dialect::Rpi => ("rpi", InputKind::Rpi),
     };
     let input = Input {
         path: format!("{FOLDER}/fuzz.{ending}").into(),
@@ -63,49 +66,49 @@ pub(crate) fn check(input: &[u8]) {
     let Ok(compiled) = compile(&input) else {
         return;
     };
-    shown(&compiled.findings, &compiled.sources);
-    fixed(&compiled.findings, &compiled.sources);
-    compiled.nets().iter().for_each(lowered);
+    check_rendering(&compiled.diagnostics, &compiled.sources);
+    check_fixes(&compiled.diagnostics, &compiled.sources);
+    compiled.nets().iter().for_each(check_lowering);
     if !compiled.has_errors()
-        && let Ok(made) = compile_node(&input, None, Claims::Report, true)
+        && let Ok(made) = compile_node(&input, None, ClaimPolicy::Report, true)
     {
-        shown(&made.findings, &made.sources);
-        made.node.iter().for_each(|node| lowered(&node.net));
+        check_rendering(&made.diagnostics, &made.sources);
+        made.node.iter().for_each(|node| check_lowering(&node.net));
     }
 }
 
 /// Checks that diagnostics point into their texts and can be rendered.
-pub(crate) fn shown(findings: &[Finding], sources: &SourceMap) {
-    for finding in findings {
-        for span in finding.labels.iter().map(|label| label.span) {
+pub(crate) fn check_rendering(diagnostics: &[Diagnostic], sources: &SourceMap) {
+    for diagnostic in diagnostics {
+        for span in diagnostic.labels.iter().map(|label| label.span) {
             let range = span.start as usize..span.end as usize;
             let place = sources.text(span.file).get(range);
-            assert!(span.is_none() || place.is_some(), "{finding:?}");
+            assert!(span.is_none() || place.is_some(), "{diagnostic:?}");
         }
     }
     let style = Style::PLAIN;
     for form in [Format::Human, Format::Json] {
-        render_as(form, findings, sources, style);
+        render_as(form, diagnostics, sources, style);
     }
 }
 
-fn fixed(findings: &[Finding], sources: &SourceMap) {
+fn check_fixes(diagnostics: &[Diagnostic], sources: &SourceMap) {
     let own = FileId(0);
-    let edits = sure_edits(findings);
+    let edits = sure_edits(diagnostics);
     let here = edits.iter().filter(|edit| edit.span.file == own);
     apply(sources.text(own), here);
 }
 
 /// Lowers a checked net. The resulting image must pass the verifier; lowering may return an error.
-pub(crate) fn lowered(net: &Net) {
-    for lower in [lower_to_run, lower_to_look] {
+pub(crate) fn check_lowering(net: &Net) {
+    for lower in [lower_for_execution, lower_for_observation] {
         if let Ok(image) = lower(net, PERIOD_NS) {
-            verified(&image);
+            check_image(&image);
         }
     }
 }
 
-fn verified(image: &Image) {
-    let found = rpi_image::verify(image, &rpi_core::catalogue);
+fn check_image(image: &Image) {
+    let found = rpi_image::verify(image, &rpi_core::prim_desc);
     assert_eq!(found, Ok(()), "the compiler's image");
 }

@@ -4,7 +4,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use rpi_fuzz::{ENTRIES, Entry, Mutator, Seed, found, run};
+use rpi_fuzz::{ENTRIES, Entry, Mutator, Seed, run, saved_inputs};
 use rpi_testkit::{files_below, workspace_root};
 
 /// Number of mutated seeds per entry point, and the time limit for them. `RPI_MUTATIONS=100000` makes a longer run.
@@ -16,7 +16,7 @@ fn no_input_makes_an_entry_panic_hang_or_take_memory_without_end() {
     for entry in ENTRIES {
         let seeds = (entry.seeds)();
         assert!(seeds.len() > 10, "{}: too few seeds", entry.name);
-        let kept = found(entry.name);
+        let kept = saved_inputs(entry.name);
         for seed in seeds.iter().chain(&kept) {
             stands(entry, &seed.name, &seed.bytes);
         }

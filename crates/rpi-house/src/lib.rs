@@ -6,10 +6,10 @@
 
 mod fences;
 mod generate;
-mod manifest;
+mod packages;
 mod source;
 
 pub use fences::{Fence, fences};
 pub use generate::{Generated, generated};
-pub use manifest::{Dependency, Package, packages};
+pub use packages::{Dependency, Package, packages};
 pub use source::{Function, SourceFile, functions, source_files, tracked_files};

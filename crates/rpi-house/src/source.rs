@@ -92,7 +92,7 @@ pub fn functions(text: &str) -> Vec<Function<'_>> {
         .filter_map(|(at, line)| Some((at, function_name(line)?)));
     starts
         .filter_map(|(at, name)| {
-            let lines = body_end(&lines[at..])? + 1;
+            let lines = body_end_line(&lines[at..])? + 1;
             Some(Function {
                 name,
                 line: at + 1,
@@ -119,7 +119,7 @@ fn function_name(line: &str) -> Option<&str> {
 
 /// Returns the index of the line that closes the body opened by the first line: the next line with the same indentation
 /// that is a closing brace. Returns `None` for a declaration without a body.
-fn body_end(lines: &[&str]) -> Option<usize> {
+fn body_end_line(lines: &[&str]) -> Option<usize> {
     let first = lines.first()?;
     if first.ends_with('}') {
         return Some(0);

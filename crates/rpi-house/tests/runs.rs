@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use rpi_core::{Command, Core, Rule, State, catalogue};
-use rpi_driver::{Compiled, Input, Kind, compile, lower_to_run};
+use rpi_core::{Command, CommandState, Core, Rule, prim_desc};
+use rpi_driver::{Compiled, Input, InputKind, compile, lower_for_execution};
 use rpi_image::{Image, verify};
 use rpi_sim::{Cell, SimBank};
 use rpi_testkit::{files_below, no_alloc};
@@ -31,7 +31,7 @@ tel
 ";
 
 fn compiled(path: PathBuf, text: &str) -> Compiled {
-    let kind = Kind::of(&path).expect("the name tells the language");
+    let kind = InputKind::from_path(&path).expect("the name tells the language");
     let input = Input {
         path,
         kind,
@@ -42,9 +42,9 @@ fn compiled(path: PathBuf, text: &str) -> Compiled {
 
 fn images(path: PathBuf, text: &str) -> Vec<Image> {
     let compiled = compiled(path, text);
-    assert!(!compiled.has_errors(), "{:?}", compiled.findings);
+    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let nets = compiled.nets().iter();
-    nets.map(|net| lower_to_run(net, TICK_NS).expect("it lowers"))
+    nets.map(|net| lower_for_execution(net, TICK_NS).expect("it lowers"))
         .collect()
 }
 
@@ -64,8 +64,8 @@ fn all_images() -> Vec<(PathBuf, Vec<Image>)> {
 fn images_of_all_examples_verify_print_and_read_back() {
     for (path, images) in all_images() {
         for image in images {
-            assert!(verify(&image, &catalogue).is_ok(), "{}", path.display());
-            assert!(!rpi_image::print::print(&image, &catalogue).is_empty());
+            assert!(verify(&image, &prim_desc).is_ok(), "{}", path.display());
+            assert!(!rpi_image::text::print(&image, &prim_desc).is_empty());
             let bytes = image.to_bytes();
             let back = Image::from_bytes(&bytes).expect("it reads back");
             assert_eq!(back.to_bytes(), bytes, "{}", path.display());
@@ -109,7 +109,7 @@ fn a_tick_and_a_switch_neither_allocate_nor_free() {
     };
     let (first, second) = (load(&mut bank), load(&mut bank));
     core.start(first, &mut bank).expect("nothing is taken");
-    let rule = Rule::follow(first).start(second).keep();
+    let rule = Rule::follow(first).start(second).keep_orphans();
     let made = core.schedule(Box::new(rule), &mut bank);
     made.unwrap_or_else(|(_, why)| panic!("{why:?}"));
     let mut switched = None;
@@ -118,7 +118,7 @@ fn a_tick_and_a_switch_neither_allocate_nor_free() {
             core.tick(&mut bank, 0, &mut ());
             let runs = core
                 .command(second)
-                .is_some_and(|c| c.state() == State::Running);
+                .is_some_and(|c| c.state() == CommandState::Running);
             if runs && switched.is_none() {
                 switched = Some(tick);
             }

@@ -21,6 +21,6 @@ pub fn read_key(claim: &str, flow: &str) -> String {
 
 /// Returns true if the export with this key belongs to a claim.
 #[must_use]
-pub fn is_for_claim(key: &str) -> bool {
+pub fn is_claim_key(key: &str) -> bool {
     key.starts_with(PREFIX)
 }

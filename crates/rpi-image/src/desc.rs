@@ -1,7 +1,7 @@
 //! Declarations of primitives: names, ports, parameters, state and role. The type checker, the importer, hover texts,
 //! the generated reference, the lowering and the loader read them; the code of a primitive is in `rpi-prims`.
 
-use crate::ty::{Scalar, Type};
+use crate::types::{Scalar, Type};
 use crate::value::Value;
 
 // All fields are `'static` or `fn` pointers, so that a declaration is a `const` and the registry is built at compile
@@ -20,9 +20,9 @@ pub struct PrimDesc {
     /// Parameters in declaration order, without those that replace an unconnected in-port (see [`InPort::need`]).
     pub params: &'static [Param],
     /// Rule for the lengths of array out-ports and the shapes of matrix out-ports.
-    pub shape: Shape,
+    pub shape: ShapeRule,
     /// State kept from cycle to cycle.
-    pub state: State,
+    pub state: StateSize,
     /// Handling by the core.
     pub role: Role,
     /// Upper bound of the work in one cycle, in elementary operations (the addition of two reals is 1). Larger arrays
@@ -40,7 +40,7 @@ pub struct InPort {
     /// Accepted type.
     pub ty: PortType,
     /// Behaviour if the port is not connected.
-    pub need: Need,
+    pub fallback: Fallback,
 }
 
 /// An out-port.
@@ -58,7 +58,7 @@ pub struct OutPort {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PortType {
     /// Single value.
-    One(Scalar),
+    Scalar(Scalar),
     /// Array. The length of an in-port is that of its source; the length of an out-port follows from
     /// [`PrimDesc::shape`].
     Array(Scalar),
@@ -70,18 +70,18 @@ pub enum PortType {
 /// Rule that derives the lengths of array out-ports and the shapes of matrix out-ports from inputs and parameters.
 /// [`PrimDesc::out_type`] applies it.
 #[derive(Clone, Copy, Debug)]
-pub enum Shape {
+pub enum ShapeRule {
     /// No array or matrix out-port, and no size to check.
     Fixed,
     /// Length equal to the integer parameter with this name.
-    Size(&'static str),
+    FromParam(&'static str),
     /// Length equal to that of the array in-port with this index.
-    Like(usize),
+    SameAsInput(usize),
     /// Length equal to that of the array parameter with this name.
-    LikeParam(&'static str),
+    SameAsParam(&'static str),
     /// Type computed by a function; `None` if sizes or indices do not fit. The function is also called for single
     /// outputs, to check sizes.
-    Of(fn(&ShapeArgs<'_>) -> Option<Type>),
+    Computed(fn(&ShapeArgs<'_>) -> Option<Type>),
 }
 
 /// Arguments of a shape rule ([`Shape`]).
@@ -125,21 +125,21 @@ impl ShapeArgs<'_> {
 
 /// Behaviour of an in-port that is not connected.
 #[derive(Clone, Copy, Debug)]
-pub enum Need {
+pub enum Fallback {
     /// The net is rejected.
     Required,
     /// The parameter with this name replaces the connection; the second field is the default of the parameter.
-    Param(&'static str, Default),
+    Param(&'static str, ParamDefault),
     /// A value computed from several real parameters replaces the connection. The fields are the names and defaults of
     /// the parameters, and the function that computes the value.
-    Params(&'static [(&'static str, f64)], fn(&[f64]) -> Value),
+    ComposedOfParams(&'static [(&'static str, f64)], fn(&[f64]) -> Value),
     /// The port counts as absent.
-    Absent,
+    AbsentValue,
 }
 
 /// Default of a parameter, in a form that is allowed in a `const`.
 #[derive(Clone, Copy, Debug)]
-pub enum Default {
+pub enum ParamDefault {
     /// Neutral value of the type ([`Value::neutral`]).
     Neutral,
     /// Boolean.
@@ -154,17 +154,17 @@ pub enum Default {
     Required,
 }
 
-impl Default {
+impl ParamDefault {
     /// Returns the default of a parameter of type `ty`; `None` for [`Default::Required`].
     #[must_use]
     pub fn value(self, ty: Type) -> Option<Value> {
         Some(match self {
-            Default::Neutral => Value::neutral(ty),
-            Default::Bool(v) => Value::bool(v),
-            Default::Int(v) => Value::int(v),
-            Default::Real(v) => Value::real(v),
-            Default::Str(v) => Value::Str(v.into()),
-            Default::Required => return None,
+            ParamDefault::Neutral => Value::neutral(ty),
+            ParamDefault::Bool(v) => Value::bool(v),
+            ParamDefault::Int(v) => Value::int(v),
+            ParamDefault::Real(v) => Value::real(v),
+            ParamDefault::Str(v) => Value::Str(v.into()),
+            ParamDefault::Required => return None,
         })
     }
 }
@@ -177,14 +177,14 @@ pub struct Param {
     /// Type of the parameter.
     pub ty: ParamType,
     /// Default of the parameter.
-    pub default: Default,
+    pub default: ParamDefault,
 }
 
 /// Type of a parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ParamType {
     /// Single value.
-    One(Scalar),
+    Scalar(Scalar),
     /// Array literal of any length.
     Array(Scalar),
     /// Text.
@@ -210,14 +210,14 @@ pub enum Presence {
 /// State kept from cycle to cycle, in slots of 64 bits. The initial content is zero unless the primitive has an `init`
 /// function.
 #[derive(Clone, Copy, Debug)]
-pub enum State {
+pub enum StateSize {
     /// No state.
     None,
     /// Fixed number of slots. The operand is one word: the first slot.
-    Cells(u32),
+    Fixed(u32),
     /// Number of slots computed from the parameters and the period. The operand is two words: the first slot and the
     /// length.
-    Sized(fn(&SizeArgs<'_>) -> u32),
+    Computed(fn(&SizeArgs<'_>) -> u32),
 }
 
 /// Arguments of the function that computes the size of a state ([`State::Sized`]).
@@ -233,7 +233,7 @@ impl SizeArgs<'_> {
     /// Returns the number of cycles that the real parameter with index `param` spans. The parameter is in seconds. The
     /// result is rounded up and saturates at 0 and `u32::MAX`.
     #[must_use]
-    pub fn cycles(&self, param: usize) -> u32 {
+    pub fn cycles_of_param(&self, param: usize) -> u32 {
         let span = self.params.get(param).and_then(Value::as_real);
         let cycles = span.unwrap_or(0.0) / self.dt;
         let whole = cycles as u32;
@@ -282,14 +282,14 @@ pub struct DeviceUse {
     /// Name of the parameter that holds the index (axis, input number), if the device has several equal ports.
     pub index: Option<&'static str>,
     /// Ports of the device: one per out-port for a sensor, exactly one for an actuator or a function.
-    pub ports: DevicePorts,
+    pub ports: DevicePortNames,
     /// Meaning of each out-port of an actuator; empty for a sensor or a function.
-    pub answers: &'static [Answer],
+    pub responses: &'static [DeviceResponse],
 }
 
 /// Response of a device to the set-point of this cycle, as an out-port of an actuator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Answer {
+pub enum DeviceResponse {
     /// True if another writer has set the port in the same cycle.
     ConcurrentAccess,
     /// True if the device has failed.
@@ -304,7 +304,7 @@ pub enum Answer {
 
 /// Names of device ports used by a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum DevicePorts {
+pub enum DevicePortNames {
     /// Fixed names.
     Fixed(&'static [&'static str]),
     /// Name held by the text parameter with this name.
@@ -356,11 +356,11 @@ impl PrimDesc {
 
     /// Returns the index of the in-port that the parameter `name` replaces if it is not connected.
     #[must_use]
-    pub fn fallback(&self, name: &str) -> Option<usize> {
-        self.inputs.iter().position(|p| match p.need {
-            Need::Param(n, _) => n == name,
-            Need::Params(names, _) => names.iter().any(|(n, _)| *n == name),
-            Need::Required | Need::Absent => false,
+    pub fn in_port_of_param(&self, name: &str) -> Option<usize> {
+        self.inputs.iter().position(|p| match p.fallback {
+            Fallback::Param(n, _) => n == name,
+            Fallback::ComposedOfParams(names, _) => names.iter().any(|(n, _)| *n == name),
+            Fallback::Required | Fallback::AbsentValue => false,
         })
     }
 
@@ -368,22 +368,22 @@ impl PrimDesc {
     /// not fit.
     #[must_use]
     pub fn out_type(&self, port: usize, args: &ShapeArgs<'_>) -> Option<Type> {
-        if let Shape::Of(of) = self.shape {
+        if let ShapeRule::Computed(of) = self.shape {
             return of(args);
         }
         match self.outputs.get(port)?.ty {
-            PortType::One(s) => Some(Type::One(s)),
-            PortType::Array(s) => self.out_len(args).map(|n| Type::Array(s, n)),
+            PortType::Scalar(s) => Some(Type::Scalar(s)),
+            PortType::Array(s) => self.derived_len(args).map(|n| Type::Array(s, n)),
             PortType::Matrix => None,
         }
     }
 
-    fn out_len(&self, args: &ShapeArgs<'_>) -> Option<u32> {
+    fn derived_len(&self, args: &ShapeArgs<'_>) -> Option<u32> {
         match self.shape {
-            Shape::Fixed | Shape::Of(_) => None,
-            Shape::Size(name) => args.size(self.param(name)?),
-            Shape::Like(input) => args.len(input),
-            Shape::LikeParam(name) => match args.params.get(self.param(name)?)?.ty()? {
+            ShapeRule::Fixed | ShapeRule::Computed(_) => None,
+            ShapeRule::FromParam(name) => args.size(self.param(name)?),
+            ShapeRule::SameAsInput(input) => args.len(input),
+            ShapeRule::SameAsParam(name) => match args.params.get(self.param(name)?)?.ty()? {
                 Type::Array(_, n) => Some(n),
                 _ => None,
             },

@@ -5,24 +5,24 @@ use core::fmt::{self, Write};
 
 /// State of an FNV-1a hash, 64 bit (Fowler, Noll, Vo; draft-eastlake-fnv). It detects accidental changes, not attacks.
 #[derive(Clone, Copy, Debug)]
-pub struct Fnv(u64);
+pub struct Fnv1a(u64);
 
-impl Fnv {
+impl Fnv1a {
     /// Creates the hash of the empty byte string (the offset basis).
     #[must_use]
     pub const fn new() -> Self {
-        Fnv(0xcbf2_9ce4_8422_2325)
+        Fnv1a(0xcbf2_9ce4_8422_2325)
     }
 
     /// Returns the hash extended by `bytes`.
     #[must_use]
-    pub const fn bytes(self, bytes: &[u8]) -> Self {
+    pub const fn with_bytes(self, bytes: &[u8]) -> Self {
         let (mut hash, mut k) = (self.0, 0);
         while k < bytes.len() {
             hash = (hash ^ bytes[k] as u64).wrapping_mul(0x0000_0100_0000_01b3);
             k += 1;
         }
-        Fnv(hash)
+        Fnv1a(hash)
     }
 
     /// Returns the hash of all bytes so far.
@@ -32,15 +32,15 @@ impl Fnv {
     }
 }
 
-impl core::default::Default for Fnv {
+impl core::default::Default for Fnv1a {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Write for Fnv {
+impl Write for Fnv1a {
     fn write_str(&mut self, s: &str) -> fmt::Result {
-        *self = self.bytes(s.as_bytes());
+        *self = self.with_bytes(s.as_bytes());
         Ok(())
     }
 }
@@ -48,21 +48,21 @@ impl Write for Fnv {
 /// Returns the identity of a result: the hash of `command.result` as an integer. The flow `predecessor` carries it.
 #[must_use]
 pub fn result_id(command: &str, result: &str) -> i64 {
-    let hash = Fnv::new().bytes(command.as_bytes()).bytes(b".");
-    hash.bytes(result.as_bytes()).finish().cast_signed()
+    let hash = Fnv1a::new().with_bytes(command.as_bytes()).with_bytes(b".");
+    hash.with_bytes(result.as_bytes()).finish().cast_signed()
 }
 
 /// Returns the signature of a primitive: the hash of all parts of its declaration on which the operand words of an
 /// image depend.
 #[must_use]
-pub fn signature(desc: &PrimDesc) -> u64 {
-    let mut hash = Fnv::new();
+pub fn prim_signature(desc: &PrimDesc) -> u64 {
+    let mut hash = Fnv1a::new();
     // Writing to a hash cannot fail.
     let _ = write_signature(&mut hash, desc);
     hash.finish()
 }
 
-fn write_signature(out: &mut Fnv, desc: &PrimDesc) -> fmt::Result {
+fn write_signature(out: &mut Fnv1a, desc: &PrimDesc) -> fmt::Result {
     write!(out, "{}", desc.name)?;
     for port in desc.inputs {
         write!(out, ";{}:{:?}", port.name, port.ty)?;
@@ -75,9 +75,9 @@ fn write_signature(out: &mut Fnv, desc: &PrimDesc) -> fmt::Result {
     }
     // A size function cannot be hashed. The verifier calls it and compares its result with the operand.
     match desc.state {
-        crate::State::None => out.write_str("-"),
-        crate::State::Cells(n) => write!(out, "#{n}"),
-        crate::State::Sized(_) => out.write_str("#sized"),
+        crate::StateSize::None => out.write_str("-"),
+        crate::StateSize::Fixed(n) => write!(out, "#{n}"),
+        crate::StateSize::Computed(_) => out.write_str("#sized"),
     }
 }
 
@@ -87,9 +87,15 @@ mod tests {
 
     #[test]
     fn the_hash_is_the_published_one() {
-        assert_eq!(Fnv::new().finish(), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(Fnv::new().bytes(b"a").finish(), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(Fnv::new().bytes(b"foobar").finish(), 0x8594_4171_f739_67e8);
+        assert_eq!(Fnv1a::new().finish(), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(
+            Fnv1a::new().with_bytes(b"a").finish(),
+            0xaf63_dc4c_8601_ec8c
+        );
+        assert_eq!(
+            Fnv1a::new().with_bytes(b"foobar").finish(),
+            0x8594_4171_f739_67e8
+        );
     }
 
     #[test]
@@ -97,7 +103,7 @@ mod tests {
         assert_ne!(result_id("A", "b"), result_id("A", "c"));
         assert_eq!(
             result_id("A", "b").cast_unsigned(),
-            Fnv::new().bytes(b"A.b").finish()
+            Fnv1a::new().with_bytes(b"A.b").finish()
         );
     }
 }

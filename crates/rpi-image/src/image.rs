@@ -5,8 +5,8 @@
 //! [`Image::steps`] in order, then [`Image::commit`]. A [`Step::Skip`] jumps over inactive fragments. An image may come
 //! from an untrusted file: nothing about it may be assumed before [`crate::verify()`] has accepted it.
 
-use crate::desc::{Answer, CommandFlow};
-use crate::ty::Type;
+use crate::desc::{CommandFlow, DeviceResponse};
+use crate::types::Type;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -16,7 +16,7 @@ pub const FALSE: u32 = 0;
 pub const TRUE: u32 = 1;
 /// Upper bound of the memory of one command, in slots (64 MiB). It limits the memory used by loading any image to 200
 /// MB.
-pub const MAX_CELLS: u32 = 1 << 23;
+pub const MAX_SLOTS: u32 = 1 << 23;
 
 /// A compiled command.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -32,7 +32,7 @@ pub struct Image {
     /// Initial contents of slots that do not start as 0: (slot, bits), in ascending order of slots.
     pub init: Vec<(u32, u64)>,
     /// Primitives used by [`Step::Run`].
-    pub prims: Vec<PrimUse>,
+    pub prims_used: Vec<PrimUse>,
     /// Operand words of all steps.
     pub code: Vec<u32>,
     /// Steps of the evaluation phase.
@@ -42,21 +42,21 @@ pub struct Image {
     /// Fragments, each after its parent. The first one is the root.
     pub fragments: Vec<Fragment>,
     /// Sensor ports, read before evaluation.
-    pub sensors: Vec<Sensor>,
+    pub sensors: Vec<SensorPort>,
     /// Actuator ports used by [`Step::Actuate`].
-    pub actuators: Vec<Actuator>,
+    pub actuators: Vec<ActuatorPort>,
     /// Device functions used by [`Step::Call`].
-    pub functions: Vec<Function>,
+    pub functions: Vec<DeviceFunction>,
     /// Flows set from outside between cycles.
     pub inputs: Vec<InputPort>,
     /// Flows published after each cycle.
     pub exports: Vec<Export>,
     /// Flows provided by the core before evaluation.
-    pub flows: Vec<Flow>,
+    pub flows: Vec<CoreFlow>,
     /// End of the command: named results or ports.
-    pub end: End,
+    pub end: CommandEnd,
     /// Source locations of nodes, for messages.
-    pub places: Vec<Place>,
+    pub locations: Vec<SourceLocation>,
     /// Map from slots to source locations, for faults: (first output slot of the primitive, index into `places`), in
     /// ascending order of slots.
     pub origins: Vec<(u32, u32)>,
@@ -64,7 +64,7 @@ pub struct Image {
     pub probes: Vec<Probe>,
     /// Source location of the node of each step, as an index into `places`; `u32::MAX` if there is none. Empty unless
     /// the image was lowered for observation.
-    pub trace: Vec<u32>,
+    pub step_locations: Vec<u32>,
 }
 
 /// Ends of the memory regions, in ascending order: constants, external slots, state, values.
@@ -77,7 +77,7 @@ pub struct Layout {
     /// End of the state: the slots kept from cycle to cycle, which a reset restores.
     pub state: u32,
     /// End of the values, and number of slots. Each value is written by exactly one step before it is read.
-    pub cells: u32,
+    pub end: u32,
 }
 
 /// Primitive used by an image.
@@ -108,7 +108,7 @@ pub enum Step {
         /// Variant of the code.
         form: Form,
         /// First operand word.
-        at: u32,
+        start: u32,
         /// Number of operand words: a multiple of the words per group.
         len: u32,
     },
@@ -124,7 +124,7 @@ pub enum Step {
         /// Boolean slot.
         unless: u32,
         /// Index of a later step in the same list.
-        to: u32,
+        target: u32,
     },
     /// Resets the state of a fragment and of all fragments in it, unless the Boolean slot `unless` is true.
     Reset {
@@ -147,24 +147,24 @@ pub enum Step {
 
 /// Contiguous range of slots.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Cells {
+pub struct SlotRange {
     /// First slot.
-    pub at: u32,
+    pub start: u32,
     /// Number of slots.
     pub len: u32,
 }
 
-impl Cells {
+impl SlotRange {
     /// Returns the slot after the last one; saturates at `u32::MAX`.
     #[must_use]
     pub const fn end(self) -> u32 {
-        self.at.saturating_add(self.len)
+        self.start.saturating_add(self.len)
     }
 
     /// Returns the range as indices into the memory.
     #[must_use]
     pub const fn range(self) -> core::ops::Range<usize> {
-        self.at as usize..self.end() as usize
+        self.start as usize..self.end() as usize
     }
 }
 
@@ -172,7 +172,7 @@ impl Cells {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signal {
     /// First slot of the value.
-    pub at: u32,
+    pub start: u32,
     /// Boolean slot of the presence.
     pub present: u32,
     /// Type of the value.
@@ -182,10 +182,10 @@ pub struct Signal {
 impl Signal {
     /// Returns the slots of the value.
     #[must_use]
-    pub const fn cells(self) -> Cells {
-        Cells {
-            at: self.at,
-            len: self.ty.cells(),
+    pub const fn slots(self) -> SlotRange {
+        SlotRange {
+            start: self.start,
+            len: self.ty.slots(),
         }
     }
 }
@@ -200,7 +200,7 @@ pub struct Fragment {
     /// Boolean slot: true while the fragment is active. The fragment runs only if its parent is active, too.
     pub active: u32,
     /// State of the fragment, including that of all fragments in it.
-    pub state: Cells,
+    pub state: SlotRange,
 }
 
 /// Device port, identified by name.
@@ -218,7 +218,7 @@ pub struct DevicePort {
 
 /// Sensor port, read into external slots before evaluation.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Sensor {
+pub struct SensorPort {
     /// Port that is read.
     pub port: DevicePort,
     /// Destination of the sample. If its presence is [`TRUE`], a missing sample is a fault.
@@ -227,34 +227,34 @@ pub struct Sensor {
 
 /// Actuator port, set by [`Step::Actuate`].
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Actuator {
+pub struct ActuatorPort {
     /// Port that is set.
     pub port: DevicePort,
     /// Set-point: the concatenation of these slots.
-    pub inputs: Vec<Cells>,
+    pub inputs: Vec<SlotRange>,
     /// Responses of the device, each with the value slot that receives it.
-    pub answers: Vec<(Answer, u32)>,
+    pub responses: Vec<(DeviceResponse, u32)>,
 }
 
-impl Actuator {
+impl ActuatorPort {
     /// Returns the slot by which [`Image::place_of`] finds the node: the first response, else the first input, else 0.
     #[must_use]
-    pub fn cell(&self) -> u32 {
-        let answer = self.answers.first().map(|answer| answer.1);
-        let input = self.inputs.first().map(|input| input.at);
+    pub fn origin_slot(&self) -> u32 {
+        let answer = self.responses.first().map(|answer| answer.1);
+        let input = self.inputs.first().map(|input| input.start);
         answer.or(input).unwrap_or(0)
     }
 }
 
 /// Function of a device, called by [`Step::Call`].
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Function {
+pub struct DeviceFunction {
     /// Port that is called.
     pub port: DevicePort,
     /// Arguments: the concatenation of these slots.
-    pub arguments: Vec<Cells>,
+    pub arguments: Vec<SlotRange>,
     /// Destination of the result: the concatenation of these slots.
-    pub results: Vec<Cells>,
+    pub results: Vec<SlotRange>,
     /// Boolean slot that receives the presence of the result. If it is [`TRUE`], a missing result becomes not-a-number.
     pub present: u32,
 }
@@ -267,7 +267,7 @@ pub struct InputPort {
     /// Destination of the value.
     pub value: Signal,
     /// Destination of the logical time of the last update; `None` if it is not used.
-    pub updated: Option<Signal>,
+    pub last_updated: Option<Signal>,
 }
 
 /// Flow published after each cycle.
@@ -281,18 +281,18 @@ pub struct Export {
 
 /// Flow provided by the core.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Flow {
+pub struct CoreFlow {
     /// Kind of the flow.
-    pub flow: CommandFlow,
+    pub kind: CommandFlow,
     /// Destination of the value.
     pub value: Signal,
 }
 
 /// End of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum End {
+pub enum CommandEnd {
     /// Named results, in source order.
-    Results(Vec<EndResult>),
+    Results(Vec<NamedResult>),
     /// Ports: a true `terminate` ends the command, and a `fail` other than 0 is its error number. Absence means false
     /// and 0.
     Ports {
@@ -303,26 +303,26 @@ pub enum End {
     },
 }
 
-impl Default for End {
+impl Default for CommandEnd {
     fn default() -> Self {
-        End::Results(Vec::new())
+        CommandEnd::Results(Vec::new())
     }
 }
 
 /// Named result of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct EndResult {
+pub struct NamedResult {
     /// Name of the result.
     pub name: String,
     /// Kind of the result.
-    pub kind: EndKind,
+    pub kind: CommandEndKind,
     /// Boolean that ends the command with this result; absence means false.
     pub condition: Signal,
 }
 
 /// Kind of a result.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum EndKind {
+pub enum CommandEndKind {
     /// All resources are at rest.
     Finish,
     /// Resources may be in motion; a successor must take over.
@@ -333,16 +333,16 @@ pub enum EndKind {
 
 /// Source location of a node.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Place {
+pub struct SourceLocation {
     /// Path through the fragments to the node, for example `outer/inner/node`.
     pub path: String,
     /// Name of the flow in the source, if it has one.
     pub flow: Option<String>,
     /// Location in the source text, if there is one.
-    pub text: Option<TextRange>,
+    pub range: Option<TextRange>,
 }
 
-impl Place {
+impl SourceLocation {
     fn text_len(&self) -> usize {
         self.path.len() + self.flow.as_ref().map_or(0, String::len)
     }
@@ -363,7 +363,7 @@ pub struct TextRange {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Probe {
     /// Node: an index into [`Image::places`].
-    pub place: u32,
+    pub location: u32,
     /// Registered name of the port.
     pub port: String,
     /// Location of the value. The presence is valid only while the fragment and all enclosing fragments are active.
@@ -375,37 +375,41 @@ pub struct Probe {
 impl Image {
     /// Returns the source location for a fault at `cell`, the first output slot of a primitive.
     #[must_use]
-    pub fn place_of(&self, cell: u32) -> Option<&Place> {
+    pub fn location_of(&self, cell: u32) -> Option<&SourceLocation> {
         let found = self.origins.binary_search_by_key(&cell, |o| o.0).ok()?;
-        self.places.get(self.origins.get(found)?.1 as usize)
+        self.locations.get(self.origins.get(found)?.1 as usize)
     }
 
     /// Returns the source location of the first node that sets a port of `device`.
     #[must_use]
-    pub fn place_of_device(&self, device: &str) -> Option<&Place> {
+    pub fn location_of_device(&self, device: &str) -> Option<&SourceLocation> {
         let mut actuators = self.actuators.iter();
         let actuator = actuators.find(|a| a.port.device == device)?;
-        self.place_of(actuator.cell())
+        self.location_of(actuator.origin_slot())
     }
 
     /// Returns the approximate memory of the image, in bytes, including its lists and texts.
     #[must_use]
-    pub fn footprint(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         let ports = self.sensors.iter().map(|s| &s.port);
         let ports = ports.chain(self.actuators.iter().map(|a| &a.port));
         let ports = ports.chain(self.functions.iter().map(|f| &f.port));
         let texts = ports.map(|p| p.device.len() + p.port.len()).sum::<usize>()
-            + self.prims.iter().map(|p| p.name.len()).sum::<usize>()
+            + self.prims_used.iter().map(|p| p.name.len()).sum::<usize>()
             + self.fragments.iter().map(|f| f.path.len()).sum::<usize>()
             + self.inputs.iter().map(|i| i.key.len()).sum::<usize>()
             + self.exports.iter().map(|e| e.key.len()).sum::<usize>()
             + self.probes.iter().map(|p| p.port.len()).sum::<usize>()
-            + self.places.iter().map(Place::text_len).sum::<usize>();
+            + self
+                .locations
+                .iter()
+                .map(SourceLocation::text_len)
+                .sum::<usize>();
         let parts = self.actuators.iter().map(|a| size_of_val(&*a.inputs));
         let arguments = self.functions.iter();
         let arguments = arguments.map(|f| size_of_val(&*f.arguments) + size_of_val(&*f.results));
         let lists = size_of_val(&*self.init)
-            + size_of_val(&*self.prims)
+            + size_of_val(&*self.prims_used)
             + size_of_val(&*self.code)
             + size_of_val(&*self.steps)
             + size_of_val(&*self.commit)
@@ -416,10 +420,10 @@ impl Image {
             + size_of_val(&*self.inputs)
             + size_of_val(&*self.exports)
             + size_of_val(&*self.flows)
-            + size_of_val(&*self.places)
+            + size_of_val(&*self.locations)
             + size_of_val(&*self.origins)
             + size_of_val(&*self.probes)
-            + size_of_val(&*self.trace);
+            + size_of_val(&*self.step_locations);
         size_of_val(self) + texts + lists + parts.chain(arguments).sum::<usize>()
     }
 
@@ -427,8 +431,8 @@ impl Image {
     #[must_use]
     pub fn probe_name(&self, probe: &Probe) -> String {
         let path = self
-            .places
-            .get(probe.place as usize)
+            .locations
+            .get(probe.location as usize)
             .map_or("", |p| p.path.as_str());
         alloc::format!("{path}.{}", probe.port)
     }

@@ -8,23 +8,24 @@ extern crate alloc;
 
 pub mod claim;
 pub mod desc;
+mod encoding;
 pub mod hash;
 pub mod image;
 pub mod operands;
 pub mod plan;
-pub mod print;
 pub mod rpib;
-pub mod ty;
+pub mod text;
+pub mod types;
 pub mod value;
 pub mod verify;
-mod wire;
 
 pub use desc::{
-    Answer, CommandFlow, Default as PortDefault, DevicePorts, DeviceUse, InPort, Need, OutPort,
-    Param, ParamType, PortType, Presence, PrimDesc, Role, Shape, ShapeArgs, SizeArgs, State,
+    CommandFlow, DevicePortNames, DeviceResponse, DeviceUse, Fallback, InPort, OutPort, Param,
+    ParamDefault as PortDefault, ParamType, PortType, Presence, PrimDesc, Role, ShapeArgs,
+    ShapeRule, SizeArgs, StateSize,
 };
+pub use encoding::ReadError;
 pub use image::{Form, Image, Step};
-pub use ty::{Scalar, Type};
-pub use value::{Bits, Value};
-pub use verify::{Catalogue, VerifyError, verify};
-pub use wire::ReadError;
+pub use types::{Scalar, Type};
+pub use value::{SlotBits, Value};
+pub use verify::{PrimLookup, VerifyError, verify};

@@ -11,31 +11,31 @@ pub type Target = Option<usize>;
 
 /// Node of a plan.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Node<C> {
+pub enum PlanNode<C> {
     /// Continues with another node.
-    Pass(Target),
+    Goto(Target),
     /// Entry of a loop: sets the count of this [`Node::Repeat`] to 0 and continues there.
-    Enter(usize),
+    EnterLoop(usize),
     /// Loop.
     Repeat {
         /// Number of iterations; `None` for an endless loop.
-        times: Option<u64>,
+        count: Option<u64>,
         /// First node of the body.
         body: Target,
         /// Node after the last iteration.
-        then: Target,
+        next: Target,
     },
     /// Parallel branches. The plan continues when all of them have reached their [`Node::Join`].
     Parallel {
         /// First node of each branch.
-        strands: Vec<Target>,
+        branches: Vec<Target>,
         /// Node after the branches.
         then: Target,
     },
     /// End of a parallel branch, which waits for the other branches.
     Join,
     /// Exit from parallel branches because of an error. The other branches are requested to end first.
-    Leave {
+    CancelBranches {
         /// Node with the parallel branches.
         parallel: usize,
         /// Node after the branches have ended.
@@ -46,38 +46,51 @@ pub enum Node<C> {
         /// The command.
         command: C,
         /// Successors of named results.
-        on: Vec<(String, Target)>,
+        on_result: Vec<(String, Target)>,
         /// Successor of every other `fail` result; `None` if the task then ends with the error of the command.
         on_fail: Option<Target>,
         /// Successor of every other result; `None` if `on` must name all of them.
-        otherwise: Option<Target>,
+        default: Option<Target>,
     },
 }
 
-impl<C> Node<C> {
+impl<C> PlanNode<C> {
     /// Returns the node with its command replaced by the result of `of`.
     #[must_use]
-    pub fn map<D>(&self, of: impl FnOnce(&C) -> D) -> Node<D> {
+    pub fn map<D>(&self, of: impl FnOnce(&C) -> D) -> PlanNode<D> {
         match self {
-            &Node::Pass(then) => Node::Pass(then),
-            &Node::Enter(repeat) => Node::Enter(repeat),
-            &Node::Repeat { times, body, then } => Node::Repeat { times, body, then },
-            Node::Parallel { strands, then } => Node::Parallel {
-                strands: strands.clone(),
+            &PlanNode::Goto(then) => PlanNode::Goto(then),
+            &PlanNode::EnterLoop(repeat) => PlanNode::EnterLoop(repeat),
+            &PlanNode::Repeat {
+                count: times,
+                body,
+                next: then,
+            } => PlanNode::Repeat {
+                count: times,
+                body,
+                next: then,
+            },
+            PlanNode::Parallel {
+                branches: strands,
+                then,
+            } => PlanNode::Parallel {
+                branches: strands.clone(),
                 then: *then,
             },
-            Node::Join => Node::Join,
-            &Node::Leave { parallel, then } => Node::Leave { parallel, then },
-            Node::Run {
+            PlanNode::Join => PlanNode::Join,
+            &PlanNode::CancelBranches { parallel, then } => {
+                PlanNode::CancelBranches { parallel, then }
+            }
+            PlanNode::Run {
                 command,
-                on,
+                on_result: on,
                 on_fail,
-                otherwise,
-            } => Node::Run {
+                default: otherwise,
+            } => PlanNode::Run {
                 command: of(command),
-                on: on.clone(),
+                on_result: on.clone(),
                 on_fail: *on_fail,
-                otherwise: *otherwise,
+                default: *otherwise,
             },
         }
     }

@@ -3,14 +3,15 @@
 //! The code does not use a serialisation crate: the format is the one table below, the crate needs no dependency for
 //! it, and a length read from a file cannot make the reader allocate more than the size of the file allows.
 
-use crate::desc::{Answer, CommandFlow};
-use crate::hash::Fnv;
+use crate::desc::{CommandFlow, DeviceResponse};
+use crate::encoding::{Encoding, ReadError, Reader, encode_enum, encode_struct};
+use crate::hash::Fnv1a;
 use crate::image::{
-    Actuator, Cells, DevicePort, End, EndKind, EndResult, Export, Flow, Form, Fragment, Function,
-    Image, InputPort, Layout, Place, PrimUse, Probe, Sensor, Signal, Step, TextRange,
+    ActuatorPort, CommandEnd, CommandEndKind, CoreFlow, DeviceFunction, DevicePort, Export, Form,
+    Fragment, Image, InputPort, Layout, NamedResult, PrimUse, Probe, SensorPort, Signal, SlotRange,
+    SourceLocation, Step, TextRange,
 };
-use crate::ty::{Scalar, Type};
-use crate::wire::{ReadError, Reader, Wire, wire_enum, wire_struct};
+use crate::types::{Scalar, Type};
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -18,13 +19,13 @@ const MAGIC: [u8; 4] = *b"RPIB";
 /// Version of the format. Any change of a table below needs a new version.
 pub const VERSION: u16 = 2;
 /// Length of magic number, version and checksum, in bytes.
-const HEADER: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
+const HEADER_LEN: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
 /// Updates the checksum in the header of `file`. Does nothing if the file is shorter than a header. For tests and tools
 /// that modify files.
-pub fn seal(file: &mut [u8]) {
-    if let Some((header, content)) = file.split_at_mut_checked(HEADER) {
-        let checksum = Fnv::new().bytes(content).finish();
+pub fn update_checksum(file: &mut [u8]) {
+    if let Some((header, content)) = file.split_at_mut_checked(HEADER_LEN) {
+        let checksum = Fnv1a::new().with_bytes(content).finish();
         header[MAGIC.len() + size_of::<u16>()..].copy_from_slice(&checksum.to_le_bytes());
     }
 }
@@ -34,11 +35,14 @@ impl Image {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut content = Vec::new();
-        self.put(&mut content);
-        let mut bytes = Vec::with_capacity(HEADER + content.len());
+        self.encode(&mut content);
+        let mut bytes = Vec::with_capacity(HEADER_LEN + content.len());
         bytes.extend_from_slice(&MAGIC);
-        VERSION.put(&mut bytes);
-        Fnv::new().bytes(&content).finish().put(&mut bytes);
+        VERSION.encode(&mut bytes);
+        Fnv1a::new()
+            .with_bytes(&content)
+            .finish()
+            .encode(&mut bytes);
         bytes.append(&mut content);
         bytes
     }
@@ -50,116 +54,119 @@ impl Image {
     pub fn from_bytes(bytes: &[u8]) -> Result<Image, ReadError> {
         let rest = bytes.strip_prefix(&MAGIC).ok_or(ReadError::NotAnImage)?;
         let mut header = Reader::new(rest);
-        let version = u16::get(&mut header)?;
+        let version = u16::decode(&mut header)?;
         // The version comes before the checksum, so that a file of another version is not reported as damaged.
         if version != VERSION {
-            return Err(ReadError::Version(version));
+            return Err(ReadError::UnsupportedVersion(version));
         }
-        let checksum = u64::get(&mut header)?;
-        let content = bytes.get(HEADER..).unwrap_or(&[]);
-        if Fnv::new().bytes(content).finish() != checksum {
-            return Err(ReadError::Checksum);
+        let checksum = u64::decode(&mut header)?;
+        let content = bytes.get(HEADER_LEN..).unwrap_or(&[]);
+        if Fnv1a::new().with_bytes(content).finish() != checksum {
+            return Err(ReadError::ChecksumMismatch);
         }
         let mut content = Reader::new(content);
-        let image = Image::get(&mut content)?;
-        content.end()?;
+        let image = Image::decode(&mut content)?;
+        content.expect_end()?;
         Ok(image)
     }
 }
 
-wire_struct!(Image {
+encode_struct!(Image {
     name: String,
     period_ns: u64,
     tick_ns: u64,
     layout: Layout,
     init: Vec<(u32, u64)>,
-    prims: Vec<PrimUse>,
+    prims_used: Vec<PrimUse>,
     code: Vec<u32>,
     steps: Vec<Step>,
     commit: Vec<Step>,
     fragments: Vec<Fragment>,
-    sensors: Vec<Sensor>,
-    actuators: Vec<Actuator>,
-    functions: Vec<Function>,
+    sensors: Vec<SensorPort>,
+    actuators: Vec<ActuatorPort>,
+    functions: Vec<DeviceFunction>,
     inputs: Vec<InputPort>,
     exports: Vec<Export>,
-    flows: Vec<Flow>,
-    end: End,
-    places: Vec<Place>,
+    flows: Vec<CoreFlow>,
+    end: CommandEnd,
+    locations: Vec<SourceLocation>,
     origins: Vec<(u32, u32)>,
     probes: Vec<Probe>,
-    trace: Vec<u32>,
+    step_locations: Vec<u32>,
 });
 
-wire_struct!(Layout {
+encode_struct!(Layout {
     constants: u32,
     external: u32,
     state: u32,
-    cells: u32
+    end: u32
 });
-wire_struct!(PrimUse {
+encode_struct!(PrimUse {
     name: String,
     signature: u64
 });
-wire_struct!(Cells { at: u32, len: u32 });
-wire_struct!(Signal {
-    at: u32,
+encode_struct!(SlotRange {
+    start: u32,
+    len: u32
+});
+encode_struct!(Signal {
+    start: u32,
     present: u32,
     ty: Type
 });
-wire_struct!(Fragment { path: String, parent: Option<u32>, active: u32, state: Cells });
-wire_struct!(DevicePort {
+encode_struct!(Fragment { path: String, parent: Option<u32>, active: u32, state: SlotRange });
+encode_struct!(DevicePort {
     device: String,
     port: String,
     index: u32,
     ty: Type
 });
-wire_struct!(Sensor {
+encode_struct!(SensorPort {
     port: DevicePort,
     value: Signal
 });
-wire_struct!(Actuator { port: DevicePort, inputs: Vec<Cells>, answers: Vec<(Answer, u32)> });
-wire_struct!(Function { port: DevicePort, arguments: Vec<Cells>, results: Vec<Cells>, present: u32 });
-wire_struct!(InputPort { key: String, value: Signal, updated: Option<Signal> });
-wire_struct!(Export {
+encode_struct!(ActuatorPort { port: DevicePort, inputs: Vec<SlotRange>, responses: Vec<(DeviceResponse, u32)> });
+encode_struct!(DeviceFunction { port: DevicePort, arguments: Vec<SlotRange>, results: Vec<SlotRange>, present: u32 });
+encode_struct!(InputPort { key: String, value: Signal, last_updated: Option<Signal> });
+encode_struct!(Export {
     key: String,
     value: Signal
 });
-wire_struct!(Flow {
-    flow: CommandFlow,
+encode_struct!(CoreFlow {
+    kind: CommandFlow,
     value: Signal
 });
-wire_struct!(EndResult {
+encode_struct!(NamedResult {
     name: String,
-    kind: EndKind,
+    kind: CommandEndKind,
     condition: Signal
 });
-wire_struct!(Place { path: String, flow: Option<String>, text: Option<TextRange> });
-wire_struct!(TextRange {
+encode_struct!(SourceLocation { path: String, flow: Option<String>, range: Option<TextRange> });
+encode_struct!(TextRange {
     file: u32,
     start: u32,
     end: u32
 });
-wire_struct!(Probe {
-    place: u32,
+encode_struct!(Probe {
+    location: u32,
     port: String,
     value: Signal,
     fragment: u32
 });
 
-wire_enum!(Step {
-    0 = Run { prim, form, at, len },
+encode_enum!(Step {
+    0 = Run { prim, form, start, len },
     1 = Copy { at, len },
-    2 = Skip { unless, to },
+    2 = Skip { unless, target },
     3 = Reset { unless, fragment },
     4 = Actuate { actuator },
     5 = Call { function },
 });
-wire_enum!(Form { 0 = Total, 1 = Optional });
-wire_enum!(End { 0 = Results(results), 1 = Ports { terminate, fail } });
-wire_enum!(EndKind { 0 = Finish, 1 = Yield, 2 = Fail });
-wire_enum!(Answer { 0 = ConcurrentAccess, 1 = DeviceFailed, 2 = IllegalValue, 3 = ErrorCode, 4 = Completed });
-wire_enum!(CommandFlow {
+encode_enum!(Form { 0 = Total, 1 = Optional });
+encode_enum!(CommandEnd { 0 = Results(results), 1 = Ports { terminate, fail } });
+encode_enum!(CommandEndKind { 0 = Finish, 1 = Yield, 2 = Fail });
+encode_enum!(DeviceResponse { 0 = ConcurrentAccess, 1 = DeviceFailed, 2 = IllegalValue, 3 = ErrorCode, 4 = Completed });
+encode_enum!(CommandFlow {
     0 = Cancel,
     1 = Takeover,
     2 = Time,
@@ -170,8 +177,8 @@ wire_enum!(CommandFlow {
     7 = Elapsed,
     8 = PeriodTicks,
 });
-wire_enum!(Type { 0 = One(scalar), 1 = Array(scalar, len), 2 = Matrix(rows, cols) });
-wire_enum!(Scalar {
+encode_enum!(Type { 0 = Scalar(scalar), 1 = Array(scalar, len), 2 = Matrix(rows, cols) });
+encode_enum!(Scalar {
     0 = Bool,
     1 = Int,
     2 = Real,

@@ -1,7 +1,7 @@
 //! Benchmark of forward and inverse kinematics of seven-axis arms, one call each.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rpi_kin::models::lbr::LWR_4_PLUS;
+use rpi_kin::models::kuka_lbr::LWR_4_PLUS;
 use rpi_kin::{Pose, jacobian};
 use std::hint::black_box;
 
@@ -26,7 +26,7 @@ fn forward(c: &mut Criterion) {
         b.iter(|| {
             LWR_4_PLUS
                 .chain
-                .flange(black_box(each.next().unwrap_or(&HINT)))
+                .flange_pose(black_box(each.next().unwrap_or(&HINT)))
         });
     });
     c.bench_function("jacobian, 7 axes", |b| {
@@ -66,8 +66,8 @@ fn inverse(c: &mut Criterion) {
 
 fn six_axes(c: &mut Criterion) {
     for arm in [
-        &rpi_kin::models::kr::KR_6_R900,
-        &rpi_kin::models::universal::UR5E,
+        &rpi_kin::models::kuka_kr::KR_6_R900,
+        &rpi_kin::models::universal_robots::UR5E,
     ] {
         let poses: Vec<(Pose, [f64; 7])> = spread()
             .into_iter()

@@ -54,7 +54,7 @@ pub struct SinCos {
 impl SinCos {
     /// Computes sine and cosine of an angle in rad.
     #[must_use]
-    pub fn of(angle: f64) -> Self {
+    pub fn from_angle(angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle);
         Self { sin, cos }
     }
@@ -67,7 +67,7 @@ impl SinCos {
 
     /// Returns sine and cosine of the difference `self` minus `other`.
     #[must_use]
-    pub fn minus(self, other: Self) -> Self {
+    pub fn difference(self, other: Self) -> Self {
         Self {
             sin: self.sin * other.cos - self.cos * other.sin,
             cos: self.cos * other.cos + self.sin * other.sin,

@@ -15,12 +15,12 @@ pub enum Convention {
 
 /// Twist `alpha` of a link. Sine and cosine are stored, so that multiples of 90° are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Twist {
+pub struct LinkTwist {
     sin: f64,
     cos: f64,
 }
 
-impl Twist {
+impl LinkTwist {
     /// Twist of 0 (parallel axes).
     pub const NONE: Self = Self { sin: 0.0, cos: 1.0 };
     /// Twist of 90° about x.
@@ -33,19 +33,19 @@ impl Twist {
 
     /// Creates a twist from an angle in rad.
     #[must_use]
-    pub fn of(alpha: f64) -> Self {
-        let SinCos { sin, cos } = SinCos::of(alpha);
+    pub fn from_angle(alpha: f64) -> Self {
+        let SinCos { sin, cos } = SinCos::from_angle(alpha);
         Self { sin, cos }
     }
 }
 
 /// Type of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Joint {
+pub enum JointType {
     /// Revolute joint: `theta = sense * q + offset`.
-    Turns,
+    Revolute,
     /// Prismatic joint: the offset along z is `d + sense * q`, and `theta = offset`.
-    Slides,
+    Prismatic,
 }
 
 /// Row of a Denavit-Hartenberg table.
@@ -54,7 +54,7 @@ pub struct Link {
     /// Length along x, in m.
     pub a: f64,
     /// Twist about x.
-    pub alpha: Twist,
+    pub alpha: LinkTwist,
     /// Offset along z, in m.
     pub d: f64,
     /// Joint angle for `q = 0`, in rad.
@@ -62,44 +62,44 @@ pub struct Link {
     /// +1, or -1 if the vendor defines the opposite sense of rotation.
     pub sense: f64,
     /// Type of the joint.
-    pub joint: Joint,
+    pub joint: JointType,
 }
 
 impl Link {
     /// Creates a row of a revolute joint without offset, in the sense of the table.
     #[must_use]
-    pub const fn new(a: f64, alpha: Twist, d: f64) -> Self {
+    pub const fn new(a: f64, alpha: LinkTwist, d: f64) -> Self {
         Self {
             a,
             alpha,
             d,
             offset: 0.0,
             sense: 1.0,
-            joint: Joint::Turns,
+            joint: JointType::Revolute,
         }
     }
 
     /// Returns the row with a prismatic joint.
     #[must_use]
-    pub const fn sliding(self) -> Self {
+    pub const fn prismatic(self) -> Self {
         Self {
-            joint: Joint::Slides,
+            joint: JointType::Prismatic,
             ..self
         }
     }
 
     /// Returns the rotation about z and the translation along z for a joint value.
     #[inline]
-    fn moved(&self, q: f64) -> (SinCos, f64) {
+    fn joint_motion(&self, q: f64) -> (SinCos, f64) {
         match self.joint {
-            Joint::Turns => (SinCos::of(self.sense * q + self.offset), self.d),
-            Joint::Slides => (SinCos::of(self.offset), self.d + self.sense * q),
+            JointType::Revolute => (SinCos::from_angle(self.sense * q + self.offset), self.d),
+            JointType::Prismatic => (SinCos::from_angle(self.offset), self.d + self.sense * q),
         }
     }
 
     /// Returns the row with the sense and the offset (rad) of the vendor.
     #[must_use]
-    pub const fn counted(self, sense: f64, offset: f64) -> Self {
+    pub const fn with_sense(self, sense: f64, offset: f64) -> Self {
         Self {
             sense,
             offset,
@@ -116,7 +116,7 @@ pub struct Chain {
     /// Rows of the joints, from the base to the flange.
     pub links: &'static [Link],
     /// Fixed rows after the last joint.
-    pub tail: &'static [Link],
+    pub fixed_links: &'static [Link],
 }
 
 impl Chain {
@@ -129,17 +129,17 @@ impl Chain {
     /// Returns the pose of the flange in the base frame for the joint values `q` (rad, m). Missing values count as 0;
     /// extra values are ignored.
     #[must_use]
-    pub fn flange(&self, q: &[f64]) -> Transform {
+    pub fn flange_pose(&self, q: &[f64]) -> Transform {
         let padded = q.iter().copied().chain(core::iter::repeat(0.0));
         let joints = self.links.iter().zip(padded);
-        let rows = joints.chain(self.tail.iter().zip(core::iter::repeat(0.0)));
+        let rows = joints.chain(self.fixed_links.iter().zip(core::iter::repeat(0.0)));
         // One loop per convention, so that the choice is not repeated for every row.
         let end = match self.convention {
             Convention::Standard => {
-                rows.fold(Moving::BASE, |frame, (row, q)| frame.standard(row, q))
+                rows.fold(FrameColumns::BASE, |frame, (row, q)| frame.standard(row, q))
             }
             Convention::Modified => {
-                rows.fold(Moving::BASE, |frame, (row, q)| frame.modified(row, q))
+                rows.fold(FrameColumns::BASE, |frame, (row, q)| frame.modified(row, q))
             }
         };
         end.transform()
@@ -151,8 +151,8 @@ impl Chain {
     }
 
     /// Returns the axes of all joints in the base frame, in the positive sense of the joint values.
-    pub fn axes_in_base<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Axis> + 'a {
-        let mut before = Moving::BASE;
+    pub fn axes_in_base<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = JointAxis> + 'a {
+        let mut before = FrameColumns::BASE;
         self.frames(q).zip(self.links).map(move |(after, link)| {
             // The joint of a standard row rotates about z of the previous frame, that of a modified row about z of its
             // own frame.
@@ -162,7 +162,7 @@ impl Chain {
                 after
             };
             before = after;
-            Axis {
+            JointAxis {
                 point: turned.p,
                 direction: turned.z * link.sense,
                 joint: link.joint,
@@ -170,9 +170,9 @@ impl Chain {
         })
     }
 
-    fn frames<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Moving> + 'a {
+    fn frames<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = FrameColumns> + 'a {
         let padded = q.iter().copied().chain(core::iter::repeat(0.0));
-        let mut frame = Moving::BASE;
+        let mut frame = FrameColumns::BASE;
         self.links.iter().zip(padded).map(move |(link, q)| {
             frame = match self.convention {
                 Convention::Standard => frame.standard(link, q),
@@ -185,26 +185,26 @@ impl Chain {
 
 /// Axis of a joint in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
+pub struct JointAxis {
     /// Point on the axis, in m.
     pub point: Vector3<f64>,
     /// Direction of the axis: a unit vector.
     pub direction: Vector3<f64>,
     /// Type of the joint.
-    pub joint: Joint,
+    pub joint: JointType,
 }
 
 /// Current frame of the forward recursion: columns of its rotation and origin. Cheaper than a product of matrices,
 /// because a row of the table only mixes two columns at a time.
 #[derive(Clone, Copy)]
-struct Moving {
+struct FrameColumns {
     x: Vector3<f64>,
     y: Vector3<f64>,
     z: Vector3<f64>,
     p: Vector3<f64>,
 }
 
-impl Moving {
+impl FrameColumns {
     const BASE: Self = Self {
         x: Vector3::new(1.0, 0.0, 0.0),
         y: Vector3::new(0.0, 1.0, 0.0),
@@ -214,13 +214,13 @@ impl Moving {
 
     #[inline]
     fn standard(self, row: &Link, q: f64) -> Self {
-        let (turn, shift) = row.moved(q);
+        let (turn, shift) = row.joint_motion(q);
         self.about_z(turn, shift).about_x(row.alpha, row.a)
     }
 
     #[inline]
     fn modified(self, row: &Link, q: f64) -> Self {
-        let (turn, shift) = row.moved(q);
+        let (turn, shift) = row.joint_motion(q);
         self.about_x(row.alpha, row.a).about_z(turn, shift)
     }
 
@@ -235,7 +235,7 @@ impl Moving {
     }
 
     #[inline]
-    fn about_x(self, turn: Twist, shift: f64) -> Self {
+    fn about_x(self, turn: LinkTwist, shift: f64) -> Self {
         Self {
             x: self.x,
             y: self.y * turn.cos + self.z * turn.sin,

@@ -1,7 +1,7 @@
 //! Geometric Jacobian: the velocity of a point of the last link for given joint velocities.
 
 use crate::Chain;
-use crate::chain::Joint;
+use crate::chain::JointType;
 use nalgebra::{SMatrix, Vector3};
 
 /// Returns the geometric Jacobian: linear velocity (rows 0 to 2, m/s) of `point` and angular velocity (rows 3 to 5,
@@ -19,8 +19,8 @@ pub fn geometric<const N: usize>(
     let mut jacobian = SMatrix::<f64, 6, N>::zeros();
     for (axis, mut column) in chain.axes_in_base(q).zip(jacobian.column_iter_mut()) {
         let (linear, angular) = match axis.joint {
-            Joint::Turns => (axis.direction.cross(&(point - axis.point)), axis.direction),
-            Joint::Slides => (axis.direction, Vector3::zeros()),
+            JointType::Revolute => (axis.direction.cross(&(point - axis.point)), axis.direction),
+            JointType::Prismatic => (axis.direction, Vector3::zeros()),
         };
         column.copy_from_slice(&[
             linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,

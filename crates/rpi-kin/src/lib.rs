@@ -19,22 +19,22 @@
 #![no_std]
 
 pub mod angle;
-mod ball;
 pub mod chain;
 pub mod jacobian;
 pub mod limits;
 pub mod model;
 pub mod models;
 pub mod opw;
-pub mod reach;
-pub mod six;
+pub mod six_axis;
+mod spherical_joint;
 pub mod srs;
-pub mod stop;
+pub mod state_to_rest;
+pub mod stop_profile;
 pub mod ur;
 
 pub use chain::{Chain, Convention, Link};
 pub use limits::{AxisLimits, Range};
-pub use model::{ArmModel, Inverse, MAX_AXES};
+pub use model::{ArmModel, InverseKinematics, MAX_AXES};
 
 /// Rigid transform with a rotation matrix. Chains compute with this type.
 pub type Transform = nalgebra::IsometryMatrix3<f64>;
@@ -44,7 +44,7 @@ pub type Pose = nalgebra::Isometry3<f64>;
 
 /// Error of inverse kinematics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoSolution {
+pub enum InverseKinematicsError {
     /// The wrist is too far from the shoulder, or too near to it.
     OutOfReach,
     /// The pose is reachable only with a joint outside its range.
@@ -57,7 +57,7 @@ pub enum NoSolution {
 
 /// Converts a transform to a pose with a quaternion.
 #[must_use]
-pub fn pose_of(transform: &Transform) -> Pose {
+pub fn to_pose(transform: &Transform) -> Pose {
     Pose::from_parts(
         transform.translation,
         nalgebra::UnitQuaternion::from_rotation_matrix(&transform.rotation),
@@ -66,6 +66,6 @@ pub fn pose_of(transform: &Transform) -> Pose {
 
 /// Converts a pose to a transform with a rotation matrix.
 #[must_use]
-pub fn transform_of(pose: &Pose) -> Transform {
+pub fn to_transform(pose: &Pose) -> Transform {
     Transform::from_parts(pose.translation, pose.rotation.to_rotation_matrix())
 }

@@ -53,7 +53,7 @@ impl AxisLimits {
     /// Creates limits from a range in degrees and a velocity in degrees per second, as stated by vendors. Acceleration
     /// and jerk are unlimited.
     #[must_use]
-    pub const fn degrees(lower: f64, upper: f64, velocity: f64) -> Self {
+    pub const fn from_degrees(lower: f64, upper: f64, velocity: f64) -> Self {
         Self {
             position: Range {
                 lower: lower.to_radians(),
@@ -67,7 +67,7 @@ impl AxisLimits {
 
     /// Creates limits from a range in rad and a velocity in rad/s. Acceleration and jerk are unlimited.
     #[must_use]
-    pub const fn radians(lower: f64, upper: f64, velocity: f64) -> Self {
+    pub const fn from_radians(lower: f64, upper: f64, velocity: f64) -> Self {
         let position = Range { lower, upper };
         Self {
             position,
@@ -79,7 +79,7 @@ impl AxisLimits {
 
     /// Returns the limits with an acceleration in rad/s² and a jerk in rad/s³.
     #[must_use]
-    pub const fn changing(self, acceleration: f64, jerk: f64) -> Self {
+    pub const fn with_acceleration_and_jerk(self, acceleration: f64, jerk: f64) -> Self {
         Self {
             acceleration,
             jerk,
@@ -91,7 +91,7 @@ impl AxisLimits {
     /// reference system: full velocity is reached after 1/`acceleration` s, full acceleration after
     /// `acceleration`/`jerk` s.
     #[must_use]
-    pub const fn scaled(self, acceleration: f64, jerk: f64) -> Self {
-        self.changing(acceleration * self.velocity, jerk * self.velocity)
+    pub const fn with_scaled_acceleration_and_jerk(self, acceleration: f64, jerk: f64) -> Self {
+        self.with_acceleration_and_jerk(acceleration * self.velocity, jerk * self.velocity)
     }
 }

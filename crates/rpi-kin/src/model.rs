@@ -1,7 +1,7 @@
 //! Model of an arm: chain, limits and, if known, closed-form inverse kinematics.
 
-use crate::six;
-use crate::{AxisLimits, Chain, NoSolution, Pose, pose_of, transform_of};
+use crate::six_axis;
+use crate::{AxisLimits, Chain, InverseKinematicsError, Pose, to_pose, to_transform};
 use crate::{opw, srs, ur};
 
 /// Maximum number of axes of an arm model.
@@ -9,7 +9,7 @@ pub const MAX_AXES: usize = 7;
 
 /// Closed-form solution of the inverse kinematics of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Inverse {
+pub enum InverseKinematics {
     /// Seven axes with spherical shoulder and wrist (S-R-S), parametrised by the arm angle.
     Srs(srs::Geometry),
     /// Six axes, the last three through one point (spherical wrist).
@@ -17,7 +17,7 @@ pub enum Inverse {
     /// Six axes, the second to fourth parallel.
     Ur(ur::Geometry),
     /// No closed form is known.
-    Unknown,
+    NoClosedForm,
 }
 
 /// Model of a type of arm.
@@ -26,7 +26,7 @@ pub struct ArmModel {
     /// Name in `cell.toml`.
     pub id: &'static str,
     /// Display name.
-    pub title: &'static str,
+    pub display_name: &'static str,
     /// Source of lengths and limits.
     pub source: &'static str,
     /// Kinematic chain from base to flange.
@@ -34,7 +34,7 @@ pub struct ArmModel {
     /// Limits, one entry per axis.
     pub limits: &'static [AxisLimits],
     /// Closed-form inverse kinematics.
-    pub inverse: Inverse,
+    pub inverse: InverseKinematics,
 }
 
 impl ArmModel {
@@ -48,7 +48,7 @@ impl ArmModel {
     /// pose of NaN.
     #[must_use]
     pub fn forward(&self, joints: &[f64]) -> Pose {
-        pose_of(&self.chain.flange(joints))
+        to_pose(&self.chain.flange_pose(joints))
     }
 
     /// Returns the joint values (rad) for a pose of the flange in the base frame, chosen by the joint values `hint`
@@ -62,7 +62,7 @@ impl ArmModel {
         flange: &Pose,
         hint: &[f64],
         limits: &[AxisLimits],
-    ) -> Result<[f64; MAX_AXES], NoSolution> {
+    ) -> Result<[f64; MAX_AXES], InverseKinematicsError> {
         self.inverse_with_elbow(flange, hint, hint, limits)
     }
 
@@ -77,22 +77,22 @@ impl ArmModel {
         hint: &[f64],
         elbow: &[f64],
         limits: &[AxisLimits],
-    ) -> Result<[f64; MAX_AXES], NoSolution> {
-        let flange = transform_of(flange);
+    ) -> Result<[f64; MAX_AXES], InverseKinematicsError> {
+        let flange = to_transform(flange);
         match self.inverse {
-            Inverse::Srs(geometry) => {
-                let (hint, elbow) = (first(hint)?, first(elbow)?);
-                let ranges = first(limits)?.map(|axis: AxisLimits| axis.position);
+            InverseKinematics::Srs(geometry) => {
+                let (hint, elbow) = (first_n(hint)?, first_n(elbow)?);
+                let ranges = first_n(limits)?.map(|axis: AxisLimits| axis.position);
                 let choice = geometry.inverse_with_elbow(&flange, &hint, &elbow, &ranges)?;
                 Ok(choice.joints)
             }
-            Inverse::Opw(geometry) => {
-                six_axes(hint, limits, |hint| geometry.solutions(&flange, hint))
+            InverseKinematics::Opw(geometry) => {
+                solve_six_axis(hint, limits, |hint| geometry.solutions(&flange, hint))
             }
-            Inverse::Ur(geometry) => {
-                six_axes(hint, limits, |hint| geometry.solutions(&flange, hint))
+            InverseKinematics::Ur(geometry) => {
+                solve_six_axis(hint, limits, |hint| geometry.solutions(&flange, hint))
             }
-            Inverse::Unknown => Err(NoSolution::NoClosedForm),
+            InverseKinematics::NoClosedForm => Err(InverseKinematicsError::NoClosedForm),
         }
     }
 
@@ -110,20 +110,22 @@ impl ArmModel {
 }
 
 /// Returns the solution of a six-axis arm nearest to the hint.
-fn six_axes(
+fn solve_six_axis(
     hint: &[f64],
     limits: &[AxisLimits],
-    solve: impl FnOnce(&six::Joints) -> Result<six::Solutions, NoSolution>,
-) -> Result<[f64; MAX_AXES], NoSolution> {
-    let hint = first(hint)?;
-    let ranges = first(limits)?.map(|axis: AxisLimits| axis.position);
-    let chosen = six::choose(&solve(&hint)?, &hint, &ranges)?;
+    solve: impl FnOnce(&six_axis::Joints) -> Result<six_axis::Solutions, InverseKinematicsError>,
+) -> Result<[f64; MAX_AXES], InverseKinematicsError> {
+    let hint = first_n(hint)?;
+    let ranges = first_n(limits)?.map(|axis: AxisLimits| axis.position);
+    let chosen = six_axis::choose_nearest(&solve(&hint)?, &hint, &ranges)?;
     let mut joints = [0.0; MAX_AXES];
     joints[..6].copy_from_slice(&chosen);
     Ok(joints)
 }
 
 /// Returns the first `N` entries.
-fn first<T: Copy, const N: usize>(all: &[T]) -> Result<[T; N], NoSolution> {
-    all.first_chunk::<N>().copied().ok_or(NoSolution::NotFinite)
+fn first_n<T: Copy, const N: usize>(all: &[T]) -> Result<[T; N], InverseKinematicsError> {
+    all.first_chunk::<N>()
+        .copied()
+        .ok_or(InverseKinematicsError::NotFinite)
 }

@@ -3,22 +3,22 @@
 //! Lengths are those of the vendors. Where a limit is not published, a comment names its replacement.
 
 pub mod franka;
-pub mod kr;
-pub mod lbr;
+pub mod kuka_kr;
+pub mod kuka_lbr;
 pub mod linear;
-pub mod universal;
+pub mod universal_robots;
 
 use crate::model::ArmModel;
 
 /// All arm models, sorted by `id`.
 pub const ALL: &[&ArmModel] = &[
     &franka::PANDA,
-    &lbr::IIWA_14,
-    &lbr::IIWA_7,
-    &kr::KR_16_2,
-    &kr::KR_6_R900,
-    &lbr::LWR_4_PLUS,
-    &universal::UR5E,
+    &kuka_lbr::IIWA_14,
+    &kuka_lbr::IIWA_7,
+    &kuka_kr::KR_16_2,
+    &kuka_kr::KR_6_R900,
+    &kuka_lbr::LWR_4_PLUS,
+    &universal_robots::UR5E,
 ];
 
 /// Returns the arm model with this name.

@@ -5,9 +5,9 @@
 //! industrial serial manipulators with an ortho-parallel basis and a spherical wrist, Austrian Robotics Workshop 2014.
 
 use crate::angle::{HALF_TURN, SinCos};
-use crate::ball::{self, Ball};
-use crate::six::{Joints, NONE, Solutions, bends};
-use crate::{NoSolution, Transform};
+use crate::six_axis::{Joints, MISSING, Solutions, elbow_bends};
+use crate::spherical_joint::{self, SphericalJoint};
+use crate::{InverseKinematicsError, Transform};
 use nalgebra::Vector3;
 
 /// Lengths in m, and sense and offset of the axes as defined by the vendor: canonical angle = `sense * joint + offset`.
@@ -40,19 +40,23 @@ impl Geometry {
     ///
     /// # Errors
     /// [`NoSolution::NotFinite`] if the pose is not finite.
-    pub fn solutions(&self, flange: &Transform, hint: &Joints) -> Result<Solutions, NoSolution> {
+    pub fn solutions(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+    ) -> Result<Solutions, InverseKinematicsError> {
         let rotation = flange.rotation.matrix();
         if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
         {
-            return Err(NoSolution::NotFinite);
+            return Err(InverseKinematicsError::NotFinite);
         }
         let wrist: Vector3<f64> = flange.translation.vector - rotation.column(2) * self.c4;
         let open = self.sense[3] * hint[3] + self.offset[3];
-        let mut solutions = [NONE; 8];
-        for (pair, [p1, p2, p3]) in self.arms(&wrist).into_iter().enumerate() {
-            let forearm = Ball::of(p1, p2 + p3);
-            let seen = |column: usize| forearm.undo(&rotation.column(column).into());
-            let [p4, p5, p6] = ball::angles(&seen(0), &seen(2), open);
+        let mut solutions = [MISSING; 8];
+        for (pair, [p1, p2, p3]) in self.arm_angles(&wrist).into_iter().enumerate() {
+            let forearm = SphericalJoint::new(p1, p2 + p3);
+            let seen = |column: usize| forearm.inverse_rotate(&rotation.column(column).into());
+            let [p4, p5, p6] = spherical_joint::zyz_angles(&seen(0), &seen(2), open);
             solutions[2 * pair] = self.joints([p1, p2, p3, p4, p5, p6]);
             solutions[2 * pair + 1] =
                 self.joints([p1, p2, p3, p4 + HALF_TURN, -p5, p6 + HALF_TURN]);
@@ -62,7 +66,7 @@ impl Geometry {
 
     /// Returns the first three canonical angles for the wrist centre, for all combinations of front or overhead and
     /// elbow up or down.
-    fn arms(&self, wrist: &Vector3<f64>) -> [[f64; 3]; 4] {
+    fn arm_angles(&self, wrist: &Vector3<f64>) -> [[f64; 3]; 4] {
         // If the wrist is too near to axis 1, the root is NaN, and so are all solutions: they do not exist.
         let level = libm::sqrt(wrist.x * wrist.x + wrist.y * wrist.y - self.b * self.b);
         let towards = libm::atan2(wrist.y, wrist.x);
@@ -75,8 +79,8 @@ impl Geometry {
             (towards + aside + HALF_TURN, -level - self.a1),
         ];
         let arm = |(p1, out): (f64, f64), elbow: usize| {
-            let bend = bends(self.c2, fore, out * out + up * up)[elbow];
-            let SinCos { sin, cos } = SinCos::of(bend);
+            let bend = elbow_bends(self.c2, fore, out * out + up * up)[elbow];
+            let SinCos { sin, cos } = SinCos::from_angle(bend);
             let p2 = libm::atan2(out, up) - libm::atan2(fore * sin, self.c2 + fore * cos);
             [p1, p2, bend - back]
         };

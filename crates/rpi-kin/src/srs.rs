@@ -15,12 +15,12 @@
 //! - [`swing`]: arm angles at which a joint is at a limit of its range;
 //! - [`choose`]: choice among all solutions by a hint.
 
+pub mod arm_angle_limits;
 pub mod branches;
-pub mod choose;
 pub mod elbow;
-pub mod swing;
+pub mod selection;
 
-use crate::{NoSolution, Transform};
+use crate::{InverseKinematicsError, Transform};
 use nalgebra::Vector3;
 
 /// Joint values of a seven-axis arm, in rad.
@@ -47,15 +47,15 @@ const REACH_TOLERANCE: f64 = 1e-9;
 
 /// Pose of the flange relative to the shoulder: line to the wrist, and bend of the elbow.
 #[derive(Clone, Copy, Debug)]
-pub struct Reach {
+pub struct ElbowTriangle {
     /// Orientation of the flange in the base frame, as a rotation matrix.
-    pub flange: nalgebra::Matrix3<f64>,
+    pub flange_rotation: nalgebra::Matrix3<f64>,
     /// Unit vector from the shoulder to the wrist.
-    pub axis: Vector3<f64>,
+    pub line: Vector3<f64>,
     /// Cosine and sine (not negative) of the bend of the elbow.
-    pub bend: crate::angle::SinCos,
+    pub elbow_bend: crate::angle::SinCos,
     /// Cosine and sine (not negative) of the angle at the shoulder between the line to the wrist and the upper arm.
-    pub lift: crate::angle::SinCos,
+    pub shoulder_angle: crate::angle::SinCos,
 }
 
 impl Geometry {
@@ -64,13 +64,16 @@ impl Geometry {
     /// # Errors
     /// [`NoSolution::OutOfReach`] if the wrist is too far from the shoulder or too near to it,
     /// [`NoSolution::NotFinite`] if the pose is NaN or infinite.
-    pub fn reach(&self, flange: &Transform) -> Result<Reach, NoSolution> {
+    pub fn elbow_triangle(
+        &self,
+        flange: &Transform,
+    ) -> Result<ElbowTriangle, InverseKinematicsError> {
         let rotation = *flange.rotation.matrix();
         let wrist =
             flange.translation.vector - rotation.column(2) * self.hand - Vector3::z() * self.base;
         let distance = libm::sqrt(wrist.norm_squared());
         if !(distance.is_finite() && rotation.iter().all(|entry| entry.is_finite())) {
-            return Err(NoSolution::NotFinite);
+            return Err(InverseKinematicsError::NotFinite);
         }
         let cos = self.elbow_cosine(distance)?;
         let bend = crate::angle::SinCos {
@@ -82,34 +85,34 @@ impl Geometry {
         let (along, across) = (self.upper + self.fore * bend.cos, self.fore * bend.sin);
         let third = libm::sqrt(along * along + across * across);
         if third < REACH_TOLERANCE {
-            return Err(NoSolution::OutOfReach);
+            return Err(InverseKinematicsError::OutOfReach);
         }
         let lift = crate::angle::SinCos {
             sin: across / third,
             cos: along / third,
         };
-        Ok(Reach {
-            flange: rotation,
-            axis: wrist / distance,
-            bend,
-            lift,
+        Ok(ElbowTriangle {
+            flange_rotation: rotation,
+            line: wrist / distance,
+            elbow_bend: bend,
+            shoulder_angle: lift,
         })
     }
 
     /// Returns the cosine of the elbow bend for which the wrist has this `distance` (m) from the shoulder (law of
     /// cosines).
-    fn elbow_cosine(&self, distance: f64) -> Result<f64, NoSolution> {
+    fn elbow_cosine(&self, distance: f64) -> Result<f64, InverseKinematicsError> {
         let (upper, fore) = (self.upper, self.fore);
         let cos = (distance * distance - upper * upper - fore * fore) / (2.0 * upper * fore);
         if cos.abs() > 1.0 + REACH_TOLERANCE {
-            return Err(NoSolution::OutOfReach);
+            return Err(InverseKinematicsError::OutOfReach);
         }
         Ok(cos.clamp(-1.0, 1.0))
     }
 
     /// Converts joint values to angles of the canonical chain, or back; the conversion is its own inverse.
     #[must_use]
-    pub fn counted(&self, joints: &Joints) -> Joints {
+    pub fn apply_sense(&self, joints: &Joints) -> Joints {
         core::array::from_fn(|axis| self.sense[axis] * joints[axis])
     }
 }

@@ -4,9 +4,9 @@
 //! 2013. The angles follow from the orientation, which is `Rz Ry Rz` once axis 1 is known.
 
 use crate::angle::{HALF_TURN, SinCos};
-use crate::ball;
-use crate::six::{Joints, NONE, Solutions, bends};
-use crate::{NoSolution, Transform};
+use crate::six_axis::{Joints, MISSING, Solutions, elbow_bends};
+use crate::spherical_joint;
+use crate::{InverseKinematicsError, Transform};
 use nalgebra::Vector3;
 
 /// Lengths of the standard Denavit-Hartenberg table, in m. `a2` and `a3` are negative by the convention of the vendor.
@@ -35,26 +35,32 @@ impl Geometry {
     ///
     /// # Errors
     /// [`NoSolution::NotFinite`] if the pose is not finite.
-    pub fn solutions(&self, flange: &Transform, hint: &Joints) -> Result<Solutions, NoSolution> {
+    pub fn solutions(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+    ) -> Result<Solutions, InverseKinematicsError> {
         let rotation = flange.rotation.matrix();
         if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
         {
-            return Err(NoSolution::NotFinite);
+            return Err(InverseKinematicsError::NotFinite);
         }
         let along: Vector3<f64> = rotation.column(2).into();
         let before_last = flange.translation.vector - along * self.d6;
         let open = hint[1] + hint[2] + hint[3];
-        let mut solutions = [NONE; 8];
-        for (side, q1) in self.first(&before_last).into_iter().enumerate() {
-            let seen = |column: usize| in_shoulder(&rotation.column(column).into(), q1);
-            let [turn, bend, roll] = ball::angles(&seen(0), &seen(2), open);
-            let wrist = in_shoulder(&(before_last - Vector3::z() * self.d1), q1);
+        let mut solutions = [MISSING; 8];
+        for (side, q1) in self.first_axis(&before_last).into_iter().enumerate() {
+            let seen = |column: usize| to_shoulder_frame(&rotation.column(column).into(), q1);
+            let [turn, bend, roll] = spherical_joint::zyz_angles(&seen(0), &seen(2), open);
+            let wrist = to_shoulder_frame(&(before_last - Vector3::z() * self.d1), q1);
             let hands = [
                 (turn, -bend, roll),
                 (turn + HALF_TURN, bend, roll + HALF_TURN),
             ];
             for (hand, (sum, q5, q6)) in hands.into_iter().enumerate() {
-                for (elbow, [q2, q3]) in self.planar(&wrist, sum).into_iter().enumerate() {
+                for (elbow, [q2, q3]) in
+                    self.shoulder_and_elbow(&wrist, sum).into_iter().enumerate()
+                {
                     solutions[4 * side + 2 * hand + elbow] = [q1, q2, q3, sum - q2 - q3, q5, q6];
                 }
             }
@@ -64,7 +70,7 @@ impl Geometry {
 
     /// Returns the two angles of axis 1 for which the origin of frame 5 has the distance `d4` from the plane of the
     /// arm.
-    fn first(&self, before_last: &Vector3<f64>) -> [f64; 2] {
+    fn first_axis(&self, before_last: &Vector3<f64>) -> [f64; 2] {
         let level = libm::sqrt(before_last.x * before_last.x + before_last.y * before_last.y);
         let sin = self.d4 / level;
         if sin.is_nan() || sin.abs() > 1.0 + REACH_TOLERANCE {
@@ -77,12 +83,12 @@ impl Geometry {
 
     /// Returns the angles of shoulder and elbow for a wrist position in the shoulder frame and the sum of the three
     /// parallel axes, for both elbow configurations.
-    fn planar(&self, wrist: &Vector3<f64>, sum: f64) -> [[f64; 2]; 2] {
-        let SinCos { sin, cos } = SinCos::of(sum);
+    fn shoulder_and_elbow(&self, wrist: &Vector3<f64>, sum: f64) -> [[f64; 2]; 2] {
+        let SinCos { sin, cos } = SinCos::from_angle(sum);
         let (x, y) = (wrist.x - self.d5 * sin, wrist.y + self.d5 * cos);
         let towards = libm::atan2(y, x);
-        bends(self.a2, self.a3, x * x + y * y).map(|bend| {
-            let SinCos { sin, cos } = SinCos::of(bend);
+        elbow_bends(self.a2, self.a3, x * x + y * y).map(|bend| {
+            let SinCos { sin, cos } = SinCos::from_angle(bend);
             [
                 towards - libm::atan2(self.a3 * sin, self.a2 + self.a3 * cos),
                 bend,
@@ -92,7 +98,7 @@ impl Geometry {
 }
 
 /// Returns `(Rz(q1) Rx(90°))^-1 v`: the vector in the shoulder frame.
-fn in_shoulder(v: &Vector3<f64>, q1: f64) -> Vector3<f64> {
-    let SinCos { sin, cos } = SinCos::of(q1);
+fn to_shoulder_frame(v: &Vector3<f64>, q1: f64) -> Vector3<f64> {
+    let SinCos { sin, cos } = SinCos::from_angle(q1);
     Vector3::new(cos * v.x + sin * v.y, v.z, sin * v.x - cos * v.y)
 }

@@ -1,11 +1,11 @@
 //! Tests of chains and limits against the published tables stored with the project.
 
-use rpi_kin::models::{self, lbr};
+use rpi_kin::models::{self, kuka_lbr};
 use rpi_kin::{ArmModel, Pose};
 use serde_json::Value;
 
 fn golden() -> Option<Value> {
-    let path = rpi_testkit::shared_path("golden/robots-and-profiles.json")?;
+    let path = rpi_testkit::external_data_path("golden/robots-and-profiles.json")?;
     let text = std::fs::read_to_string(path).expect("a readable file");
     Some(serde_json::from_str(&text).expect("valid JSON"))
 }
@@ -37,9 +37,14 @@ fn the_lightweight_arms_follow_the_published_tables() {
     let Some(golden) = golden() else { return };
     // The table of the iiwa 7 omits the entries that it shares with the iiwa 14.
     let arms = [
-        (&lbr::LWR_4_PLUS, "lwr4plus", "lwr4plus", "vmax_deg_s_rapi"),
-        (&lbr::IIWA_7, "iiwa7", "iiwa14", "vmax_deg_s"),
-        (&lbr::IIWA_14, "iiwa14", "iiwa14", "vmax_deg_s"),
+        (
+            &kuka_lbr::LWR_4_PLUS,
+            "lwr4plus",
+            "lwr4plus",
+            "vmax_deg_s_rapi",
+        ),
+        (&kuka_lbr::IIWA_7, "iiwa7", "iiwa14", "vmax_deg_s"),
+        (&kuka_lbr::IIWA_14, "iiwa14", "iiwa14", "vmax_deg_s"),
     ];
     for (arm, name, shape, velocity) in arms {
         let (own, shape) = (&golden["robots"][name], &golden["robots"][shape]);
@@ -238,7 +243,7 @@ fn every_model_has_limits_for_each_axis_and_a_name_of_its_own() {
 
 #[test]
 fn the_jacobian_is_the_derivative_of_the_forward_kinematics() {
-    let arm = &lbr::IIWA_14;
+    let arm = &kuka_lbr::IIWA_14;
     let joints = [0.3, -0.7, 0.5, 1.1, -0.4, 0.9, 0.2];
     let point = arm.forward(&joints).translation.vector;
     let jacobian = rpi_kin::jacobian::geometric(&arm.chain, &joints, &point);

@@ -10,7 +10,7 @@ mod rows;
 
 use common::{distance, largest};
 use rows::Row;
-use rpi_kin::models::lbr::{IIWA_7, IIWA_14, LWR_4_PLUS};
+use rpi_kin::models::kuka_lbr::{IIWA_7, IIWA_14, LWR_4_PLUS};
 use rpi_kin::{ArmModel, Pose};
 use std::f64::consts::{PI, TAU};
 
@@ -35,7 +35,7 @@ enum Verdict {
 
 #[test]
 fn recorded_calls_are_reproduced() {
-    let Some(nets) = rpi_testkit::shared_path("nets") else {
+    let Some(nets) = rpi_testkit::external_data_path("nets") else {
         return;
     };
     let rows = rows::all(&nets);

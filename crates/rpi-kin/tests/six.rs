@@ -4,19 +4,23 @@ mod common;
 
 use common::{Random, distance, largest};
 use rpi_kin::angle::wrap;
-use rpi_kin::model::Inverse;
-use rpi_kin::models::{kr, universal};
-use rpi_kin::six::{Joints, Solutions};
-use rpi_kin::{ArmModel, NoSolution, transform_of};
+use rpi_kin::model::InverseKinematics;
+use rpi_kin::models::{kuka_kr, universal_robots};
+use rpi_kin::six_axis::{Joints, Solutions};
+use rpi_kin::{ArmModel, InverseKinematicsError, to_transform};
 
-const ARMS: [&ArmModel; 3] = [&kr::KR_6_R900, &kr::KR_16_2, &universal::UR5E];
+const ARMS: [&ArmModel; 3] = [
+    &kuka_kr::KR_6_R900,
+    &kuka_kr::KR_16_2,
+    &universal_robots::UR5E,
+];
 const EXACT: f64 = 1e-9;
 
 fn solutions(arm: &ArmModel, joints: &Joints, hint: &Joints) -> Solutions {
-    let flange = arm.chain.flange(joints);
+    let flange = arm.chain.flange_pose(joints);
     match arm.inverse {
-        Inverse::Opw(geometry) => geometry.solutions(&flange, hint),
-        Inverse::Ur(geometry) => geometry.solutions(&flange, hint),
+        InverseKinematics::Opw(geometry) => geometry.solutions(&flange, hint),
+        InverseKinematics::Ur(geometry) => geometry.solutions(&flange, hint),
         _ => panic!("{} has six axes", arm.id),
     }
     .expect("finite")
@@ -114,20 +118,20 @@ fn far_away_and_nonsense_are_refused() {
         pose.translation.vector.x += 9.0;
         assert_eq!(
             arm.inverse(&pose, &hint, arm.limits),
-            Err(NoSolution::OutOfReach)
+            Err(InverseKinematicsError::OutOfReach)
         );
         pose.translation.vector.x = f64::NAN;
         assert_eq!(
             arm.inverse(&pose, &hint, arm.limits),
-            Err(NoSolution::NotFinite)
+            Err(InverseKinematicsError::NotFinite)
         );
         let bad = [f64::INFINITY; 6];
         assert_eq!(
             arm.inverse(&arm.forward(&hint), &bad, arm.limits),
-            Err(NoSolution::NotFinite)
+            Err(InverseKinematicsError::NotFinite)
         );
         assert!(
-            transform_of(&arm.forward(&bad))
+            to_transform(&arm.forward(&bad))
                 .translation
                 .vector
                 .x
@@ -141,5 +145,5 @@ fn an_arm_without_a_closed_form_says_so() {
     let panda = rpi_kin::models::by_id("franka-panda").expect("known");
     let joints = [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0];
     let found = panda.inverse(&panda.forward(&joints), &joints, panda.limits);
-    assert_eq!(found, Err(NoSolution::NoClosedForm));
+    assert_eq!(found, Err(InverseKinematicsError::NoClosedForm));
 }

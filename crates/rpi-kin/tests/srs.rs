@@ -4,10 +4,10 @@
 mod common;
 
 use common::{Random, distance, largest};
-use rpi_kin::model::Inverse;
-use rpi_kin::models::lbr::{IIWA_7, IIWA_14, LWR_4_PLUS};
+use rpi_kin::model::InverseKinematics;
+use rpi_kin::models::kuka_lbr::{IIWA_7, IIWA_14, LWR_4_PLUS};
 use rpi_kin::srs::{Geometry, Joints};
-use rpi_kin::{ArmModel, NoSolution, Pose, Range, pose_of, transform_of};
+use rpi_kin::{ArmModel, InverseKinematicsError, Pose, Range, to_pose, to_transform};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const ARMS: [&ArmModel; 3] = [&LWR_4_PLUS, &IIWA_7, &IIWA_14];
@@ -15,7 +15,7 @@ const EXACT: f64 = 1e-9;
 
 fn geometry(arm: &ArmModel) -> Geometry {
     match arm.inverse {
-        Inverse::Srs(geometry) => geometry,
+        InverseKinematics::Srs(geometry) => geometry,
         _ => panic!("{} is not an S-R-S arm", arm.id),
     }
 }
@@ -152,18 +152,18 @@ fn the_arm_angle_is_kept_where_limits_allow() {
         let (geometry, ranges) = (geometry(arm), ranges(arm));
         let (mut kept, mut moved) = (0, 0);
         for _ in 0..20_000 {
-            let pose = arm.chain.flange(&random.joints::<7>(arm.limits));
+            let pose = arm.chain.flange_pose(&random.joints::<7>(arm.limits));
             let hint: Joints = random.joints(arm.limits);
             let choice = geometry.inverse(&pose, &hint, &ranges).expect("reachable");
             let change = geometry.arm_angle(&choice.joints) - geometry.arm_angle(&hint);
-            let off = (change - choice.moved + 9.0 * PI).rem_euclid(TAU) - PI;
+            let off = (change - choice.arm_angle_change + 9.0 * PI).rem_euclid(TAU) - PI;
             assert!(
                 off.abs() < 1e-6,
                 "{}: says {}, moved {change}",
                 arm.id,
-                choice.moved
+                choice.arm_angle_change
             );
-            if choice.moved == 0.0 {
+            if choice.arm_angle_change == 0.0 {
                 kept += 1
             } else {
                 moved += 1
@@ -182,14 +182,14 @@ fn the_arm_angle_is_moved_no_farther_than_needed() {
     for arm in ARMS {
         let (geometry, ranges) = (geometry(arm), ranges(arm));
         for _ in 0..1_000 {
-            let flange = arm.chain.flange(&random.joints::<7>(arm.limits));
+            let flange = arm.chain.flange_pose(&random.joints::<7>(arm.limits));
             let hint: Joints = random.joints(arm.limits);
             let choice = geometry
                 .inverse(&flange, &hint, &ranges)
                 .expect("reachable");
             // At half of the way back there is no solution on this branch.
             for part in [0.25, 0.5, 0.9] {
-                let angle = choice.arm_angle - choice.moved * part;
+                let angle = choice.arm_angle - choice.arm_angle_change * part;
                 let all = geometry.branches(&flange, angle).expect("same reach");
                 let there = all[choice.branch.index()];
                 let fits = there
@@ -201,7 +201,7 @@ fn the_arm_angle_is_moved_no_farther_than_needed() {
                         range.shrunk(1e-8).contains(turn)
                     });
                 assert!(
-                    choice.moved == 0.0 || !fits,
+                    choice.arm_angle_change == 0.0 || !fits,
                     "{}: {angle} would have done",
                     arm.id
                 );
@@ -219,12 +219,12 @@ fn the_elbow_can_be_that_of_other_joints_than_the_hint() {
         for _ in 0..2_000 {
             let (joints, elbow): (Joints, Joints) =
                 (random.joints(arm.limits), random.joints(arm.limits));
-            let flange = arm.chain.flange(&joints);
+            let flange = arm.chain.flange_pose(&joints);
             let choice = geometry
                 .inverse_with_elbow(&flange, &joints, &elbow, &ranges)
                 .expect("reachable");
-            assert!(distance(&arm.forward(&choice.joints), &pose_of(&flange)) < EXACT);
-            if choice.moved == 0.0 {
+            assert!(distance(&arm.forward(&choice.joints), &to_pose(&flange)) < EXACT);
+            if choice.arm_angle_change == 0.0 {
                 let off = geometry.arm_angle(&choice.joints) - geometry.arm_angle(&elbow);
                 assert!(rpi_kin::angle::wrap(off).abs() < 1e-6, "{}: {off}", arm.id);
                 kept += 1;
@@ -240,12 +240,12 @@ fn all_eight_branches_reach_the_pose_and_differ() {
     for arm in ARMS {
         for _ in 0..2_000 {
             let joints: Joints = random.joints(arm.limits);
-            let flange = arm.chain.flange(&joints);
+            let flange = arm.chain.flange_pose(&joints);
             let all = geometry(arm)
                 .branches(&flange, random.between(-PI, PI))
                 .expect("reachable");
             for (index, one) in all.iter().enumerate() {
-                assert!(distance(&arm.forward(one), &pose_of(&flange)) < EXACT);
+                assert!(distance(&arm.forward(one), &to_pose(&flange)) < EXACT);
                 assert!(all[..index].iter().all(|other| largest(one, other) > 1e-3));
             }
         }
@@ -262,7 +262,7 @@ fn outstretched_is_reached_and_a_hair_farther_is_not() {
         beyond.translation.vector += lean.normalize() * 1e-3;
         assert_eq!(
             arm.inverse(&beyond, &straight, arm.limits),
-            Err(NoSolution::OutOfReach)
+            Err(InverseKinematicsError::OutOfReach)
         );
         assert!(
             arm.inverse_or_nan(&beyond, &straight, arm.limits)
@@ -280,7 +280,7 @@ fn what_only_a_joint_out_of_range_could_reach_is_refused() {
         let pose = arm.forward(&folded);
         assert_eq!(
             arm.inverse(&pose, &folded, arm.limits),
-            Err(NoSolution::OutOfLimits)
+            Err(InverseKinematicsError::OutOfLimits)
         );
     }
 }
@@ -295,31 +295,31 @@ fn bad_numbers_are_refused() {
         hint[4] = bad;
         assert_eq!(
             arm.inverse(&pose, &hint, arm.limits),
-            Err(NoSolution::NotFinite)
+            Err(InverseKinematicsError::NotFinite)
         );
         let mut broken = pose;
         broken.translation.vector.y = bad;
         assert_eq!(
             arm.inverse(&broken, &good, arm.limits),
-            Err(NoSolution::NotFinite)
+            Err(InverseKinematicsError::NotFinite)
         );
-        let mut turned = transform_of(&pose);
+        let mut turned = to_transform(&pose);
         turned.rotation =
             nalgebra::Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_element(bad));
         assert_eq!(
             geometry(arm)
                 .inverse(&turned, &good, &ranges(arm))
                 .map(|choice| choice.joints),
-            Err(NoSolution::NotFinite)
+            Err(InverseKinematicsError::NotFinite)
         );
     }
     assert_eq!(
         arm.inverse(&pose, &good[..6], arm.limits),
-        Err(NoSolution::NotFinite)
+        Err(InverseKinematicsError::NotFinite)
     );
     assert_eq!(
         arm.inverse(&pose, &good, &arm.limits[..3]),
-        Err(NoSolution::NotFinite)
+        Err(InverseKinematicsError::NotFinite)
     );
 }
 

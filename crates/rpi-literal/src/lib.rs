@@ -6,22 +6,22 @@
 
 use std::fmt;
 
-use rpi_image::{Bits, Scalar, Type, Value};
-use rpi_prims::flow::Flow;
+use rpi_image::{Scalar, SlotBits, Type, Value};
 use rpi_prims::geometry;
+use rpi_prims::value_types::FlowType;
 use smallvec::smallvec;
 
 mod tree;
 mod write;
 
-use tree::Tree;
-pub use write::{angles, write};
+use tree::LiteralTree;
+pub use write::{euler_angles, write};
 
 /// Error for a text that is not a value of the expected type.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LiteralError {
     /// Byte offset in the text at which the error begins.
-    pub at: usize,
+    pub offset: usize,
     /// Description of the error.
     pub message: String,
 }
@@ -29,7 +29,7 @@ pub struct LiteralError {
 impl LiteralError {
     fn new(at: usize, message: impl Into<String>) -> LiteralError {
         LiteralError {
-            at,
+            offset: at,
             message: message.into(),
         }
     }
@@ -47,10 +47,10 @@ impl std::error::Error for LiteralError {}
 ///
 /// # Errors
 /// Returns an error if the text is not a value of this type.
-pub fn read_one(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
+pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
     let tree = tree::parse(text)?;
-    Ok(element(&tree, scalar)?.map(|cells| Value::Cells {
-        ty: Type::One(scalar),
+    Ok(element(&tree, scalar)?.map(|cells| Value::Slots {
+        ty: Type::Scalar(scalar),
         cells,
     }))
 }
@@ -59,13 +59,13 @@ pub fn read_one(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralErro
 ///
 /// # Errors
 /// Returns an error if the text is not an array of this element type.
-pub fn read_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
+pub fn parse_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
     let tree = tree::parse(text)?;
     if tree.is_null() {
         return Ok(None);
     }
-    let value = |cells| Value::Cells {
-        ty: Type::One(scalar),
+    let value = |cells| Value::Slots {
+        ty: Type::Scalar(scalar),
         cells,
     };
     let elements = tree.elements()?.iter();
@@ -80,76 +80,82 @@ pub fn read_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>
 ///
 /// # Errors
 /// Returns an error if the text is not of this type, or is an array of another length.
-pub fn read(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
+pub fn parse(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
     let (scalar, len) = match ty {
-        Type::One(scalar) => return read_one(text, scalar),
+        Type::Scalar(scalar) => return parse_scalar(text, scalar),
         Type::Array(scalar, len) => (scalar, len),
-        Type::Matrix(..) => (Scalar::Real, ty.cells()),
+        Type::Matrix(..) => (Scalar::Real, ty.slots()),
     };
-    let Some(elements) = read_array(text, scalar)? else {
+    let Some(elements) = parse_array(text, scalar)? else {
         return Ok(None);
     };
     if elements.len() != len as usize {
         let message = format!(
             "expected {len} for {ty}, found {}",
-            rpi_words::counted(elements.len(), "element")
+            rpi_words::with_noun(elements.len(), "element")
         );
         return Err(LiteralError::new(0, message));
     }
     let elements: Option<Vec<Value>> = elements.into_iter().collect();
-    Ok(elements.map(|elements| Value::Cells {
+    Ok(elements.map(|elements| Value::Slots {
         ty,
-        cells: elements.iter().flat_map(Value::cells).copied().collect(),
+        cells: elements.iter().flat_map(Value::slots).copied().collect(),
     }))
 }
 
-fn element(tree: &Tree<'_>, scalar: Scalar) -> Result<Option<Bits>, LiteralError> {
+fn element(tree: &LiteralTree<'_>, scalar: Scalar) -> Result<Option<SlotBits>, LiteralError> {
     if tree.is_null() {
         return Ok(None);
     }
-    cells(tree, scalar).map(Some)
+    parse_slots(tree, scalar).map(Some)
 }
 
-fn cells(tree: &Tree<'_>, scalar: Scalar) -> Result<Bits, LiteralError> {
+fn parse_slots(tree: &LiteralTree<'_>, scalar: Scalar) -> Result<SlotBits, LiteralError> {
     Ok(match scalar {
-        Scalar::Bool => smallvec![u64::from(tree.word("true or false", truth)?)],
-        Scalar::Int => smallvec![tree.word("an integer", whole)?.cast_unsigned()],
-        Scalar::Time => smallvec![tree.word("a time in milliseconds", millis)?.cast_unsigned()],
-        Scalar::Real => smallvec![real(tree)?.to_bits()],
-        Scalar::Vector => reals(tree, &["x", "y", "z"])?,
+        Scalar::Bool => smallvec![u64::from(tree.word("true or false", parse_bool)?)],
+        Scalar::Int => smallvec![tree.word("an integer", parse_int)?.cast_unsigned()],
+        Scalar::Time => smallvec![
+            tree.word("a time in milliseconds", parse_millis)?
+                .cast_unsigned()
+        ],
+        Scalar::Real => smallvec![parse_real(tree)?.to_bits()],
+        Scalar::Vector => parse_reals(tree, &["x", "y", "z"])?,
         Scalar::Rotation => {
-            let angles = reals(tree, &["a", "b", "c"])?;
+            let angles = parse_reals(tree, &["a", "b", "c"])?;
             let [a, b, c] = [0, 1, 2].map(|k| f64::from_bits(angles[k]));
-            stored(geometry::from_abc(a, b, c))
+            to_slots(geometry::from_abc(a, b, c))
         }
-        Scalar::Pose => pair(tree, ("pos", Scalar::Vector), ("rot", Scalar::Rotation))?,
-        Scalar::Twist => pair(tree, ("vel", Scalar::Vector), ("rot", Scalar::Vector))?,
-        Scalar::Wrench => pair(tree, ("force", Scalar::Vector), ("torque", Scalar::Vector))?,
+        Scalar::Pose => parse_pair(tree, ("pos", Scalar::Vector), ("rot", Scalar::Rotation))?,
+        Scalar::Twist => parse_pair(tree, ("vel", Scalar::Vector), ("rot", Scalar::Vector))?,
+        Scalar::Wrench => parse_pair(tree, ("force", Scalar::Vector), ("torque", Scalar::Vector))?,
     })
 }
 
-fn stored<T: Flow>(value: T) -> Bits {
-    let mut cells: Bits = smallvec![0; T::CELLS];
+fn to_slots<T: FlowType>(value: T) -> SlotBits {
+    let mut cells: SlotBits = smallvec![0; T::SLOTS];
     value.store(&mut cells, 0);
     cells
 }
 
-type Half = (&'static str, Scalar);
+type Field = (&'static str, Scalar);
 
-fn pair(tree: &Tree<'_>, a: Half, b: Half) -> Result<Bits, LiteralError> {
+fn parse_pair(tree: &LiteralTree<'_>, a: Field, b: Field) -> Result<SlotBits, LiteralError> {
     let [first, second] = tree.fields([a.0, b.0])?;
-    let mut all = cells(first, a.1)?;
-    all.extend(cells(second, b.1)?);
+    let mut all = parse_slots(first, a.1)?;
+    all.extend(parse_slots(second, b.1)?);
     Ok(all)
 }
 
-fn reals(tree: &Tree<'_>, keys: &[&'static str; 3]) -> Result<Bits, LiteralError> {
+fn parse_reals(tree: &LiteralTree<'_>, keys: &[&'static str; 3]) -> Result<SlotBits, LiteralError> {
     let fields = tree.fields(*keys)?;
-    fields.iter().map(|f| Ok(real(f)?.to_bits())).collect()
+    fields
+        .iter()
+        .map(|f| Ok(parse_real(f)?.to_bits()))
+        .collect()
 }
 
 /// Parses a real. Digits that overflow to infinity are an error; infinity has the literal `inf`.
-fn real(tree: &Tree<'_>) -> Result<f64, LiteralError> {
+fn parse_real(tree: &LiteralTree<'_>) -> Result<f64, LiteralError> {
     let value: f64 = tree.word("a number", |w| w.parse().ok())?;
     let is_meant = |word: &str| value.is_finite() || !word.contains(|c: char| c.is_ascii_digit());
     tree.word("a number that a real can hold, or inf", |word| {
@@ -157,16 +163,16 @@ fn real(tree: &Tree<'_>) -> Result<f64, LiteralError> {
     })
 }
 
-fn truth(word: &str) -> Option<bool> {
+fn parse_bool(word: &str) -> Option<bool> {
     word.parse().ok()
 }
 
-fn whole(word: &str) -> Option<i64> {
+fn parse_int(word: &str) -> Option<i64> {
     word.parse().ok()
 }
 
 /// Parses a time in milliseconds, with at most six digits after the point, to nanoseconds.
-fn millis(word: &str) -> Option<i64> {
+fn parse_millis(word: &str) -> Option<i64> {
     let (whole, part) = word.split_once('.').unwrap_or((word, ""));
     let digits = part.bytes().all(|b| b.is_ascii_digit());
     let nanos: i64 = format!("{part:0<6}").get(..6)?.parse().ok()?;

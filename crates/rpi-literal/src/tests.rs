@@ -1,5 +1,5 @@
 use super::*;
-use rpi_prims::flow::Rotation;
+use rpi_prims::value_types::Rotation;
 
 /// Scalar types with texts that are written back unchanged after parsing.
 const SAME: &[(Scalar, &[&str])] = &[
@@ -38,21 +38,21 @@ const SAME: &[(Scalar, &[&str])] = &[
 fn texts_read_and_write_back() {
     for (scalar, texts) in SAME {
         for text in *texts {
-            let value = read_one(text, *scalar).unwrap().unwrap();
-            assert_eq!(write(value.cells(), Type::One(*scalar)), *text);
+            let value = parse_scalar(text, *scalar).unwrap().unwrap();
+            assert_eq!(write(value.slots(), Type::Scalar(*scalar)), *text);
         }
     }
 }
 
 #[test]
 fn what_is_too_large_for_a_real_is_not_infinite() {
-    let read = |text: &str| read_one(text, Scalar::Real);
+    let read = |text: &str| parse_scalar(text, Scalar::Real);
     for text in ["1e400", "-1e400"] {
         let why = read(text).unwrap_err().to_string();
         assert!(why.contains("that a real can hold, or inf"), "{why}");
     }
     let vector = "{x:1e400,y:0,z:0}";
-    assert!(read_one(vector, Scalar::Vector).is_err());
+    assert!(parse_scalar(vector, Scalar::Vector).is_err());
     for text in ["inf", "-inf", "Infinity", "1e308", "1e-400"] {
         assert!(read(text).is_ok(), "{text}");
     }
@@ -62,7 +62,10 @@ fn what_is_too_large_for_a_real_is_not_infinite() {
 fn rotations_are_turns_about_z_then_y_then_x() {
     let rotation = |text| {
         Rotation::load(
-            read_one(text, Scalar::Rotation).unwrap().unwrap().cells(),
+            parse_scalar(text, Scalar::Rotation)
+                .unwrap()
+                .unwrap()
+                .slots(),
             0,
         )
     };
@@ -78,36 +81,36 @@ fn rotations_are_turns_about_z_then_y_then_x() {
 
 #[test]
 fn fields_may_come_in_any_order() {
-    let value = read_one("{ z: 3, x: 1, y: 2 }", Scalar::Vector)
+    let value = parse_scalar("{ z: 3, x: 1, y: 2 }", Scalar::Vector)
         .unwrap()
         .unwrap();
     assert_eq!(
-        write(value.cells(), Scalar::Vector.into()),
+        write(value.slots(), Scalar::Vector.into()),
         "{x:1.0,y:2.0,z:3.0}"
     );
 }
 
 #[test]
 fn null_is_absence() {
-    assert_eq!(read_one("null", Scalar::Pose), Ok(None));
-    assert_eq!(read("[1.0,null]", Type::Array(Scalar::Real, 2)), Ok(None));
-    let elements = read_array("[true,null]", Scalar::Bool).unwrap().unwrap();
+    assert_eq!(parse_scalar("null", Scalar::Pose), Ok(None));
+    assert_eq!(parse("[1.0,null]", Type::Array(Scalar::Real, 2)), Ok(None));
+    let elements = parse_array("[true,null]", Scalar::Bool).unwrap().unwrap();
     assert_eq!(elements, [Some(Value::bool(true)), None]);
 }
 
 #[test]
 fn arrays_have_the_length_of_their_type() {
-    let value = read("[1, 2,3 ]", Type::Array(Scalar::Int, 3))
+    let value = parse("[1, 2,3 ]", Type::Array(Scalar::Int, 3))
         .unwrap()
         .unwrap();
-    assert_eq!(value.cells(), [1, 2, 3]);
-    assert!(read("[1,2]", Type::Array(Scalar::Int, 3)).is_err());
-    assert_eq!(read_array("[]", Scalar::Int).unwrap().unwrap(), []);
+    assert_eq!(value.slots(), [1, 2, 3]);
+    assert!(parse("[1,2]", Type::Array(Scalar::Int, 3)).is_err());
+    assert_eq!(parse_array("[]", Scalar::Int).unwrap().unwrap(), []);
 }
 
 #[test]
 fn what_is_wrong_is_said_with_its_place() {
-    let error = |text, scalar| read_one(text, scalar).unwrap_err();
+    let error = |text, scalar| parse_scalar(text, scalar).unwrap_err();
     assert_eq!(
         error("maybe", Scalar::Bool).message,
         "expected true or false"
@@ -116,8 +119,8 @@ fn what_is_wrong_is_said_with_its_place() {
         error("{x:1,y:2}", Scalar::Vector).message,
         "expected {x:..,y:..,z:..}"
     );
-    assert_eq!(error("{x:1,y:2,z:}", Scalar::Vector).at, 11);
-    assert_eq!(error("1.5 2", Scalar::Real).at, 4);
+    assert_eq!(error("{x:1,y:2,z:}", Scalar::Vector).offset, 11);
+    assert_eq!(error("1.5 2", Scalar::Real).offset, 4);
     assert_eq!(error("", Scalar::Real).message, "expected a value");
     assert!(
         error(&"[".repeat(1000), Scalar::Real)
@@ -131,8 +134,8 @@ fn no_prefix_of_a_value_makes_it_panic() {
     for (scalar, texts) in SAME {
         for text in texts.iter().chain(["[1,{ä:2}]", "{a", "9.é"].iter()) {
             for end in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
-                let _ = read_one(&text[..end], *scalar);
-                let _ = read_array(&text[..end], *scalar);
+                let _ = parse_scalar(&text[..end], *scalar);
+                let _ = parse_array(&text[..end], *scalar);
             }
         }
     }

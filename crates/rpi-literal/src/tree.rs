@@ -6,21 +6,23 @@ use super::LiteralError;
 const MAX_DEPTH: usize = 8;
 
 /// Parsed text. Each variant starts with its byte offset.
-pub(super) enum Tree<'a> {
+pub(super) enum LiteralTree<'a> {
     Word(usize, &'a str),
-    Object(usize, Vec<(&'a str, Tree<'a>)>),
-    Array(usize, Vec<Tree<'a>>),
+    Object(usize, Vec<(&'a str, LiteralTree<'a>)>),
+    Array(usize, Vec<LiteralTree<'a>>),
 }
 
-impl<'a> Tree<'a> {
+impl<'a> LiteralTree<'a> {
     pub(super) fn is_null(&self) -> bool {
-        matches!(self, Tree::Word(_, "null"))
+        matches!(self, LiteralTree::Word(_, "null"))
     }
 
     /// Byte offset at which the element begins.
-    fn at(&self) -> usize {
+    fn offset(&self) -> usize {
         match self {
-            Tree::Word(at, _) | Tree::Object(at, _) | Tree::Array(at, _) => *at,
+            LiteralTree::Word(at, _) | LiteralTree::Object(at, _) | LiteralTree::Array(at, _) => {
+                *at
+            }
         }
     }
 
@@ -30,17 +32,17 @@ impl<'a> Tree<'a> {
         what: &str,
         read: impl Fn(&str) -> Option<T>,
     ) -> Result<T, LiteralError> {
-        let wrong = || LiteralError::new(self.at(), format!("expected {what}"));
+        let wrong = || LiteralError::new(self.offset(), format!("expected {what}"));
         match self {
-            Tree::Word(_, word) => read(word).ok_or_else(wrong),
+            LiteralTree::Word(_, word) => read(word).ok_or_else(wrong),
             _ => Err(wrong()),
         }
     }
 
-    pub(super) fn elements(&self) -> Result<&[Tree<'a>], LiteralError> {
+    pub(super) fn elements(&self) -> Result<&[LiteralTree<'a>], LiteralError> {
         match self {
-            Tree::Array(_, elements) => Ok(elements),
-            _ => Err(LiteralError::new(self.at(), "expected an array `[..]`")),
+            LiteralTree::Array(_, elements) => Ok(elements),
+            _ => Err(LiteralError::new(self.offset(), "expected an array `[..]`")),
         }
     }
 
@@ -48,78 +50,81 @@ impl<'a> Tree<'a> {
     pub(super) fn fields<const N: usize>(
         &self,
         names: [&str; N],
-    ) -> Result<[&Tree<'a>; N], LiteralError> {
+    ) -> Result<[&LiteralTree<'a>; N], LiteralError> {
         let expected = || {
             let form = names.map(|n| format!("{n}:..")).join(",");
-            LiteralError::new(self.at(), format!("expected {{{form}}}"))
+            LiteralError::new(self.offset(), format!("expected {{{form}}}"))
         };
-        let Tree::Object(_, fields) = self else {
+        let LiteralTree::Object(_, fields) = self else {
             return Err(expected());
         };
         let find = |name: &str| fields.iter().find(|(n, _)| *n == name).map(|(_, t)| t);
-        let found: Option<Vec<&Tree<'a>>> = names.iter().map(|name| find(name)).collect();
+        let found: Option<Vec<&LiteralTree<'a>>> = names.iter().map(|name| find(name)).collect();
         let found = found.filter(|_| fields.len() == N).ok_or_else(expected)?;
         found.try_into().map_err(|_| expected())
     }
 }
 
 /// Parses a whole text into its tree.
-pub(super) fn parse(text: &str) -> Result<Tree<'_>, LiteralError> {
-    let mut reader = Reader { text, at: 0 };
-    let tree = reader.term(0)?;
+pub(super) fn parse(text: &str) -> Result<LiteralTree<'_>, LiteralError> {
+    let mut reader = Parser { text, offset: 0 };
+    let tree = reader.value(0)?;
     reader.space();
     match reader.rest().is_empty() {
         true => Ok(tree),
         false => Err(LiteralError::new(
-            reader.at,
+            reader.offset,
             "expected the end of the value",
         )),
     }
 }
 
-struct Reader<'a> {
+struct Parser<'a> {
     text: &'a str,
-    at: usize,
+    offset: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> Parser<'a> {
     fn rest(&self) -> &'a str {
-        &self.text[self.at..]
+        &self.text[self.offset..]
     }
 
     fn space(&mut self) {
-        self.at = self.text.len() - self.rest().trim_start().len();
+        self.offset = self.text.len() - self.rest().trim_start().len();
     }
 
     fn eat(&mut self, sign: char) -> bool {
         self.space();
         let found = self.rest().starts_with(sign);
-        self.at += if found { sign.len_utf8() } else { 0 };
+        self.offset += if found { sign.len_utf8() } else { 0 };
         found
     }
 
     fn expect(&mut self, sign: char) -> Result<(), LiteralError> {
         match self.eat(sign) {
             true => Ok(()),
-            false => Err(LiteralError::new(self.at, format!("expected `{sign}`"))),
+            false => Err(LiteralError::new(self.offset, format!("expected `{sign}`"))),
         }
     }
 
-    fn term(&mut self, depth: usize) -> Result<Tree<'a>, LiteralError> {
+    fn value(&mut self, depth: usize) -> Result<LiteralTree<'a>, LiteralError> {
         self.space();
-        let at = self.at;
+        let at = self.offset;
         if depth > MAX_DEPTH {
             return Err(LiteralError::new(at, "nested too deeply"));
         }
         if self.eat('{') {
-            return Ok(Tree::Object(at, self.list('}', |r| r.field(depth))?));
+            return Ok(LiteralTree::Object(at, self.list('}', |r| r.field(depth))?));
         }
         if self.eat('[') {
-            return Ok(Tree::Array(at, self.list(']', |r| r.term(depth + 1))?));
+            return Ok(LiteralTree::Array(
+                at,
+                self.list(']', |r| r.value(depth + 1))?,
+            ));
         }
         match self.name() {
             "" => Err(LiteralError::new(at, "expected a value")),
-            word => Ok(Tree::Word(at, word)),
+            word => Ok(LiteralTree::Word(at, word)),
         }
     }
 
@@ -138,18 +143,18 @@ impl<'a> Reader<'a> {
         Ok(items)
     }
 
-    fn field(&mut self, depth: usize) -> Result<(&'a str, Tree<'a>), LiteralError> {
+    fn field(&mut self, depth: usize) -> Result<(&'a str, LiteralTree<'a>), LiteralError> {
         self.space();
         let name = self.name();
         self.expect(':')?;
-        Ok((name, self.term(depth + 1)?))
+        Ok((name, self.value(depth + 1)?))
     }
 
     fn name(&mut self) -> &'a str {
         let rest = self.rest();
         let inside = |b: &u8| b.is_ascii_alphanumeric() || b"+-._".contains(b);
         let word = &rest[..rest.bytes().take_while(inside).count()];
-        self.at += word.len();
+        self.offset += word.len();
         word
     }
 }

@@ -1,32 +1,32 @@
 //! Formats values as texts that parse to the same bits (rotations: to the same rotation).
 
 use rpi_image::{Scalar, Type};
-use rpi_prims::flow::{Flow, Rotation};
 use rpi_prims::geometry;
+use rpi_prims::value_types::{FlowType, Rotation};
 
 /// Returns the text of a value of a flow type. `cells` are the memory slots of the value.
 #[must_use]
 pub fn write(cells: &[u64], ty: Type) -> String {
     match ty {
-        Type::One(scalar) => one(cells, scalar),
+        Type::Scalar(scalar) => scalar_text(cells, scalar),
         Type::Array(scalar, _) => array(cells, scalar),
         Type::Matrix(..) => array(cells, Scalar::Real),
     }
 }
 
 fn array(cells: &[u64], scalar: Scalar) -> String {
-    let values = cells.chunks_exact(scalar.cells() as usize);
-    let texts: Vec<String> = values.map(|v| one(v, scalar)).collect();
+    let values = cells.chunks_exact(scalar.slots() as usize);
+    let texts: Vec<String> = values.map(|v| scalar_text(v, scalar)).collect();
     format!("[{}]", texts.join(","))
 }
 
-fn one(cells: &[u64], scalar: Scalar) -> String {
-    let part = |from: usize, scalar| one(cells.get(from..).unwrap_or(&[]), scalar);
+fn scalar_text(cells: &[u64], scalar: Scalar) -> String {
+    let part = |from: usize, scalar| scalar_text(cells.get(from..).unwrap_or(&[]), scalar);
     match scalar {
-        Scalar::Bool => (first(cells) != 0).to_string(),
-        Scalar::Int => first(cells).cast_signed().to_string(),
-        Scalar::Real => real(first(cells)),
-        Scalar::Time => millis(first(cells).cast_signed()),
+        Scalar::Bool => (first_slot(cells) != 0).to_string(),
+        Scalar::Int => first_slot(cells).cast_signed().to_string(),
+        Scalar::Real => real(first_slot(cells)),
+        Scalar::Time => millis(first_slot(cells).cast_signed()),
         Scalar::Vector => object(["x", "y", "z"], cells),
         Scalar::Rotation => rotation(cells),
         Scalar::Pose => format!(
@@ -47,7 +47,7 @@ fn one(cells: &[u64], scalar: Scalar) -> String {
     }
 }
 
-fn first(cells: &[u64]) -> u64 {
+fn first_slot(cells: &[u64]) -> u64 {
     cells.first().copied().unwrap_or(0)
 }
 
@@ -66,8 +66,8 @@ fn object(names: [&str; 3], cells: &[u64]) -> String {
 /// Angles computed from a quaternion are exact only up to rounding. The angles rounded to 15 digits, as people write
 /// them, are returned instead if they reproduce the rotation at least as well.
 #[must_use]
-pub fn angles(cells: &[u64]) -> [f64; 3] {
-    if cells.len() < Rotation::CELLS {
+pub fn euler_angles(cells: &[u64]) -> [f64; 3] {
+    if cells.len() < Rotation::SLOTS {
         return [0.0; 3];
     }
     let wanted = Rotation::load(cells, 0);
@@ -83,7 +83,7 @@ pub fn angles(cells: &[u64]) -> [f64; 3] {
 }
 
 fn rotation(cells: &[u64]) -> String {
-    object(["a", "b", "c"], &angles(cells).map(f64::to_bits))
+    object(["a", "b", "c"], &euler_angles(cells).map(f64::to_bits))
 }
 
 /// Returns the shortest text that parses to the same bits.

@@ -1,9 +1,9 @@
 //! Read and write sets of operations.
 
-use crate::flat::{Flat, Op, Work};
-use crate::slots::Slot;
+use crate::flat_net::{FlatNet, Op, OpKind};
+use crate::registers::Register;
 use rpi_image::image::Form;
-use rpi_image::operands::{Part, fields};
+use rpi_image::operands::{OperandRole, operand_layout};
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
@@ -13,25 +13,25 @@ pub(crate) enum Access {
     /// Reads the value of this register.
     Read,
     /// Reads a presence, which decides what the operation does.
-    Decide,
+    ReadPresence,
     /// Writes this register.
     Write,
     /// Keeps state in this register from cycle to cycle.
-    Keep,
+    State,
     /// The word is a number, not a register.
     Number,
 }
 
 /// Cache of the accesses of every primitive and form that was requested.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Shapes {
+pub(crate) struct AccessTable {
     /// Two entries per primitive, one for each form.
     known: Vec<Option<Rc<[Access]>>>,
 }
 
-impl Shapes {
+impl AccessTable {
     /// Accesses of a primitive in a form, one per operand word. Computes them on the first request.
-    pub(crate) fn of(&mut self, prim: PrimId, form: Form) -> Rc<[Access]> {
+    pub(crate) fn get_or_compute(&mut self, prim: PrimId, form: Form) -> Rc<[Access]> {
         let at = usize::from(prim.0) * 2 + form as usize;
         if self.known.len() <= at {
             self.known.resize(at + 1, None);
@@ -48,36 +48,36 @@ impl Shapes {
 
 fn accesses(prim: PrimId, form: Form) -> Vec<Access> {
     let mut all = Vec::new();
-    for field in fields(prim.desc(), form) {
-        let (value, presence) = match field.part {
-            Part::Input(_) => (Access::Read, Access::Decide),
-            Part::Param(_) => (Access::Read, Access::Read),
-            Part::Output(_) => (Access::Write, Access::Write),
-            Part::State => (Access::Keep, Access::Keep),
+    for field in operand_layout(prim.desc(), form) {
+        let (value, presence) = match field.role {
+            OperandRole::Input(_) => (Access::Read, Access::ReadPresence),
+            OperandRole::Param(_) => (Access::Read, Access::Read),
+            OperandRole::Output(_) => (Access::Write, Access::Write),
+            OperandRole::State => (Access::State, Access::State),
         };
         all.push(value);
-        all.extend(std::iter::repeat_n(Access::Number, field.sizes));
-        all.extend(field.presence.then_some(presence));
+        all.extend(std::iter::repeat_n(Access::Number, field.size_words));
+        all.extend(field.has_presence.then_some(presence));
     }
     all
 }
 
 /// Accesses of one operation.
 #[derive(Clone, Copy)]
-pub(crate) enum Shape<'a> {
+pub(crate) enum OpAccesses<'a> {
     /// One entry per word.
     Each(&'a [Access]),
     /// The first words, this many, are read; the others are written.
     Split(usize),
 }
 
-impl Shape<'_> {
+impl OpAccesses<'_> {
     /// Access through word `k`.
     pub(crate) fn access(self, k: usize) -> Access {
         match self {
-            Shape::Each(all) => all[k],
-            Shape::Split(inputs) if k < inputs => Access::Read,
-            Shape::Split(_) => Access::Write,
+            OpAccesses::Each(all) => all[k],
+            OpAccesses::Split(inputs) if k < inputs => Access::Read,
+            OpAccesses::Split(_) => Access::Write,
         }
     }
 }
@@ -85,35 +85,37 @@ impl Shape<'_> {
 impl Access {
     /// True if the word is read, as a value or as a presence.
     pub(crate) const fn is_read(self) -> bool {
-        matches!(self, Access::Read | Access::Decide)
+        matches!(self, Access::Read | Access::ReadPresence)
     }
 }
 
-impl Shapes {
+impl AccessTable {
     /// Accesses of an operation.
-    pub(crate) fn shape(&self, op: Op) -> Shape<'_> {
-        match op.work {
-            Work::Run(prim, form) => Shape::Each(self.get(prim, form)),
-            Work::Copy => Shape::Split(1),
-            Work::Actuate(_, inputs) | Work::Call(_, inputs) => Shape::Split(inputs as usize),
+    pub(crate) fn op_accesses(&self, op: Op) -> OpAccesses<'_> {
+        match op.kind {
+            OpKind::Run(prim, form) => OpAccesses::Each(self.get(prim, form)),
+            OpKind::Copy => OpAccesses::Split(1),
+            OpKind::Actuate(_, inputs) | OpKind::Call(_, inputs) => {
+                OpAccesses::Split(inputs as usize)
+            }
         }
     }
 }
 
-impl Flat {
+impl FlatNet {
     /// The registers of an operation with their accesses, in order; numbers are omitted.
-    pub(crate) fn accesses(&self, op: Op) -> impl Iterator<Item = (Access, Slot)> + '_ {
-        let shape = self.shapes.shape(op);
+    pub(crate) fn accesses(&self, op: Op) -> impl Iterator<Item = (Access, Register)> + '_ {
+        let shape = self.accesses.op_accesses(op);
         let words = self.words(op).iter().enumerate();
         words.filter_map(move |(k, word)| match shape.access(k) {
             Access::Number => None,
-            access => Some((access, Slot(*word))),
+            access => Some((access, Register(*word))),
         })
     }
 
     /// Access of an operation through its word `k`.
     pub(crate) fn access(&self, op: Op, k: usize) -> Access {
-        self.shapes.shape(op).access(k)
+        self.accesses.op_accesses(op).access(k)
     }
 
     /// Replaces the registers of an operation whose access satisfies `which`.
@@ -121,24 +123,24 @@ impl Flat {
         &mut self,
         op: Op,
         which: impl Fn(Access) -> bool,
-        by: impl Fn(Slot) -> Slot,
+        by: impl Fn(Register) -> Register,
     ) {
-        let shape = self.shapes.shape(op);
+        let shape = self.accesses.op_accesses(op);
         let words = &mut self.words[op.at as usize..(op.at + op.len) as usize];
         for (k, word) in words.iter_mut().enumerate() {
             if which(shape.access(k)) {
-                *word = by(Slot(*word)).0;
+                *word = by(Register(*word)).0;
             }
         }
     }
 
     /// The registers that an operation reads, including constants and presences.
-    pub(crate) fn reads(&self, op: Op) -> impl Iterator<Item = Slot> + '_ {
+    pub(crate) fn reads(&self, op: Op) -> impl Iterator<Item = Register> + '_ {
         self.accesses(op).filter(|a| a.0.is_read()).map(|a| a.1)
     }
 
     /// The registers that an operation writes.
-    pub(crate) fn writes(&self, op: Op) -> impl Iterator<Item = Slot> + '_ {
+    pub(crate) fn writes(&self, op: Op) -> impl Iterator<Item = Register> + '_ {
         self.accesses(op)
             .filter(|a| a.0 == Access::Write)
             .map(|a| a.1)

@@ -8,21 +8,21 @@
 //! nets.
 
 mod access;
+mod boolean_ops;
 mod build;
 mod c;
 mod emit;
-mod flat;
-mod logic;
+mod flat_net;
 mod options;
 mod passes;
 mod plan;
-mod slots;
+mod registers;
 
 pub use c::emit_c;
 pub use options::{LowerOptions, Observe};
 pub use plan::Plan;
 
-use flat::Flat;
+use flat_net::FlatNet;
 use rpi_image::Image;
 use rpi_net::Net;
 use rpi_prims::PrimId;
@@ -36,7 +36,7 @@ pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<I
     if options.observe == Observe::Exports {
         passes::run(&mut flat, options.clock(), |flat, pass| {
             if cfg!(debug_assertions) {
-                check(net, flat, options, pass.name);
+                verify_pass(net, flat, options, pass.name);
             }
         });
     }
@@ -45,17 +45,17 @@ pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<I
 
 /// Names and descriptions of the passes, in order.
 pub fn passes() -> impl Iterator<Item = (&'static str, &'static str)> {
-    passes::PASSES.iter().map(|p| (p.name, p.what))
+    passes::PASSES.iter().map(|p| (p.name, p.description))
 }
 
 /// Verifies the image of the net after a pass. Panics on a verification error.
-fn check(net: &Net, flat: &Flat, options: &LowerOptions<'_>, pass: &str) {
-    let catalogue = |name: &str| PrimId::of(name).map(PrimId::desc);
+fn verify_pass(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>, pass: &str) {
+    let catalogue = |name: &str| PrimId::from_name(name).map(PrimId::desc);
     let Ok(image) = emit::emit(net, flat, options) else {
         return;
     };
     if let Err(errors) = rpi_image::verify(&image, &catalogue) {
-        let print = rpi_image::print::print(&image, &catalogue);
+        let print = rpi_image::text::print(&image, &catalogue);
         panic!("after pass {pass}: {}\n{print}", errors[0]);
     }
 }

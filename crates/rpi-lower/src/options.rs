@@ -1,7 +1,7 @@
 //! Options of the lowering.
 
 use rpi_net::PortRef;
-use rpi_prims::Clock;
+use rpi_prims::CycleTime;
 
 /// Options of the lowering.
 #[derive(Clone, Copy)]
@@ -59,12 +59,12 @@ impl LowerOptions<'_> {
     }
 
     /// The clock in cycle 0, for folding constants.
-    pub(crate) fn clock(&self) -> Clock {
-        Clock {
+    pub(crate) fn clock(&self) -> CycleTime {
+        CycleTime {
             dt: self.dt(),
             tick_ns: self.tick_ns,
-            ticks: self.period_ns / self.tick_ns.max(1),
-            cycle: 0,
+            period_ticks: self.period_ns / self.tick_ns.max(1),
+            cycle_index: 0,
             net_ns: 0,
             wall_ns: 0,
         }

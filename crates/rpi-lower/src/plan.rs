@@ -1,13 +1,13 @@
 //! Results of the net analyses that the lowering needs.
 
-use rpi_net::Tree;
+use rpi_net::FragmentTree;
 use rpi_net::passes::{Analysis, Presences, Schedule};
 
 /// Schedule and presences of a net.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     /// Fragments of the net as a tree.
-    pub tree: &'a Tree,
+    pub tree: &'a FragmentTree,
     /// Order of evaluation.
     pub schedule: &'a Schedule,
     /// Flows that may be absent.
@@ -17,7 +17,7 @@ pub struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// The plan of an analysed net; `None` if the net has a dependency cycle and therefore no schedule.
     #[must_use]
-    pub fn of(analysis: &'a Analysis) -> Option<Plan<'a>> {
+    pub fn from_analysis(analysis: &'a Analysis) -> Option<Plan<'a>> {
         Some(Plan {
             tree: &analysis.tree,
             schedule: analysis.schedule.as_ref()?,

@@ -1,9 +1,9 @@
 //! Damaged images: the reader and the verifier report the damage, and every image that the verifier accepts runs.
 
 use rpi_bench::rng::Rng;
-use rpi_bench::{Build, Puppet, build, generate, twin};
-use rpi_core::{Machine, Moment, catalogue};
-use rpi_image::image::{End, Signal};
+use rpi_bench::{FakeDevices, NetBuilder, generate, image_compare, net_builder};
+use rpi_core::{CycleContext, Instance, prim_desc};
+use rpi_image::image::{CommandEnd, Signal};
 use rpi_image::{Form, Image, ReadError, Step, Value, verify};
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, Net, Restart};
@@ -13,13 +13,13 @@ const MS: u64 = 1_000_000;
 /// A net with every kind of step and table: fragments, restarts, delays, arrays, sized state, a device.
 fn varied() -> Net {
     let root = FragmentId::ROOT;
-    let mut b = Build::new("varied");
+    let mut b = NetBuilder::new("varied");
     let key = ("Key", Value::Str("x".into()));
     let x = b.add_with(root, "Core::DoubleNetcommIn", &[], &[key]);
     let go = b.add(
         root,
         "Core::DoubleGreater",
-        &[Input::Port(x), build::real(0.2)],
+        &[Input::Port(x), net_builder::real(0.2)],
     );
     let f = b.fragment(root, "f", go, Restart::OnActivation);
     let clock = b.add(f, "Core::Clock", &[]);
@@ -70,21 +70,22 @@ fn images() -> Vec<Image> {
         .iter()
         .flat_map(|net| forms.iter().map(move |form| (net, form)));
     pairs
-        .map(|(net, form)| twin::image(net, form).expect("it can be lowered"))
+        .map(|(net, form)| image_compare::lower_net(net, form).expect("it can be lowered"))
         .collect()
 }
 
 #[test]
 fn an_image_reads_as_it_was_written() {
     for image in images() {
-        assert_eq!(verify(&image, &catalogue), Ok(()));
+        assert_eq!(verify(&image, &prim_desc), Ok(()));
         assert_eq!(Image::from_bytes(&image.to_bytes()), Ok(image));
     }
 }
 
 #[test]
 fn a_damaged_file_is_refused() {
-    let image = twin::image(&varied(), &LowerOptions::running(MS)).expect("it can be lowered");
+    let image =
+        image_compare::lower_net(&varied(), &LowerOptions::running(MS)).expect("it can be lowered");
     let bytes = image.to_bytes();
     assert_eq!(
         Image::from_bytes(b"not an image"),
@@ -109,8 +110,10 @@ fn a_forged_file_does_no_harm() {
         for _ in 0..300 {
             let mut forged = bytes.clone();
             let at = 14 + rng.below(forged.len() - 14);
-            forged[at] = rng.bits().to_le_bytes()[0];
-            let sum = rpi_image::hash::Fnv::new().bytes(&forged[14..]).finish();
+            forged[at] = rng.next_bits().to_le_bytes()[0];
+            let sum = rpi_image::hash::Fnv1a::new()
+                .with_bytes(&forged[14..])
+                .finish();
             forged[6..14].copy_from_slice(&sum.to_le_bytes());
             if let Ok(image) = Image::from_bytes(&forged) {
                 run_if_verified(image);
@@ -135,15 +138,15 @@ fn a_changed_image_is_refused_or_runs() {
 
 /// Runs an image if the verifier accepts it. Returns whether it did.
 fn run_if_verified(image: Image) -> bool {
-    if image.layout.cells > 1 << 20 || verify(&image, &catalogue).is_err() {
+    if image.layout.end > 1 << 20 || verify(&image, &prim_desc).is_err() {
         return false;
     }
-    let mut bank = Puppet::new();
-    let Ok(mut machine) = Machine::load(image, &mut bank) else {
+    let mut bank = FakeDevices::new();
+    let Ok(mut machine) = Instance::load(image, &mut bank) else {
         return true;
     };
     for _ in 0..5 {
-        machine.read(&mut bank, &Moment::default());
+        machine.read(&mut bank, &CycleContext::default());
         machine.evaluate(&mut bank);
         machine.commit();
         machine.hand_over(&mut bank);
@@ -154,7 +157,7 @@ fn run_if_verified(image: Image) -> bool {
 
 /// Changes one number at a random place.
 fn change(image: &mut Image, rng: &mut Rng) {
-    let cells = image.layout.cells as usize;
+    let cells = image.layout.end as usize;
     let number = match rng.below(8) {
         0 => u32::MAX,
         1 => 0,
@@ -180,24 +183,29 @@ fn change(image: &mut Image, rng: &mut Rng) {
             .iter_mut()
             .for_each(|e| change_signal(&mut e.value, number)),
         _ => match &mut image.end {
-            End::Ports { terminate, .. } => {
+            CommandEnd::Ports { terminate, .. } => {
                 terminate.iter_mut().for_each(|s| change_signal(s, number));
             }
-            End::Results(_) => image.layout.cells = number,
+            CommandEnd::Results(_) => image.layout.end = number,
         },
     }
 }
 
 fn change_signal(signal: &mut Signal, number: u32) {
     match number % 2 {
-        0 => signal.at = number,
+        0 => signal.start = number,
         _ => signal.present = number,
     }
 }
 
 fn change_step(step: &mut Step, number: u32) {
     match step {
-        Step::Run { form, at, len, .. } => match number % 3 {
+        Step::Run {
+            form,
+            start: at,
+            len,
+            ..
+        } => match number % 3 {
             0 => *at = number,
             1 => *len = number,
             _ => {
@@ -212,7 +220,7 @@ fn change_step(step: &mut Step, number: u32) {
             0 => *at = number,
             _ => *len = number,
         },
-        Step::Skip { unless, to } => match number % 2 {
+        Step::Skip { unless, target: to } => match number % 2 {
             0 => *unless = number,
             _ => *to = number,
         },

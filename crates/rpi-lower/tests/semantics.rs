@@ -2,11 +2,11 @@
 
 mod support;
 
-use rpi_core::Machine;
+use rpi_core::Instance;
 use rpi_image::Value;
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, PortRef, Restart};
-use support::{Build, NoDevices, cycle, finish, image, probe};
+use support::{NetBuilder, NoDevices, cycle, finish, image, probe};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 const MS: u64 = 1_000_000;
@@ -16,7 +16,7 @@ fn real(v: f64) -> Input {
 }
 
 /// `x = if null(pre x) then 0 else pre x + 1`, the reference system's idiom for a counter.
-fn counter(b: &mut Build, fragment: FragmentId) -> PortRef {
+fn counter(b: &mut NetBuilder, fragment: FragmentId) -> PortRef {
     let pre = b.node(fragment, "pre", "Core::DoublePre", &[], &[]);
     let null = b.node(
         fragment,
@@ -47,9 +47,9 @@ fn counter(b: &mut Build, fragment: FragmentId) -> PortRef {
     x
 }
 
-fn samples(b: &Build, name: &str, cycles: usize) -> Vec<Option<f64>> {
+fn samples(b: &NetBuilder, name: &str, cycles: usize) -> Vec<Option<f64>> {
     let image = image(&b.net, &LowerOptions::observed(MS));
-    let mut machine = Machine::load(image, &mut NoDevices).expect("it loads");
+    let mut machine = Instance::load(image, &mut NoDevices).expect("it loads");
     let mut samples = Vec::new();
     for _ in 0..cycles {
         cycle(&mut machine);
@@ -61,7 +61,7 @@ fn samples(b: &Build, name: &str, cycles: usize) -> Vec<Option<f64>> {
 
 #[test]
 fn a_delay_is_absent_in_its_first_cycle() {
-    let mut b = Build::new();
+    let mut b = NetBuilder::new();
     counter(&mut b, ROOT);
     assert_eq!(samples(&b, "pre.outValue", 3), [None, Some(0.0), Some(1.0)]);
     assert_eq!(
@@ -71,8 +71,8 @@ fn a_delay_is_absent_in_its_first_cycle() {
 }
 
 /// A net with a fragment that is active in cycles 1, 2, 5, 6, ... counted from 0.
-fn gated(restart: Restart) -> Build {
-    let mut b = Build::new();
+fn gated(restart: Restart) -> NetBuilder {
+    let mut b = NetBuilder::new();
     let x = counter(&mut b, ROOT);
     let past = b.node(
         ROOT,

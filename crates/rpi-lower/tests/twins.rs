@@ -1,6 +1,6 @@
 //! The optimised image and the observed image give the same results, bit for bit.
 
-use rpi_bench::{generate, twin};
+use rpi_bench::{generate, image_compare};
 use rpi_diag::FileId;
 use rpi_net::rpinet;
 
@@ -9,10 +9,10 @@ const MS: u64 = 1_000_000;
 #[test]
 fn regular_and_irregular_nets() {
     for net in [generate::biquad(20), generate::pid(10)] {
-        twin::compare(&net, 100, MS).unwrap();
+        image_compare::compare(&net, 100, MS).unwrap();
     }
     for seed in 0..20 {
-        twin::compare(&generate::mixed(400, seed), 50, MS).unwrap();
+        image_compare::compare(&generate::mixed(400, seed), 50, MS).unwrap();
     }
 }
 
@@ -22,7 +22,7 @@ fn recorded_nets() {
     let mut failed = Vec::new();
     let mut done = 0;
     for folder in ["nets/v1", "nets/v2", "nets/traces", "nets/corpus/nets"] {
-        let Some(folder) = rpi_testkit::shared_path(folder) else {
+        let Some(folder) = rpi_testkit::external_data_path(folder) else {
             return;
         };
         let mut files: Vec<_> = std::fs::read_dir(folder)
@@ -36,11 +36,11 @@ fn recorded_nets() {
             .filter(|f| f.to_string_lossy().contains(".rpinet"))
         {
             let text = rpi_testkit::read_maybe_gz(file).unwrap();
-            let (Some(net), _) = rpinet::read("net", FileId(0), &text) else {
+            let (Some(net), _) = rpinet::parse("net", FileId(0), &text) else {
                 continue;
             };
             done += 1;
-            if let Err(error) = twin::compare(&net, 100, 25 * MS) {
+            if let Err(error) = image_compare::compare(&net, 100, 25 * MS) {
                 failed.push(format!("{}: {error}", file.display()));
             }
         }

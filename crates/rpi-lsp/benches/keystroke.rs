@@ -15,7 +15,7 @@ const LINES: usize = 1000;
 const KEYSTROKES: usize = 400;
 
 /// Time between keystrokes of a fast typist.
-const BETWEEN: Duration = Duration::from_millis(40);
+const KEYSTROKE_INTERVAL: Duration = Duration::from_millis(40);
 
 /// Generates a program of controllers that call one another, and commands that use them.
 fn program() -> String {
@@ -94,7 +94,7 @@ fn main() {
     );
     let mut spans = Vec::with_capacity(KEYSTROKES);
     for k in 0..KEYSTROKES {
-        thread::sleep(BETWEEN);
+        thread::sleep(KEYSTROKE_INTERVAL);
         let version = k as i64 + 2;
         let begun = Instant::now();
         client.change(URI, version, edit(k));
@@ -109,5 +109,5 @@ fn main() {
         at(0.99),
         at(1.0)
     );
-    client.leave();
+    client.shutdown();
 }

@@ -4,61 +4,71 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use lsp_types::{
-    CodeDescription, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
+    CodeDescription, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
     NumberOrString,
 };
-use rpi_diag::{Code, Finding, Severity};
-use rpi_driver::Inspected;
+use rpi_diag::{Code, Severity};
+use rpi_driver::Inspection;
 
-use crate::places::Places;
-use crate::world::World;
-use crate::{shelf, uri};
+use crate::locations::LocationMap;
+use crate::workspace::Workspace;
+use crate::{builtin_documents, uri};
 
 /// Returns the diagnostics of a program by file. The root file is always included.
 pub(crate) fn by_file(
-    world: &World,
-    seen: &Inspected,
+    world: &Workspace,
+    seen: &Inspection,
     root: &Path,
-) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
-    let places = world.places(seen);
+) -> BTreeMap<PathBuf, Vec<lsp_types::Diagnostic>> {
+    let places = world.locations(seen);
     let mut found = BTreeMap::from([(root.to_owned(), Vec::new())]);
-    for finding in &seen.findings {
-        let file: &mut Vec<_> = found.entry(places.file(finding.span())).or_default();
-        file.push(diagnostic(world, &places, finding));
+    for diagnostic in &seen.diagnostics {
+        let file: &mut Vec<_> = found.entry(places.file(diagnostic.span())).or_default();
+        file.push(to_lsp(world, &places, diagnostic));
     }
     found
 }
 
-fn diagnostic(world: &World, places: &Places<'_>, finding: &Finding) -> Diagnostic {
-    let labels = finding.labels.iter().filter(|label| !label.text.is_empty());
+fn to_lsp(
+    world: &Workspace,
+    places: &LocationMap<'_>,
+    diagnostic: &rpi_diag::Diagnostic,
+) -> lsp_types::Diagnostic {
+    let labels = diagnostic
+        .labels
+        .iter()
+        .filter(|label| !label.text.is_empty());
     let related = labels.filter_map(|label| {
         Some(DiagnosticRelatedInformation {
             location: places.location(world, label.span)?,
             message: label.text.clone(),
         })
     });
-    Diagnostic {
-        range: places.range(finding.span()),
-        severity: Some(severity(finding.severity())),
-        code: Some(NumberOrString::String(finding.code.to_string())),
-        code_description: page(finding.code),
+    lsp_types::Diagnostic {
+        range: places.range(diagnostic.span()),
+        severity: Some(severity(diagnostic.severity())),
+        code: Some(NumberOrString::String(diagnostic.code.to_string())),
+        code_description: code_description(diagnostic.code),
         source: Some("rpic".to_owned()),
-        message: message(finding),
+        message: message(diagnostic),
         related_information: Some(related.collect()),
-        tags: finding
+        tags: diagnostic
             .code
-            .is_about_needless_text()
+            .is_unnecessary()
             .then(|| vec![DiagnosticTag::UNNECESSARY]),
         data: None,
     }
 }
 
 /// Returns the message, followed by help texts and notes, one per line.
-fn message(finding: &Finding) -> String {
-    let help = finding.help.iter().map(|text| format!("\nhelp: {text}"));
-    let notes = finding.notes.iter().map(|text| format!("\nnote: {text}"));
+fn message(diagnostic: &rpi_diag::Diagnostic) -> String {
+    let help = diagnostic.help.iter().map(|text| format!("\nhelp: {text}"));
+    let notes = diagnostic
+        .notes
+        .iter()
+        .map(|text| format!("\nnote: {text}"));
     let more: String = help.chain(notes).collect();
-    format!("{}{more}", finding.message)
+    format!("{}{more}", diagnostic.message)
 }
 
 fn severity(severity: Severity) -> DiagnosticSeverity {
@@ -70,7 +80,7 @@ fn severity(severity: Severity) -> DiagnosticSeverity {
 }
 
 /// Returns the link to the page of a code, with the text that `rpic explain` prints.
-fn page(code: Code) -> Option<CodeDescription> {
-    let href = uri::uri_of(&shelf::page_of(code)?)?;
+fn code_description(code: Code) -> Option<CodeDescription> {
+    let href = uri::from_path(&builtin_documents::code_page_path(code)?)?;
     Some(CodeDescription { href })
 }

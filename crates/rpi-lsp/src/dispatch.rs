@@ -13,15 +13,15 @@ use lsp_types::{
 };
 use serde_json::Value;
 
-use crate::world::World;
-use crate::{actions, completion, formatting, hover, navigate, symbols};
+use crate::workspace::Workspace;
+use crate::{code_actions, completion, formatting, hover, navigation, symbols};
 
-type Answer = Result<Value, (ErrorCode, String)>;
+type RequestResult = Result<Value, (ErrorCode, String)>;
 
 /// Row of the request table: method and handler.
-type Row = (&'static str, fn(&mut World, Value) -> Answer);
+type RequestHandler = (&'static str, fn(&mut Workspace, Value) -> RequestResult);
 
-macro_rules! asked {
+macro_rules! request_handler {
     ($request:ty, $answer:path) => {
         (<$request>::METHOD, |world, params| {
             let params = serde_json::from_value(params)
@@ -32,20 +32,20 @@ macro_rules! asked {
     };
 }
 
-const ASKED: &[Row] = &[
-    asked!(asked::HoverRequest, hover::hover),
-    asked!(asked::GotoDefinition, navigate::definition),
-    asked!(asked::References, navigate::references),
-    asked!(asked::DocumentHighlightRequest, navigate::highlights),
-    asked!(asked::DocumentSymbolRequest, symbols::symbols),
-    asked!(asked::Completion, completion::completion),
-    asked!(asked::Formatting, formatting::formatting),
-    asked!(asked::CodeActionRequest, actions::actions),
+const REQUESTS: &[RequestHandler] = &[
+    request_handler!(asked::HoverRequest, hover::hover),
+    request_handler!(asked::GotoDefinition, navigation::definition),
+    request_handler!(asked::References, navigation::references),
+    request_handler!(asked::DocumentHighlightRequest, navigation::highlights),
+    request_handler!(asked::DocumentSymbolRequest, symbols::symbols),
+    request_handler!(asked::Completion, completion::completion),
+    request_handler!(asked::Formatting, formatting::formatting),
+    request_handler!(asked::CodeActionRequest, code_actions::code_actions),
 ];
 
 /// Handles a request.
-pub(crate) fn ask(world: &mut World, method: &str, params: Value) -> Answer {
-    match ASKED.iter().find(|(known, _)| *known == method) {
+pub(crate) fn handle_request(world: &mut Workspace, method: &str, params: Value) -> RequestResult {
+    match REQUESTS.iter().find(|(known, _)| *known == method) {
         Some((_, answer)) => answer(world, params),
         None => Err((
             ErrorCode::MethodNotFound,
@@ -55,9 +55,9 @@ pub(crate) fn ask(world: &mut World, method: &str, params: Value) -> Answer {
 }
 
 /// Row of the notification table: method and handler. The handler returns requests to the client.
-type Told = (&'static str, fn(&mut World, Value) -> Vec<Request>);
+type NotificationHandler = (&'static str, fn(&mut Workspace, Value) -> Vec<Request>);
 
-macro_rules! told {
+macro_rules! notification_handler {
     ($notification:ty, $take:path) => {
         (<$notification>::METHOD, |world, params| {
             // Invalid parameters are ignored, as a notification has no response.
@@ -67,24 +67,28 @@ macro_rules! told {
     };
 }
 
-const TOLD: &[Told] = &[
-    told!(told::Initialized, initialized),
-    told!(told::DidOpenTextDocument, opened),
-    told!(told::DidChangeTextDocument, changed),
-    told!(told::DidCloseTextDocument, closed),
-    told!(told::DidChangeWatchedFiles, files_changed),
+const NOTIFICATIONS: &[NotificationHandler] = &[
+    notification_handler!(told::Initialized, initialized),
+    notification_handler!(told::DidOpenTextDocument, opened),
+    notification_handler!(told::DidChangeTextDocument, changed),
+    notification_handler!(told::DidCloseTextDocument, closed),
+    notification_handler!(told::DidChangeWatchedFiles, files_changed),
 ];
 
 /// Handles a notification. Unknown notifications are ignored. Returns requests to the client.
-pub(crate) fn tell(world: &mut World, method: &str, params: Value) -> Vec<Request> {
-    match TOLD.iter().find(|(known, _)| *known == method) {
+pub(crate) fn handle_notification(
+    world: &mut Workspace,
+    method: &str,
+    params: Value,
+) -> Vec<Request> {
+    match NOTIFICATIONS.iter().find(|(known, _)| *known == method) {
         Some((_, take)) => take(world, params),
         None => Vec::new(),
     }
 }
 
 /// Handles `initialized`: asks the client to watch source files on disk.
-fn initialized(world: &mut World, _: InitializedParams) -> Vec<Request> {
+fn initialized(world: &mut Workspace, _: InitializedParams) -> Vec<Request> {
     if !world.client.watches_files {
         return Vec::new();
     }
@@ -107,24 +111,24 @@ fn initialized(world: &mut World, _: InitializedParams) -> Vec<Request> {
     vec![Request::new("watch".to_owned().into(), method, params)]
 }
 
-fn opened(world: &mut World, params: DidOpenTextDocumentParams) -> Vec<Request> {
+fn opened(world: &mut Workspace, params: DidOpenTextDocumentParams) -> Vec<Request> {
     let text = params.text_document;
     world.open(text.uri, text.version, text.text);
     Vec::new()
 }
 
-fn changed(world: &mut World, params: DidChangeTextDocumentParams) -> Vec<Request> {
+fn changed(world: &mut Workspace, params: DidChangeTextDocumentParams) -> Vec<Request> {
     let text = params.text_document;
     world.change(&text.uri, text.version, params.content_changes);
     Vec::new()
 }
 
-fn closed(world: &mut World, params: DidCloseTextDocumentParams) -> Vec<Request> {
+fn closed(world: &mut Workspace, params: DidCloseTextDocumentParams) -> Vec<Request> {
     world.close(&params.text_document.uri);
     Vec::new()
 }
 
-fn files_changed(world: &mut World, _: DidChangeWatchedFilesParams) -> Vec<Request> {
-    world.all_changed();
+fn files_changed(world: &mut Workspace, _: DidChangeWatchedFilesParams) -> Vec<Request> {
+    world.files_changed();
     Vec::new()
 }

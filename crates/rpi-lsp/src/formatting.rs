@@ -1,23 +1,23 @@
 //! Formatting, as the smallest edit of whole lines, so that the cursor keeps its place in unchanged lines.
 
 use lsp_types::{DocumentFormattingParams, Range, TextEdit};
-use rpi_syntax::{Mode, format};
+use rpi_syntax::{Dialect, format};
 
-use crate::lines::Lines;
+use crate::line_index::LineIndex;
 use crate::uri;
-use crate::world::World;
+use crate::workspace::Workspace;
 
 /// Handles `textDocument/formatting`. Returns [`None`] if a syntax error prevents formatting.
 pub(crate) fn formatting(
-    world: &mut World,
+    world: &mut Workspace,
     params: DocumentFormattingParams,
 ) -> Option<Vec<TextEdit>> {
     let uri = params.text_document.uri;
     let document = world.document(&uri)?;
-    let mode = Mode::of_path(&uri::path_of(&uri).display().to_string());
+    let mode = Dialect::from_path(&uri::to_path(&uri).display().to_string());
     let new = format(&document.text, mode).ok()?;
-    let (old, lines) = (document.text.as_str(), Lines::new(&document.text));
-    let Some((start, end, text)) = difference(old, &new) else {
+    let (old, lines) = (document.text.as_str(), LineIndex::new(&document.text));
+    let Some((start, end, text)) = changed_lines(old, &new) else {
         return Some(Vec::new());
     };
     let at = |offset| lines.position(old, offset, world.client.encoding);
@@ -29,7 +29,7 @@ pub(crate) fn formatting(
 
 /// Returns the range of differing lines in the old text (start and end in bytes), and its replacement. [`None`] if the
 /// texts are equal.
-fn difference<'n>(old: &str, new: &'n str) -> Option<(usize, usize, &'n str)> {
+fn changed_lines<'n>(old: &str, new: &'n str) -> Option<(usize, usize, &'n str)> {
     if old == new {
         return None;
     }
@@ -55,18 +55,18 @@ mod tests {
     #[test]
     fn only_lines_that_differ_are_touched() {
         assert_eq!(
-            difference("a\nb\nc\n", "a\nx\ny\nc\n"),
+            changed_lines("a\nb\nc\n", "a\nx\ny\nc\n"),
             Some((2, 4, "x\ny\n"))
         );
-        assert_eq!(difference("a", "a\n"), Some((0, 1, "a\n")));
-        assert_eq!(difference("a\n", "a\n"), None);
+        assert_eq!(changed_lines("a", "a\n"), Some((0, 1, "a\n")));
+        assert_eq!(changed_lines("a\n", "a\n"), None);
     }
 
     proptest! {
         #[test]
         fn the_edit_makes_the_new_text(old in "[ab\n]{0,12}", new in "[ab\n]{0,12}") {
             let mut text = old.clone();
-            if let Some((start, end, with)) = difference(&old, &new) {
+            if let Some((start, end, with)) = changed_lines(&old, &new) {
                 text.replace_range(start..end, with);
             }
             prop_assert_eq!(text, new);

@@ -2,25 +2,25 @@
 
 use lsp_types::{Hover, HoverContents, HoverParams, MarkupContent, MarkupKind};
 use rpi_diag::{FileId, Span};
-use rpi_driver::Inspected;
+use rpi_driver::Inspection;
 use rpi_prims::PrimId;
-use rpi_sema::query::{self, Typed};
-use rpi_syntax::{KEYWORDS, pieces};
+use rpi_sema::query::{self, FlowType};
+use rpi_syntax::{KEYWORDS, source_tokens};
 
-use crate::describe::{Description, describe};
+use crate::description::{Description, describe};
 use crate::primitive;
-use crate::world::World;
+use crate::workspace::Workspace;
 
 /// Handles `textDocument/hover`.
-pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
+pub(crate) fn hover(world: &mut Workspace, params: HoverParams) -> Option<Hover> {
     let at = params.text_document_position_params;
-    let seen = world.see(&at.text_document.uri)?;
-    let places = world.places(&seen);
+    let seen = world.analysis(&at.text_document.uri)?;
+    let places = world.locations(&seen);
     let offset = places.offset(at.position);
-    let (span, description) = named(&seen, offset)
-        .or_else(|| built_in(&seen, offset))
-        .or_else(|| expression(&seen, offset))?;
-    let faults = faults(&seen, span, offset);
+    let (span, description) = describe_name(&seen, offset)
+        .or_else(|| describe_builtin_at(&seen, offset))
+        .or_else(|| describe_expression(&seen, offset))?;
+    let faults = fault_text(&seen, span, offset);
     Some(Hover {
         contents: HoverContents::Markup(MarkupContent {
             kind: MarkupKind::Markdown,
@@ -31,12 +31,12 @@ pub(crate) fn hover(world: &mut World, params: HoverParams) -> Option<Hover> {
 }
 
 /// Operators spelt as words that can cause a run-time fault.
-const OPERATORS: &[&str] = &["div", "mod", "int"];
+const FAULTING_OPERATORS: &[&str] = &["div", "mod", "int"];
 
 /// Returns Markdown text on the possible run-time faults of the operation at a position; empty for a plain name.
-fn faults(seen: &Inspected, described: Span, offset: u32) -> String {
+fn fault_text(seen: &Inspection, described: Span, offset: u32) -> String {
     let all = seen.faults_around(FileId(0), offset);
-    let is_operator = OPERATORS.contains(&seen.sources.slice(described));
+    let is_operator = FAULTING_OPERATORS.contains(&seen.sources.slice(described));
     let here = all.iter();
     let here = here.filter(|one| is_operator || described.contains(one.span));
     let lines = here.map(|one| format!("- {}\n", one.text()));
@@ -48,29 +48,29 @@ fn faults(seen: &Inspected, described: Span, offset: u32) -> String {
 }
 
 /// Describes the name at the offset, if the program declares it.
-fn named(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
-    let name = seen.index().at(FileId(0), offset)?;
+fn describe_name(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
+    let name = seen.index().reference_at(FileId(0), offset)?;
     let def = seen.index().def(name.def);
     Some((name.span, describe(seen, def, Some(name.span))))
 }
 
 /// Describes the keyword, primitive or predeclared name at the offset.
-fn built_in(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
+fn describe_builtin_at(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let text = seen.sources.text(FileId(0));
     let at = offset as usize;
-    let all = pieces(text, seen.mode());
+    let all = source_tokens(text, seen.mode());
     let piece = all
         .iter()
         .find(|piece| piece.range.start <= at && at < piece.range.end)?;
     let word = &text[piece.range.clone()];
     let end = u32::try_from(piece.range.end).unwrap_or(u32::MAX);
     let span = Span::new(FileId(0), u32::try_from(piece.range.start).ok()?, end);
-    Some((span, word_of(seen, word)?))
+    Some((span, describe_word(seen, word)?))
 }
 
-fn word_of(seen: &Inspected, word: &str) -> Option<Description> {
-    if let Some(prim) = PrimId::of(word) {
-        return Some(of_primitive(prim));
+fn describe_word(seen: &Inspection, word: &str) -> Option<Description> {
+    if let Some(prim) = PrimId::from_name(word) {
+        return Some(describe_primitive(prim));
     }
     let keyword = KEYWORDS
         .iter()
@@ -80,11 +80,11 @@ fn word_of(seen: &Inspected, word: &str) -> Option<Description> {
         kind: "keyword".to_owned(),
         doc: keyword.doc.to_owned(),
     });
-    keyword.or_else(|| of_builtin(&query::builtin(word)?).into())
+    keyword.or_else(|| describe_predeclared(&query::builtin(word)?).into())
 }
 
 /// Describes a primitive.
-pub(crate) fn of_primitive(prim: PrimId) -> Description {
+pub(crate) fn describe_primitive(prim: PrimId) -> Description {
     Description {
         code: primitive::signature(prim.desc()),
         kind: "primitive".to_owned(),
@@ -93,18 +93,18 @@ pub(crate) fn of_primitive(prim: PrimId) -> Description {
 }
 
 /// Describes a predeclared flow or operator.
-pub(crate) fn of_builtin(builtin: &query::Builtin) -> Description {
+pub(crate) fn describe_predeclared(builtin: &query::Builtin) -> Description {
     Description {
-        code: builtin.form.clone(),
+        code: builtin.usage.clone(),
         kind: "predeclared".to_owned(),
         doc: builtin.doc.trim().to_owned(),
     }
 }
 
 /// Describes the type of the innermost expression around the offset.
-fn expression(seen: &Inspected, offset: u32) -> Option<(Span, Description)> {
+fn describe_expression(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let (span, types) = seen.type_around(FileId(0), offset)?;
-    let code: Vec<String> = types.iter().map(Typed::to_string).collect();
+    let code: Vec<String> = types.iter().map(FlowType::to_string).collect();
     let description = Description {
         code: code.join(" or "),
         kind: "type of this expression".to_owned(),

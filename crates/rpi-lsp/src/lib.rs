@@ -21,24 +21,24 @@
 //! | `completion/` | completion |
 //! | `formatting.rs` | formatting |
 
-mod actions;
-mod client;
+mod builtin_documents;
+mod capabilities;
+mod code_actions;
 mod completion;
-mod describe;
+mod description;
 mod diagnostics;
 mod dispatch;
 mod formatting;
+mod framing;
 mod hover;
-mod lines;
-mod navigate;
-mod places;
+mod line_index;
+mod locations;
+mod navigation;
 mod primitive;
 mod server;
-mod shelf;
 mod symbols;
 mod uri;
-mod wire;
-mod world;
+mod workspace;
 
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc;
@@ -58,8 +58,8 @@ pub fn serve(
     let (arrive, inbox) = mpsc::channel();
     let (outbox, leave) = mpsc::channel();
     // The reader thread is not joined: it may block for ever on a client that keeps its stream open after `exit`.
-    thread::Builder::new().spawn(move || wire::read_all(input, &arrive))?;
-    let writer = thread::Builder::new().spawn(move || wire::write_all(output, &leave))?;
+    thread::Builder::new().spawn(move || framing::read_all(input, &arrive))?;
+    let writer = thread::Builder::new().spawn(move || framing::write_all(output, &leave))?;
     let worker = thread::Builder::new().stack_size(STACK);
     let worker = worker.spawn(move || server::run(&inbox, outbox))?;
     let ended = worker.join().unwrap_or(Err("the server thread panicked"));

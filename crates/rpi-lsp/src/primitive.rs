@@ -1,10 +1,10 @@
 //! Primitives rendered as declarations of the language.
 
-use rpi_image::{InPort, Need, Param, ParamType, PortType, PrimDesc};
+use rpi_image::{Fallback, InPort, Param, ParamType, PortType, PrimDesc};
 
 /// Returns the declaration of a primitive in source syntax.
 pub(crate) fn signature(desc: &PrimDesc) -> String {
-    let fallbacks = desc.inputs.iter().filter_map(fallback);
+    let fallbacks = desc.inputs.iter().filter_map(fallback_param);
     let statics: Vec<String> = fallbacks.chain(desc.params.iter().map(param)).collect();
     let inputs = desc.inputs.iter().map(|p| (p.name, p.ty));
     let outputs = desc.outputs.iter().map(|p| (p.name, p.ty));
@@ -30,16 +30,16 @@ pub(crate) fn doc(desc: &PrimDesc) -> String {
 }
 
 /// Returns the static parameter that replaces an unconnected in-port, if the port has one.
-fn fallback(port: &InPort) -> Option<String> {
-    match port.need {
-        Need::Param(name, _) => Some(format!("{name}: {}", port_type(port.ty))),
+fn fallback_param(port: &InPort) -> Option<String> {
+    match port.fallback {
+        Fallback::Param(name, _) => Some(format!("{name}: {}", port_type(port.ty))),
         _ => None,
     }
 }
 
 fn param(param: &Param) -> String {
     let ty = match param.ty {
-        ParamType::One(scalar) => scalar.to_string(),
+        ParamType::Scalar(scalar) => scalar.to_string(),
         ParamType::Array(scalar) => format!("{scalar}^n"),
         ParamType::Str => "text".to_owned(),
     };
@@ -55,7 +55,7 @@ fn ports(ports: impl Iterator<Item = (&'static str, PortType)>) -> String {
 
 fn port_type(ty: PortType) -> String {
     match ty {
-        PortType::One(scalar) => scalar.to_string(),
+        PortType::Scalar(scalar) => scalar.to_string(),
         PortType::Array(scalar) => format!("{scalar}^n"),
         PortType::Matrix => "matrix".to_owned(),
     }
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn a_primitive_reads_as_it_would_be_declared() {
-        let desc = PrimId::of("Core::DoubleAdd").unwrap().desc();
+        let desc = PrimId::from_name("Core::DoubleAdd").unwrap().desc();
         let expected = "primitive Core::DoubleAdd <<First: real; Second: real>>\n  \
                         (inFirst: real; inSecond: real)\n  returns (outValue: real)";
         assert_eq!(signature(desc), expected);

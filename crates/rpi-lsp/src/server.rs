@@ -9,47 +9,50 @@ use lsp_types::notification::{Notification as _, PublishDiagnostics};
 use lsp_types::{InitializeParams, PublishDiagnosticsParams};
 use serde_json::Value;
 
-use crate::client::Client;
+use crate::capabilities::ClientFeatures;
 use crate::dispatch;
-use crate::wire::{Arrival, answer, outgoing};
-use crate::world::World;
+use crate::framing::{Received, response, to_json};
+use crate::workspace::Workspace;
 
 /// Lifecycle phase of the server.
 enum Phase {
     /// Before the `initialize` request.
-    New,
+    Uninitialized,
     /// Initialised.
-    Running(Box<World>),
+    Running(Box<Workspace>),
     /// After the `shutdown` request.
-    Down,
+    ShutDown,
 }
 
 /// Runs the main loop until the client sends `exit` or disconnects. Returns an error without a prior `shutdown`.
-pub(crate) fn run(inbox: &Receiver<Arrival>, outbox: Sender<Value>) -> Result<(), &'static str> {
+pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(), &'static str> {
     let mut server = Server {
-        phase: Phase::New,
+        phase: Phase::Uninitialized,
         outbox,
     };
     loop {
-        match next(inbox, server.next_due()) {
+        match next_message(inbox, server.next_due()) {
             Ok(Ok(Message::Request(request))) => server.request(request),
             Ok(Ok(Message::Notification(told))) if told.method == "exit" => break,
-            Ok(Ok(Message::Notification(told))) => server.told(told),
+            Ok(Ok(Message::Notification(told))) => server.notification(told),
             Ok(Ok(Message::Response(_))) => {}
             Ok(Err(refusal)) => server.send(refusal),
-            Err(RecvTimeoutError::Timeout) => server.look(),
+            Err(RecvTimeoutError::Timeout) => server.analyse_due(),
             Err(RecvTimeoutError::Disconnected) => break,
         }
-        server.show();
+        server.publish();
     }
     match server.phase {
-        Phase::Down => Ok(()),
+        Phase::ShutDown => Ok(()),
         _ => Err("the client disconnected without a shutdown request"),
     }
 }
 
 /// Waits for the next message, at most until `due`.
-fn next(inbox: &Receiver<Arrival>, due: Option<Instant>) -> Result<Arrival, RecvTimeoutError> {
+fn next_message(
+    inbox: &Receiver<Received>,
+    due: Option<Instant>,
+) -> Result<Received, RecvTimeoutError> {
     let Some(due) = due else {
         return inbox.recv().map_err(|_| RecvTimeoutError::Disconnected);
     };
@@ -71,85 +74,90 @@ impl Server {
         let _ = self.outbox.send(message);
     }
 
-    fn world(&mut self) -> Option<&mut World> {
+    fn workspace(&mut self) -> Option<&mut Workspace> {
         match &mut self.phase {
             Phase::Running(world) => Some(world),
-            Phase::New | Phase::Down => None,
+            Phase::Uninitialized | Phase::ShutDown => None,
         }
     }
 
     fn next_due(&mut self) -> Option<Instant> {
-        self.world()?.next_due()
+        self.workspace()?.next_due()
     }
 
     fn request(&mut self, request: Request) {
         let result = match (request.method.as_str(), &mut self.phase) {
-            ("initialize", Phase::New) => self.initialize(request.params),
-            ("initialize", _) => refused(ErrorCode::InvalidRequest, "already initialized"),
-            (_, Phase::New) => refused(ErrorCode::ServerNotInitialized, "not initialized yet"),
-            (_, Phase::Down) => refused(ErrorCode::InvalidRequest, "already shut down"),
+            ("initialize", Phase::Uninitialized) => self.initialize(request.params),
+            ("initialize", _) => error(ErrorCode::InvalidRequest, "already initialized"),
+            (_, Phase::Uninitialized) => {
+                error(ErrorCode::ServerNotInitialized, "not initialized yet")
+            }
+            (_, Phase::ShutDown) => error(ErrorCode::InvalidRequest, "already shut down"),
             ("shutdown", Phase::Running(_)) => {
-                self.phase = Phase::Down;
+                self.phase = Phase::ShutDown;
                 Ok(Value::Null)
             }
             (method, Phase::Running(world)) => {
-                let work = || dispatch::ask(world, method, request.params);
-                guarded(work).unwrap_or_else(|| broken(method))
+                let work = || dispatch::handle_request(world, method, request.params);
+                catch_panic(work).unwrap_or_else(|| internal_error(method))
             }
         };
-        self.send(answer(request.id, result));
+        self.send(response(request.id, result));
     }
 
     fn initialize(&mut self, params: Value) -> Result<Value, (ErrorCode, String)> {
         let params: InitializeParams = serde_json::from_value(params)
             .map_err(|e| (ErrorCode::InvalidParams, e.to_string()))?;
-        let client = Client::of(&params);
-        let welcome = serde_json::to_value(client.welcome()).unwrap_or_default();
-        self.phase = Phase::Running(Box::new(World::new(client)));
+        let client = ClientFeatures::from_params(&params);
+        let welcome = serde_json::to_value(client.initialize_result()).unwrap_or_default();
+        self.phase = Phase::Running(Box::new(Workspace::new(client)));
         Ok(welcome)
     }
 
-    fn told(&mut self, told: Notification) {
-        let Some(world) = self.world() else {
+    fn notification(&mut self, told: Notification) {
+        let Some(world) = self.workspace() else {
             return;
         };
-        let work = || dispatch::tell(world, &told.method, told.params);
-        let asked = guarded(work).unwrap_or_default();
+        let work = || dispatch::handle_notification(world, &told.method, told.params);
+        let asked = catch_panic(work).unwrap_or_default();
         asked
             .into_iter()
-            .for_each(|request| self.send(outgoing(request)));
+            .for_each(|request| self.send(to_json(request)));
     }
 
-    fn look(&mut self) {
-        if let Some(world) = self.world()
-            && guarded(|| world.look_at_due()).is_none()
+    fn analyse_due(&mut self) {
+        if let Some(world) = self.workspace()
+            && catch_panic(|| world.analyse_due()).is_none()
         {
-            world.give_up_due();
+            world.cancel_due();
         }
     }
 
-    fn show(&mut self) {
-        let shown = self.world().map(World::take_shown).unwrap_or_default();
+    fn publish(&mut self) {
+        let shown = self
+            .workspace()
+            .map(Workspace::take_unpublished)
+            .unwrap_or_default();
         for one in shown {
             let params = PublishDiagnosticsParams::new(one.uri, one.diagnostics, one.version);
             let method = PublishDiagnostics::METHOD.to_owned();
-            self.send(outgoing(Notification::new(method, params)));
+            self.send(to_json(Notification::new(method, params)));
         }
     }
 }
 
 /// Runs a piece of work and catches panics, so that a bug costs one request and not the session. The panic message has
 /// been printed.
-fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
+fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(work)).ok()
 }
 
-fn refused(code: ErrorCode, why: &str) -> Result<Value, (ErrorCode, String)> {
+fn error(code: ErrorCode, why: &str) -> Result<Value, (ErrorCode, String)> {
     Err((code, why.to_owned()))
 }
 
-fn broken(method: &str) -> Result<Value, (ErrorCode, String)> {
-    refused(
+fn internal_error(method: &str) -> Result<Value, (ErrorCode, String)> {
+    error(
         ErrorCode::InternalError,
         &format!("internal error in {method}"),
     )

@@ -6,11 +6,11 @@ use lsp_types::{DocumentSymbol, DocumentSymbolParams, DocumentSymbolResponse, Sy
 use rpi_diag::FileId;
 use rpi_sema::query::{Def, DefId, DefKind};
 
-use crate::places::Places;
-use crate::world::World;
+use crate::locations::LocationMap;
+use crate::workspace::Workspace;
 
 /// Symbol kinds of the protocol, by kind of definition. Other definitions are not part of the outline.
-const KINDS: &[(DefKind, SymbolKind)] = &[
+const SYMBOL_KINDS: &[(DefKind, SymbolKind)] = &[
     (DefKind::Const, SymbolKind::CONSTANT),
     (DefKind::Type, SymbolKind::STRUCT),
     (DefKind::EnumValue, SymbolKind::ENUM_MEMBER),
@@ -34,50 +34,50 @@ const KINDS: &[(DefKind, SymbolKind)] = &[
 
 /// Handles `textDocument/documentSymbol`.
 pub(crate) fn symbols(
-    world: &mut World,
+    world: &mut Workspace,
     params: DocumentSymbolParams,
 ) -> Option<DocumentSymbolResponse> {
-    let seen = world.see(&params.text_document.uri)?;
-    let places = world.places(&seen);
+    let seen = world.analysis(&params.text_document.uri)?;
+    let places = world.locations(&seen);
     let index = seen.index();
     let mut all: Vec<(DefId, &Def)> = index.defs_in(FileId(0)).collect();
-    all.sort_by_key(|(_, def)| (def.whole.start, def.span.start));
+    all.sort_by_key(|(_, def)| (def.full_span.start, def.span.start));
     let is_inside = |def: DefId| index.def(def).kind != DefKind::Module;
     let mut outline = Outline {
         places,
-        below: BTreeMap::new(),
+        children: BTreeMap::new(),
     };
     for (id, def) in all {
         let parent = def.parent.filter(|parent| is_inside(*parent));
-        outline.below.entry(parent).or_default().push((id, def));
+        outline.children.entry(parent).or_default().push((id, def));
     }
-    Some(DocumentSymbolResponse::Nested(outline.below(None)))
+    Some(DocumentSymbolResponse::Nested(outline.symbols_in(None)))
 }
 
 struct Outline<'s> {
-    places: Places<'s>,
+    places: LocationMap<'s>,
     /// Definitions nested in each definition, or at top level.
-    below: BTreeMap<Option<DefId>, Vec<(DefId, &'s Def)>>,
+    children: BTreeMap<Option<DefId>, Vec<(DefId, &'s Def)>>,
 }
 
 impl Outline<'_> {
-    fn below(&self, parent: Option<DefId>) -> Vec<DocumentSymbol> {
-        let defs = self.below.get(&parent).into_iter().flatten();
+    fn symbols_in(&self, parent: Option<DefId>) -> Vec<DocumentSymbol> {
+        let defs = self.children.get(&parent).into_iter().flatten();
         defs.filter_map(|(id, def)| self.symbol(*id, def)).collect()
     }
 
     // The struct has a deprecated field, which must be set nevertheless.
     #[allow(deprecated)]
     fn symbol(&self, id: DefId, def: &Def) -> Option<DocumentSymbol> {
-        let (_, kind) = KINDS.iter().find(|(kind, _)| *kind == def.kind)?;
-        let children = self.below(Some(id));
+        let (_, kind) = SYMBOL_KINDS.iter().find(|(kind, _)| *kind == def.kind)?;
+        let children = self.symbols_in(Some(id));
         Some(DocumentSymbol {
             name: def.name.to_string(),
-            detail: Some(def.kind.word().to_owned()),
+            detail: Some(def.kind.description().to_owned()),
             kind: *kind,
             tags: None,
             deprecated: None,
-            range: self.places.range(def.whole.merge(def.span)),
+            range: self.places.range(def.full_span.merge(def.span)),
             selection_range: self.places.range(def.span),
             children: (!children.is_empty()).then_some(children),
         })

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use lsp_types::Uri;
 
 /// Returns the path of a `file:` URI. Any other URI, such as that of an unsaved document, is used as a path unchanged.
-pub(crate) fn path_of(uri: &Uri) -> PathBuf {
+pub(crate) fn to_path(uri: &Uri) -> PathBuf {
     let text = uri.as_str();
     match text.strip_prefix("file://").and_then(local_path) {
         Some(path) => PathBuf::from(path),
@@ -15,7 +15,7 @@ pub(crate) fn path_of(uri: &Uri) -> PathBuf {
 
 /// Returns the decoded path after the host; a Windows path without its leading slash.
 fn local_path(rest: &str) -> Option<String> {
-    let path = decoded(&rest[rest.find('/')?..])?;
+    let path = percent_decode(&rest[rest.find('/')?..])?;
     let after_slash = path.trim_start_matches('/');
     let has_drive = after_slash.as_bytes().get(1) == Some(&b':');
     Some(if has_drive {
@@ -26,7 +26,7 @@ fn local_path(rest: &str) -> Option<String> {
 }
 
 /// Resolves percent-encoding. Returns [`None`] if the result is not UTF-8.
-fn decoded(text: &str) -> Option<String> {
+fn percent_decode(text: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();
     while let [first, after @ ..] = rest {
@@ -42,16 +42,16 @@ fn decoded(text: &str) -> Option<String> {
 }
 
 /// Returns the `file:` URI of a path; [`None`] for a relative path.
-pub(crate) fn uri_of(path: &Path) -> Option<Uri> {
+pub(crate) fn from_path(path: &Path) -> Option<Uri> {
     let text = path.to_str()?.replace('\\', "/");
     let has_drive = text.as_bytes().get(1) == Some(&b':');
     let start = if has_drive { "file:///" } else { "file://" };
     let is_absolute = has_drive || text.starts_with('/');
-    is_absolute.then(|| format!("{start}{}", encoded(&text)).parse().ok())?
+    is_absolute.then(|| format!("{start}{}", percent_encode(&text)).parse().ok())?
 }
 
 /// Percent-encodes all characters of a path that are not unreserved (RFC 3986), except `/`.
-fn encoded(path: &str) -> String {
+fn percent_encode(path: &str) -> String {
     let mut out = String::with_capacity(path.len());
     for byte in path.bytes() {
         match byte {
@@ -69,16 +69,16 @@ mod tests {
     use super::*;
 
     fn path(text: &str) -> PathBuf {
-        path_of(&text.parse().unwrap())
+        to_path(&text.parse().unwrap())
     }
 
     #[test]
     fn paths_and_addresses_lead_to_each_other() {
         for name in ["/cells/a.rpi", "/two words/\u{e4}%25.rpi", "/a+b/c#d?.rpi"] {
-            let uri = uri_of(Path::new(name)).unwrap();
-            assert_eq!(path_of(&uri), Path::new(name), "{}", uri.as_str());
+            let uri = from_path(Path::new(name)).unwrap();
+            assert_eq!(to_path(&uri), Path::new(name), "{}", uri.as_str());
         }
-        assert_eq!(uri_of(Path::new("a.rpi")), None);
+        assert_eq!(from_path(Path::new("a.rpi")), None);
     }
 
     #[test]
@@ -92,7 +92,7 @@ mod tests {
             path("untitled:Untitled-1"),
             Path::new("untitled:Untitled-1")
         );
-        let drive = uri_of(Path::new("c:/cells/a.rpi")).unwrap();
+        let drive = from_path(Path::new("c:/cells/a.rpi")).unwrap();
         assert_eq!(drive.as_str(), "file:///c%3A/cells/a.rpi");
     }
 }

@@ -17,13 +17,13 @@ pub enum ClaimKind {
     /// `guarantee`, or `ensure` of a mode: ensured by the body as long as the caller's assumptions hold.
     Guarantee,
     /// Completeness of modes: the caller always satisfies some mode of the contract.
-    Modes,
+    ModeCompleteness,
 }
 
 impl ClaimKind {
     /// Whether the rest of the program may rely on the claim.
     #[must_use]
-    pub fn is_given(self) -> bool {
+    pub fn is_assumed(self) -> bool {
         matches!(self, ClaimKind::Assert | ClaimKind::Assume)
     }
 }
@@ -38,7 +38,7 @@ pub struct Claim {
     /// Path of the call that contains the claim; empty for the unit that is run.
     pub path: String,
     /// Name of the unit whose claim this is.
-    pub of: String,
+    pub subject: String,
     /// Mode of the contract, for the `ensure` of a mode.
     pub mode: Option<String>,
     /// Label of the claim, if it has one.
@@ -46,7 +46,7 @@ pub struct Claim {
     /// Location of the claim in the source text.
     pub span: Span,
     /// Whether the claim also reads values of earlier cycles.
-    pub looks_back: bool,
+    pub reads_past: bool,
     /// Whether all flows that the claim reads must have a value in every cycle. In Lustre they need not: there, a claim
     /// about the previous cycle is vacuous in the first cycle.
     pub is_strict: bool,

@@ -8,9 +8,9 @@ pub struct Column {
     /// Flow name with the path to the leaf: `x`, `x.field`, `x[2].field`.
     pub key: String,
     /// Machine type of the leaf.
-    pub ty: Scalar,
+    pub scalar: Scalar,
     /// Names of the enum's values in declaration order; empty for all other types.
-    pub values: Vec<String>,
+    pub enum_values: Vec<String>,
     /// Whether the flow may be absent.
     pub optional: bool,
     /// Inclusive bounds of an integer subrange, `[min, max]`.
@@ -23,11 +23,11 @@ impl Column {
     ///
     /// # Errors
     /// Returns the expected form if the text is not a value of this type.
-    pub fn read(&self, text: &str) -> Result<Vec<u64>, String> {
-        let cell = match self.ty {
-            Scalar::Bool => truth(text).map(u64::from),
+    pub fn parse(&self, text: &str) -> Result<Vec<u64>, String> {
+        let cell = match self.scalar {
+            Scalar::Bool => parse_bool(text).map(u64::from),
             Scalar::Int => self.integer(text).map(i64::cast_unsigned),
-            Scalar::Real => real(text).map(f64::to_bits),
+            Scalar::Real => parse_real(text).map(f64::to_bits),
             _ => return self.literal(text),
         };
         cell.map(|cell| vec![cell])
@@ -35,7 +35,7 @@ impl Column {
     }
 
     fn integer(&self, text: &str) -> Option<i64> {
-        let named = self.values.iter().position(|value| value == text);
+        let named = self.enum_values.iter().position(|value| value == text);
         match named.and_then(|place| i64::try_from(place).ok()) {
             Some(place) => Some(place),
             // Numbers beyond the last enum value are accepted as well: traces of Lustre V6 contain them.
@@ -44,20 +44,22 @@ impl Column {
     }
 
     fn literal(&self, text: &str) -> Result<Vec<u64>, String> {
-        match rpi_literal::read(text, Type::One(self.ty)) {
-            Ok(Some(value)) => Ok(value.cells().to_vec()),
+        match rpi_literal::parse(text, Type::Scalar(self.scalar)) {
+            Ok(Some(value)) => Ok(value.slots().to_vec()),
             Ok(None) => Err("expected a value, found `null`".to_owned()),
             Err(error) => Err(format!(
                 "`{text}` is not a valid {}: {error}",
-                self.ty.name()
+                self.scalar.name()
             )),
         }
     }
 
     fn expected(&self) -> String {
-        match self.ty {
+        match self.scalar {
             Scalar::Bool => "`true` or `false`".to_owned(),
-            Scalar::Int if !self.values.is_empty() => format!("one of {}", self.values.join(", ")),
+            Scalar::Int if !self.enum_values.is_empty() => {
+                format!("one of {}", self.enum_values.join(", "))
+            }
             Scalar::Int => "an integer of 64 bits".to_owned(),
             _ => "a real of 64 bits".to_owned(),
         }
@@ -65,30 +67,32 @@ impl Column {
 
     /// Formats a value. Reals are written such that they parse to the same bits.
     #[must_use]
-    pub fn write(&self, cells: &[u64]) -> String {
+    pub fn format(&self, cells: &[u64]) -> String {
         let cell = cells.first().copied().unwrap_or_default();
-        match self.ty {
+        match self.scalar {
             Scalar::Bool => (cell != 0).to_string(),
-            Scalar::Int => self.named(cell.cast_signed()),
+            Scalar::Int => self.enum_text(cell.cast_signed()),
             Scalar::Real => format!("{:?}", f64::from_bits(cell)),
-            ty => rpi_literal::write(cells, Type::One(ty)),
+            ty => rpi_literal::write(cells, Type::Scalar(ty)),
         }
     }
 
-    fn named(&self, place: i64) -> String {
-        let value = usize::try_from(place).ok().and_then(|k| self.values.get(k));
+    fn enum_text(&self, place: i64) -> String {
+        let value = usize::try_from(place)
+            .ok()
+            .and_then(|k| self.enum_values.get(k));
         value.map_or_else(|| place.to_string(), Clone::clone)
     }
 }
 
 /// Parses a real. Digits that overflow to infinity are rejected; `inf` is accepted.
-fn real(text: &str) -> Option<f64> {
+fn parse_real(text: &str) -> Option<f64> {
     let value: f64 = text.parse().ok()?;
     let is_held = value.is_finite() || !text.contains(|c: char| c.is_ascii_digit());
     is_held.then_some(value)
 }
 
-fn truth(text: &str) -> Option<bool> {
+fn parse_bool(text: &str) -> Option<bool> {
     match text {
         "true" | "t" | "1" => Some(true),
         "false" | "f" | "0" => Some(false),
@@ -103,8 +107,8 @@ mod tests {
     fn column(ty: Scalar, values: &[&str]) -> Column {
         Column {
             key: "x".to_owned(),
-            ty,
-            values: values.iter().map(ToString::to_string).collect(),
+            scalar: ty,
+            enum_values: values.iter().map(ToString::to_string).collect(),
             optional: false,
             range: None,
         }
@@ -114,28 +118,33 @@ mod tests {
     fn reals_read_back_as_the_same_bits() {
         let real = column(Scalar::Real, &[]);
         for value in [0.1, -0.0, 1e300, f64::INFINITY, 5e-324] {
-            let text = real.write(&[value.to_bits()]);
-            assert_eq!(real.read(&text), Ok(vec![value.to_bits()]), "{text}");
+            let text = real.format(&[value.to_bits()]);
+            assert_eq!(real.parse(&text), Ok(vec![value.to_bits()]), "{text}");
         }
     }
 
     #[test]
     fn values_of_an_enum_are_named_and_may_be_numbered() {
         let mode = column(Scalar::Int, &["Off", "On"]);
-        assert_eq!(mode.read("On"), Ok(vec![1]));
-        assert_eq!(mode.read("1"), Ok(vec![1]));
-        assert_eq!(mode.write(&[1]), "On");
-        assert!(mode.read("Of").unwrap_err().contains("one of Off, On"));
+        assert_eq!(mode.parse("On"), Ok(vec![1]));
+        assert_eq!(mode.parse("1"), Ok(vec![1]));
+        assert_eq!(mode.format(&[1]), "On");
+        assert!(mode.parse("Of").unwrap_err().contains("one of Off, On"));
     }
 
     #[test]
     fn what_is_no_value_is_told() {
         let truth = column(Scalar::Bool, &[]);
-        assert!(truth.read("yes").unwrap_err().contains("`true` or `false`"));
-        assert!(column(Scalar::Int, &[]).read("1.5").is_err());
+        assert!(
+            truth
+                .parse("yes")
+                .unwrap_err()
+                .contains("`true` or `false`")
+        );
+        assert!(column(Scalar::Int, &[]).parse("1.5").is_err());
         let real = column(Scalar::Real, &[]);
         assert_eq!(
-            real.read("1e400"),
+            real.parse("1e400"),
             Err("`1e400` is not a real of 64 bits".to_owned())
         );
     }

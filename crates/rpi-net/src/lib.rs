@@ -6,7 +6,8 @@
 
 pub mod claim;
 mod column;
-mod landmark;
+mod coverage_points;
+pub mod fragment_tree;
 pub mod lustre;
 pub mod net;
 pub mod passes;
@@ -14,17 +15,16 @@ mod prim;
 pub mod rpinet;
 pub mod shape;
 mod solver;
-pub mod tree;
-mod violation;
+mod verify_error;
 
 pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
-pub use landmark::{Choice, Exit, Exits, Landmarks, Side};
+pub use coverage_points::{CoveragePoints, Decision, DecisionBranch, StateTransitions, Transition};
+pub use fragment_tree::{FragmentTree, Item};
 pub use net::{
-    Absent, Activation, Alternatives, Driver, ExportPort, Fragment, FragmentId, FragmentPort,
-    Given, Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind, ResultPort,
-    Types, without_calls,
+    AbsentPolicy, Activation, Alternatives, CommandInput, ExportPort, Fragment, FragmentId,
+    FragmentPort, Input, Inputs, Net, Node, NodeId, Origin, PortRef, Restart, ResultKind,
+    ResultPort, Termination, Types, strip_unnamed_calls,
 };
 pub use rpi_prims::PrimId;
-pub use tree::{Item, Tree};
-pub use violation::Violation;
+pub use verify_error::VerifyError;

@@ -1,7 +1,7 @@
 //! Data model of a net: plain data, built by elaboration or by the `.rpinet` reader and read by every pass.
 
 use crate::claim::Claim;
-use crate::landmark::Landmarks;
+use crate::coverage_points::CoveragePoints;
 use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
@@ -48,7 +48,7 @@ pub struct PortRef {
 #[derive(Clone, PartialEq, Debug)]
 pub enum Input {
     /// Not connected: allowed where the descriptor says [`rpi_image::Need::Absent`].
-    Open,
+    Unconnected,
     /// Constant: a parameter that replaces an unconnected port, or a literal operand.
     Const(Box<Value>),
     /// Out-port of a node in the same fragment, an enclosing one, or any other one (then the value may be absent).
@@ -67,7 +67,7 @@ pub struct Origin {
 
 /// Returns a flow's name without its unnamed calls: `k` for `y#0.k`, the flow `k` in the first call in `y`'s equation.
 #[must_use]
-pub fn without_calls(flow: &str) -> String {
+pub fn strip_unnamed_calls(flow: &str) -> String {
     let named: Vec<&str> = flow.split('.').filter(|part| !part.contains('#')).collect();
     match named[..] {
         [] => flow.to_owned(),
@@ -153,13 +153,13 @@ pub enum Activation {
         /// Boolean flow, computed in an enclosing fragment or in a sibling. A flow of a sibling may be absent.
         condition: PortRef,
         /// Meaning of an absent condition.
-        absent: Absent,
+        if_absent: AbsentPolicy,
     },
 }
 
 /// Meaning of an absent activation condition. Programs need a total condition; in imported nets the fragment runs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Absent {
+pub enum AbsentPolicy {
     /// An absent condition leaves the fragment inactive.
     Inactive,
     /// An absent condition makes the fragment active.
@@ -214,7 +214,7 @@ pub struct ExportPort {
 
 /// Signals by which a net ends.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Driver {
+pub enum Termination {
     /// Named results (commands of `.rpi`).
     Results(Vec<ResultPort>),
     /// Root ports of the reference system: `outTerminate` ends the net, `outFail` is its error number (0: no error).
@@ -237,11 +237,11 @@ pub struct Alternatives {
 
 /// Input of a command: taken over from the previous command at the start, set from outside if there is none.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Given {
+pub struct CommandInput {
     /// Key of the input.
     pub key: String,
     /// Whether the input has no default, so that a value must be supplied.
-    pub is_needed: bool,
+    pub is_required: bool,
 }
 
 /// Dataflow net of one command, ready for the passes.
@@ -254,9 +254,9 @@ pub struct Net {
     /// All fragments. The first is the root; parents come before children.
     pub fragments: Vec<Fragment>,
     /// Signals by which the net ends.
-    pub driver: Driver,
+    pub termination: Termination,
     /// Inputs that the net takes over from the previous command.
-    pub given: Vec<Given>,
+    pub command_inputs: Vec<CommandInput>,
     /// Flows that the net publishes besides the primitives with an export role.
     pub exports: Vec<ExportPort>,
     /// Groups of mutually exclusive device ports.
@@ -264,7 +264,7 @@ pub struct Net {
     /// Assertions and contracts of the program, as far as the net publishes them.
     pub claims: Vec<Claim>,
     /// Coverage points of the program text; empty unless they were requested.
-    pub landmarks: Landmarks,
+    pub coverage_points: CoveragePoints,
     /// Locations in a fragment at which the delay of an enclosing fragment is read (`last x`).
     pub outer_delays: BTreeSet<Span>,
     /// Whether the net is a test. A test that does not finish counts as failed.
@@ -293,15 +293,15 @@ impl Net {
             name: name.into(),
             nodes: Vec::new(),
             fragments: vec![root],
-            driver: Driver::Ports {
+            termination: Termination::Ports {
                 terminate: None,
                 fail: None,
             },
-            given: Vec::new(),
+            command_inputs: Vec::new(),
             exports: Vec::new(),
             alternatives: Vec::new(),
             claims: Vec::new(),
-            landmarks: Landmarks::default(),
+            coverage_points: CoveragePoints::default(),
             outer_delays: BTreeSet::new(),
             is_test: false,
         }
@@ -346,7 +346,7 @@ impl Net {
     }
 
     /// Returns a fragment and all fragments that enclose it, innermost first.
-    pub fn enclosing(&self, id: FragmentId) -> impl Iterator<Item = FragmentId> + '_ {
+    pub fn ancestors(&self, id: FragmentId) -> impl Iterator<Item = FragmentId> + '_ {
         std::iter::successors(Some(id), |f| self.fragment(*f).parent)
     }
 
@@ -354,7 +354,7 @@ impl Net {
     #[must_use]
     pub fn path(&self, fragment: FragmentId, name: &str) -> String {
         let mut parts: Vec<&str> = self
-            .enclosing(fragment)
+            .ancestors(fragment)
             .map(|f| self.fragment(f).name.as_str())
             .collect();
         parts.pop();

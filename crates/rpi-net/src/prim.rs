@@ -5,7 +5,7 @@
 macro_rules! prim {
     ($name:literal) => {
         const {
-            match $crate::PrimId::of($name) {
+            match $crate::PrimId::from_name($name) {
                 Some(prim) => prim,
                 None => panic!("no primitive of this name is registered"),
             }

@@ -104,7 +104,7 @@ fn a_conjunction_holds_exactly_if_its_flow_is_true() {
         let gates = gates(&mut random);
         let net = nets::net("random", &text(&gates));
         let last = OUTSIDE + gates.len() - 1;
-        let found = Conjunction::of(&net, &flow(&net, &format!("f{last}")));
+        let found = Conjunction::from_flow(&net, &flow(&net, &format!("f{last}")));
         never += usize::from(found.is_none());
         parts += found.as_ref().map_or(0, |f| f.flows.len());
         for outside in 0..1 << OUTSIDE {
@@ -137,7 +137,7 @@ fn recorded_motions_have_two_results_that_differ_in_the_cancel() {
             .nodes
             .iter()
             .filter(|n| n.desc().name == "Core::BooleanNetcommOut");
-        let reasons = exports.filter_map(|n| Conjunction::of(&net, &n.inputs[0]));
+        let reasons = exports.filter_map(|n| Conjunction::from_flow(&net, &n.inputs[0]));
         let (mut going, mut cancelled) = (Vec::new(), Vec::new());
         for reason in reasons {
             match reason.cancelled {

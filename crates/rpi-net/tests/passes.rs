@@ -3,7 +3,7 @@
 mod nets;
 
 use rpi_diag::Code;
-use rpi_net::passes::{Analysis, PASSES, Sureness, analyse};
+use rpi_net::passes::{Analysis, FlowPresence, PASSES, analyse};
 use rpi_net::{Item, Net, NodeId, PortRef};
 
 fn analysed(text: &str) -> Analysis {
@@ -59,7 +59,7 @@ fn a_ring_is_named_by_its_shortest_way() {
     );
     assert!(analysis.schedule.is_none());
     let messages: Vec<&str> = analysis
-        .findings
+        .diagnostics
         .iter()
         .map(|f| f.message.as_str())
         .collect();
@@ -67,8 +67,8 @@ fn a_ring_is_named_by_its_shortest_way() {
         messages,
         ["`a` depends on itself in the same cycle: `a` -> `b` -> `c` -> `a`"]
     );
-    assert_eq!(analysis.findings[0].code, Code::RPI4001);
-    let labels: Vec<&str> = analysis.findings[0]
+    assert_eq!(analysis.diagnostics[0].code, Code::RPI4001);
+    let labels: Vec<&str> = analysis.diagnostics[0]
         .labels
         .iter()
         .map(|l| l.text.as_str())
@@ -84,13 +84,13 @@ fn a_ring_is_named_by_its_shortest_way() {
 }
 
 #[test]
-fn every_ring_has_its_own_finding() {
+fn every_ring_has_its_own_diagnostic() {
     let analysis = analysed(
         "{a=Core::DoubleAdd(inFirst=a.outValue),f={b=Core::BooleanNot(inValue=c.outValue),\
         c=Core::BooleanNot(inValue=b.outValue)}(),g={h=Core::BooleanNot(Value='true'),o=h.outValue}(inActive=g.o)}",
     );
     let messages: Vec<&str> = analysis
-        .findings
+        .diagnostics
         .iter()
         .map(|f| f.message.as_str())
         .collect();
@@ -129,7 +129,7 @@ fn presence_follows_the_rules_of_the_primitives() {
         yes=Core::BooleanValue(Value='true'),u=Core::DoubleAdd(inFirst=always.o),\
         same={v=Core::DoubleAdd(inFirst=parent.x)}(inActive=g.outValue,x=f.o)}",
     );
-    use Sureness::{Never, Optional, Total};
+    use FlowPresence::{Never, Optional, Total};
     let expected = [
         ("c", Total),
         ("g", Total),
@@ -160,7 +160,7 @@ fn ports_forced_by_a_replay_are_optional() {
     let own = |name| analysis.presences.own(port(&analysis.net, name, 0));
     assert_eq!(
         (own("c"), own("a")),
-        (Sureness::Optional, Sureness::Optional)
+        (FlowPresence::Optional, FlowPresence::Optional)
     );
 }
 
@@ -170,9 +170,9 @@ fn every_recorded_net_passes() {
     for (name, text) in &all {
         let analysis = analyse(nets::net(name, text), |_| false).expect("no pass breaks a promise");
         assert!(
-            analysis.findings.is_empty(),
+            analysis.diagnostics.is_empty(),
             "{}",
-            nets::shown(name, text, &analysis.findings)
+            nets::rendered(name, text, &analysis.diagnostics)
         );
         let schedule = analysis.schedule.expect("it has no ring");
         assert_eq!(schedule.nodes().count(), analysis.net.nodes.len());
@@ -186,10 +186,10 @@ fn every_recorded_net_passes() {
 #[test]
 fn each_pass_says_what_it_does() {
     let analysis = analysed("{c=Core::Clock()}");
-    let told: Vec<&str> = analysis.told.iter().map(|(name, _)| *name).collect();
+    let told: Vec<&str> = analysis.summary.iter().map(|(name, _)| *name).collect();
     let names: Vec<&str> = PASSES.iter().map(|p| p.name).collect();
     assert_eq!(told, names);
-    assert!(PASSES.iter().all(|p| !p.about.is_empty()));
+    assert!(PASSES.iter().all(|p| !p.description.is_empty()));
 }
 
 /// For each pair of writers of a net, whether it is proved exclusive.
@@ -293,7 +293,7 @@ fn of_exclusive_fragments_the_largest_counts() {
             "{{v=Core::BooleanNetcommIn(Key='v'),p=Core::BooleanNot(inValue=v.outValue),\
             f={body}(inActive=v.outValue),g={body}(inActive={second}.outValue)}}"
         );
-        analysed(&text).work.of(rpi_net::FragmentId::ROOT)
+        analysed(&text).work.bound(rpi_net::FragmentId::ROOT)
     };
     assert_eq!(work("v") - work("p"), 2);
 }
@@ -304,7 +304,7 @@ fn effects_reach_back_through_activations() {
         "{v=Core::BooleanNetcommIn(Key='v'),p=Core::BooleanNot(inValue=v.outValue),dead=Core::Clock(),\
         f={w=IO::OutBool(IO='true',DeviceID='io',Port='1'),idle=Core::Clock()}(inActive=p.outValue)}",
     );
-    let live = rpi_net::passes::live::live(&analysis.net);
+    let live = rpi_net::passes::mark_live::mark_live(&analysis.net);
     let names = analysis
         .net
         .nodes

@@ -3,21 +3,21 @@
 mod nets;
 
 use rpi_diag::{Code, FileId, Severity};
-use rpi_net::rpinet::{Size, read, text_size};
+use rpi_net::rpinet::{NetSize, count_text, parse};
 
 #[test]
 fn every_recorded_net_is_read() {
     let Some(all) = nets::all() else { return };
     let mut refused = Vec::new();
     for (name, text) in &all {
-        let (net, mut findings) = read(name, FileId(0), text);
+        let (net, mut diagnostics) = parse(name, FileId(0), text);
         if name == "corpus/nets/synth-0146" {
-            let ignored = findings.pop().map(|f| f.message);
+            let ignored = diagnostics.pop().map(|f| f.message);
             let expected = "`Core::IntArrayIsNull` has no in-port `inNull`";
             assert_eq!(ignored.as_deref(), Some(expected));
         }
-        if net.is_none() || !findings.is_empty() {
-            let messages: Vec<String> = findings.iter().map(|f| f.message.clone()).collect();
+        if net.is_none() || !diagnostics.is_empty() {
+            let messages: Vec<String> = diagnostics.iter().map(|f| f.message.clone()).collect();
             refused.push(format!("{name}: {}", messages.join("; ")));
         }
     }
@@ -25,7 +25,7 @@ fn every_recorded_net_is_read() {
 }
 
 /// Recorded size of a net from the tables beside the nets: the row of the `opt` phase, by file name.
-fn recorded_size(file: &str) -> Option<Size> {
+fn recorded_size(file: &str) -> Option<NetSize> {
     let (table, id) = match file.split_once('/')? {
         ("v1", name) => match name.split_once('-')? {
             ("main", rest) => ("v1-sizes.tsv", rest),
@@ -34,13 +34,14 @@ fn recorded_size(file: &str) -> Option<Size> {
         (_, name) => ("v2-sizes.tsv", name),
     };
     let id: usize = id.split('-').next()?.parse().ok()?;
-    let text = rpi_testkit::read_maybe_gz(rpi_testkit::shared_path("nets")?.join(table)).ok()?;
+    let text =
+        rpi_testkit::read_maybe_gz(rpi_testkit::external_data_path("nets")?.join(table)).ok()?;
     let row = text.lines().map(|l| l.split('\t').collect::<Vec<_>>());
     let row = row
         .into_iter()
         .rfind(|r| r[0].parse() == Ok(id) && r[1] == "opt")?;
     let count = |k: usize| row[k].parse().expect("a count");
-    Some(Size {
+    Some(NetSize {
         primitives: count(3),
         fragments: count(4),
         gated: count(5),
@@ -57,8 +58,8 @@ fn sizes_are_those_of_the_tables() {
     let mut compared = 0;
     for (name, text) in all.iter().filter(|(n, _)| n.starts_with('v')) {
         let recorded = recorded_size(name).expect("each of these nets has a row");
-        assert_eq!(text_size(text), recorded, "{name}");
-        let size = Size::of(&nets::net(name, text));
+        assert_eq!(count_text(text), recorded, "{name}");
+        let size = NetSize::from_net(&nets::net(name, text));
         assert_eq!(
             (size.fragments, size.gated, size.depth, size.types),
             (
@@ -82,8 +83,11 @@ fn what_the_reference_writes_twice_counts_once() {
         .iter()
         .find(|(n, _)| n == "v1/main-004-opt-lin")
         .expect("the net is there");
-    assert_eq!(text_size(text).primitives, 1454);
-    assert_eq!(Size::of(&nets::net(name, text)).primitives, 1454 - 172);
+    assert_eq!(count_text(text).primitives, 1454);
+    assert_eq!(
+        NetSize::from_net(&nets::net(name, text)).primitives,
+        1454 - 172
+    );
 }
 
 /// Pseudo-random number generator (xorshift64, Marsaglia 2003) with a fixed seed, so that the damage is reproducible.
@@ -120,10 +124,12 @@ fn damaged(text: &str, random: &mut Random) -> String {
 /// Parses a text that may be damaged: the net is `Some` exactly if there is no error, and every diagnostic is inside
 /// the text.
 fn survive(text: &str) {
-    let (net, findings) = read("broken", FileId(0), text);
-    let errors = findings.iter().filter(|f| f.severity() == Severity::Error);
+    let (net, diagnostics) = parse("broken", FileId(0), text);
+    let errors = diagnostics
+        .iter()
+        .filter(|f| f.severity() == Severity::Error);
     assert_eq!(net.is_none(), errors.count() > 0, "{text}");
-    for label in findings.iter().flat_map(|f| &f.labels) {
+    for label in diagnostics.iter().flat_map(|f| &f.labels) {
         let (start, end) = (label.span.start as usize, label.span.end as usize);
         assert!(text.get(start..end).is_some(), "{start}..{end} in {text}");
     }
@@ -160,12 +166,12 @@ fn deep_nesting_is_refused() {
         "{a=A(b=".repeat(100_000),
         "(".repeat(100_000),
     ] {
-        let (net, findings) = read("deep", FileId(0), &text);
+        let (net, diagnostics) = parse("deep", FileId(0), &text);
         assert!(net.is_none());
-        assert!(findings.len() < 10, "{}", findings.len());
+        assert!(diagnostics.len() < 10, "{}", diagnostics.len());
     }
-    let (_, findings) = read("deep", FileId(0), &"{a=".repeat(1000));
-    assert!(findings.iter().any(|f| f.code == Code::RPI0103));
+    let (_, diagnostics) = parse("deep", FileId(0), &"{a=".repeat(1000));
+    assert!(diagnostics.iter().any(|f| f.code == Code::RPI0103));
 }
 
 /// Checks the nets on the pages of the diagnostic codes.
@@ -174,8 +180,8 @@ fn pages_show_what_they_say() {
     let mut checked = 0;
     for code in Code::ALL {
         for (info, program) in fences(code.page()) {
-            let (net, findings) = read("page", FileId(0), &program);
-            let codes: Vec<Code> = findings.iter().map(|f| f.code).collect();
+            let (net, diagnostics) = parse("page", FileId(0), &program);
+            let codes: Vec<Code> = diagnostics.iter().map(|f| f.code).collect();
             match info.as_str() {
                 "rpi-wrong net" => assert_eq!(codes, [*code], "{program}"),
                 "rpi-right net" => assert!(net.is_some() && codes.is_empty(), "{code}: {codes:?}"),

@@ -4,7 +4,7 @@ mod nets;
 
 use rpi_diag::{FileId, Span};
 use rpi_image::{Scalar, Type, Value};
-use rpi_net::rpinet::{read, write};
+use rpi_net::rpinet::{parse, write};
 use rpi_net::{Input, Net, Origin};
 
 /// Net without source locations, and with rotations rounded to 12 digits, since angles are exact only up to rounding.
@@ -29,8 +29,8 @@ fn comparable(mut net: Net) -> Net {
 }
 
 fn round_rotation(value: &mut Value) {
-    let Value::Cells {
-        ty: Type::One(scalar),
+    let Value::Slots {
+        ty: Type::Scalar(scalar),
         cells,
     } = value
     else {
@@ -95,5 +95,5 @@ fn links_through_borders_get_ports() {
         "{a=Core::Clock(Increment='1.0'),f={b=Core::DoubleAdd(inFirst=c.out0,Second='0.0'),\
         c={d=Core::DoubleAdd(inFirst=parent.in0,Second='0.0'),out0=d.outValue}(in0=parent.in0)}(in0=a.outValue)}"
     );
-    assert!(read("again", FileId(0), &written).0.is_some());
+    assert!(parse("again", FileId(0), &written).0.is_some());
 }

@@ -1,10 +1,10 @@
 //! Constant folding: evaluates a primitive on constant inputs at compile time.
 
-use crate::cx::{Clock, Cx, FaultCode};
+use crate::context::{Context, CycleTime, FaultCode};
 use crate::registry::{PrimId, RunFn};
 use alloc::vec::Vec;
 use rpi_device::NoDevices;
-use rpi_image::{Role, State, Type, Value};
+use rpi_image::{Role, StateSize, Type, Value};
 
 /// Returns the values of the out-ports of a primitive for constant in-ports. `outputs` are the types of the out-ports.
 ///
@@ -21,17 +21,17 @@ pub fn fold(
     outputs: &[Type],
 ) -> Option<Result<Vec<Value>, FaultCode>> {
     let desc = prim.desc();
-    if desc.role != Role::Compute || !matches!(desc.state, State::None) {
+    if desc.role != Role::Compute || !matches!(desc.state, StateSize::None) {
         return None;
     }
     let code = prim.prim().total?;
     let mut memory = Memory::default();
     for value in inputs.iter().copied().chain(params) {
-        memory.operand(value.ty(), value.cells());
+        memory.operand(value.ty(), value.slots());
     }
     let first = memory.cells.len();
     for ty in outputs {
-        memory.operand(Some(*ty), Value::neutral(*ty).cells());
+        memory.operand(Some(*ty), Value::neutral(*ty).slots());
     }
     let Memory { mut cells, words } = memory;
     let mut others = cells.clone();
@@ -45,10 +45,10 @@ pub fn fold(
 }
 
 /// Runs a primitive with the given clocks. Returns the fault that it raises.
-fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: Clock) -> Option<FaultCode> {
-    let mut cx = Cx {
-        cells,
-        clock,
+fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: CycleTime) -> Option<FaultCode> {
+    let mut cx = Context {
+        slots: cells,
+        time: clock,
         devices: &mut NoDevices,
         fault: None,
     };
@@ -57,21 +57,21 @@ fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: Clock) -> Option<Fa
 }
 
 /// Two sets of clocks that differ in every field.
-const TIMES: [Clock; 2] = [
-    Clock {
+const TIMES: [CycleTime; 2] = [
+    CycleTime {
         dt: 0.001,
         // The shortest and the longest tick: a number of ticks that is equal for both is equal for all.
         tick_ns: 1,
-        ticks: 1_000_000,
-        cycle: 0,
+        period_ticks: 1_000_000,
+        cycle_index: 0,
         net_ns: 0,
         wall_ns: 0,
     },
-    Clock {
+    CycleTime {
         dt: 0.01,
         tick_ns: 3_600_000_000_000,
-        ticks: 1,
-        cycle: 7,
+        period_ticks: 1,
+        cycle_index: 7,
         net_ns: 70_000_000,
         wall_ns: 71_000_000,
     },
@@ -93,7 +93,7 @@ impl Memory {
         self.words
             .push(u32::try_from(self.cells.len()).unwrap_or(u32::MAX));
         match ty {
-            Type::One(_) => {}
+            Type::Scalar(_) => {}
             Type::Array(_, n) => self.words.push(n),
             Type::Matrix(rows, cols) => self.words.extend([rows, cols]),
         }
@@ -104,8 +104,8 @@ impl Memory {
 fn results(mut cells: &[u64], outputs: &[Type]) -> Vec<Value> {
     let mut values = Vec::with_capacity(outputs.len());
     for ty in outputs {
-        let (own, rest) = cells.split_at(ty.cells() as usize);
-        values.push(Value::Cells {
+        let (own, rest) = cells.split_at(ty.slots() as usize);
+        values.push(Value::Slots {
             ty: *ty,
             cells: own.into(),
         });
@@ -121,7 +121,7 @@ mod tests {
 
     fn folded(name: &str, inputs: &[Value], out: Scalar) -> Option<Result<Value, FaultCode>> {
         let inputs: Vec<&Value> = inputs.iter().collect();
-        let result = fold(PrimId::of(name)?, &inputs, &[], &[Type::One(out)])?;
+        let result = fold(PrimId::from_name(name)?, &inputs, &[], &[Type::Scalar(out)])?;
         Some(result.map(|values| values[0].clone()))
     }
 
@@ -155,9 +155,9 @@ mod tests {
         let clock = [Value::bool(false), Value::real(1.0)];
         assert_eq!(folded("Core::Clock", &clock, Scalar::Real), None);
         assert_eq!(folded("Core::CycleTime", &[], Scalar::Real), None);
-        let pose = Value::neutral(Type::One(Scalar::Pose));
+        let pose = Value::neutral(Type::Scalar(Scalar::Pose));
         let mut moved = pose.clone();
-        if let Value::Cells { cells, .. } = &mut moved {
+        if let Value::Slots { cells, .. } = &mut moved {
             cells[0] = 1.0f64.to_bits();
         }
         assert_eq!(

@@ -3,7 +3,7 @@
 //! Trigonometric functions are those of `libm`, so that results are bit-identical on every machine. Formulas: Lynch and
 //! Park, Modern Robotics (2017), chapter 3.
 
-use crate::flow::{Rotation, Vector};
+use crate::value_types::{Rotation, Vector};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::{Quaternion, UnitQuaternion};
 

@@ -7,22 +7,22 @@
 
 extern crate alloc;
 
-pub mod bulk;
+pub mod aggregates;
 pub mod catalogue;
-pub mod cx;
+pub mod context;
 pub mod differences;
-pub mod flow;
+mod dispatch;
+pub mod double_s;
 mod fold;
 pub mod geometry;
 mod macros;
+mod moving_sum;
 pub mod operand;
 pub mod registry;
-mod ring;
-mod run;
-pub mod travel;
-mod window;
+mod ring_buffer;
+pub mod value_types;
 
-pub use cx::{Clock, Cx, Fault, FaultCode, seconds, whole_ticks};
+pub use context::{Context, CycleTime, Fault, FaultCode, seconds, whole_ticks};
 pub use fold::fold;
 pub use registry::{Prim, PrimId, RunFn, registry};
 pub use rpi_device::NoDevices;

@@ -54,7 +54,7 @@ macro_rules! primitive {
                 inputs: &[ $( ::rpi_image::InPort {
                     name: stringify!($in),
                     ty: <$ity as $crate::operand::Port>::TYPE,
-                    need: $crate::macros::need!($( $need $( ( $($def)+ ) )? )?),
+                    fallback: $crate::macros::need!($( $need $( ( $($def)+ ) )? )?),
                 } ),* ],
                 outputs: &[ $( ::rpi_image::OutPort {
                     name: stringify!($out),
@@ -97,7 +97,7 @@ macro_rules! interface {
                 inputs: &[ $( ::rpi_image::InPort {
                     name: stringify!($in),
                     ty: <$ity as $crate::operand::Port>::TYPE,
-                    need: $crate::macros::need!($( $need $( ( $($def)+ ) )? )?),
+                    fallback: $crate::macros::need!($( $need $( ( $($def)+ ) )? )?),
                 } ),* ],
                 outputs: &[ $( ::rpi_image::OutPort {
                     name: stringify!($out),
@@ -106,7 +106,7 @@ macro_rules! interface {
                 } ),* ],
                 params: $crate::macros::params!($( $( $pn : $pty = $pd );* )?),
                 shape: $crate::macros::shape!($( $shape )?),
-                state: ::rpi_image::State::None,
+                state: ::rpi_image::StateSize::None,
                 role: $role,
                 work: $work,
                 may_fault: $crate::macros::may_fault!($( $faults )?),
@@ -120,16 +120,16 @@ macro_rules! interface {
 
 macro_rules! need {
     () => {
-        ::rpi_image::Need::Required
+        ::rpi_image::Fallback::Required
     };
     (absent) => {
-        ::rpi_image::Need::Absent
+        ::rpi_image::Fallback::AbsentValue
     };
     ([ $composed:expr ]) => {
         $composed
     };
     ($par:ident ( $($def:tt)+ )) => {
-        ::rpi_image::Need::Param(stringify!($par), {
+        ::rpi_image::Fallback::Param(stringify!($par), {
             #[allow(unused_imports)]
             use ::rpi_image::PortDefault::*;
             $($def)+
@@ -141,7 +141,7 @@ macro_rules! params {
     ($( $pn:ident : $pty:ty = $pd:expr );*) => {
         &[ $( ::rpi_image::Param {
             name: stringify!($pn),
-            ty: <$pty as $crate::operand::Setting>::TYPE,
+            ty: <$pty as $crate::operand::Parameter>::TYPE,
             default: {
                 #[allow(unused_imports)]
                 use ::rpi_image::PortDefault::*;
@@ -180,7 +180,7 @@ macro_rules! may_fault {
 
 macro_rules! shape {
     () => {
-        ::rpi_image::Shape::Fixed
+        ::rpi_image::ShapeRule::Fixed
     };
     ($shape:expr) => {
         $shape
@@ -198,19 +198,19 @@ macro_rules! init {
 
 macro_rules! state {
     ([] []) => {
-        ::rpi_image::State::None
+        ::rpi_image::StateSize::None
     };
     ([ $($t:ty),+ ] []) => {
-        ::rpi_image::State::Cells(<($($t,)+) as $crate::operand::Memory>::CELLS)
+        ::rpi_image::StateSize::Fixed(<($($t,)+) as $crate::operand::PrimState>::SLOTS)
     };
     ([] [ $ring:expr ]) => {
-        ::rpi_image::State::Sized($ring)
+        ::rpi_image::StateSize::Computed($ring)
     };
 }
 
 macro_rules! memory {
     ([ $($t:ty),* ] []) => { ($($t,)*) };
-    ([] [ $ring:expr ]) => { $crate::bulk::Region };
+    ([] [ $ring:expr ]) => { $crate::aggregates::StateRange };
 }
 
 macro_rules! total {
@@ -218,22 +218,22 @@ macro_rules! total {
         None
     };
     (strict pure, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
-        Some(|cx, words| $crate::run::pure::<$i, $o>(cx, words, $code))
+        Some(|cx, words| $crate::dispatch::pure::<$i, $o>(cx, words, $code))
     };
     (strict full, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
-        Some(|cx, words| $crate::run::full::<$i, $p, $o, $s>(cx, words, $code))
+        Some(|cx, words| $crate::dispatch::with_context::<$i, $p, $o, $s>(cx, words, $code))
     };
     (strict bulk, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
-        Some(|cx, words| $crate::run::bulk::<$i, $p, $o>(cx, words, $code))
+        Some(|cx, words| $crate::dispatch::bulk::<$i, $p, $o>(cx, words, $code))
     };
     (strict mixed, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
-        Some(|cx, words| $crate::run::mixed::<$i, $p, $o>(cx, words, $code))
+        Some(|cx, words| $crate::dispatch::mixed::<$i, $p, $o>(cx, words, $code))
     };
     ($presence:ident pure, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
-        Some(|cx, words| $crate::run::pure_present::<$i, $o>(cx, words, $code))
+        Some(|cx, words| $crate::dispatch::pure_present::<$i, $o>(cx, words, $code))
     };
     ($presence:ident full, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
-        Some(|cx, words| $crate::run::full_present::<$i, $p, $o, $s>(cx, words, $code))
+        Some(|cx, words| $crate::dispatch::full_present::<$i, $p, $o, $s>(cx, words, $code))
     };
 }
 
@@ -243,23 +243,25 @@ macro_rules! optional {
     };
     (maybe bulk, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| {
-            $crate::run::bulk_maybe::<<$i as $crate::operand::Row>::Maybe, $p, $o>(cx, words, $code)
+            $crate::dispatch::bulk_maybe::<<$i as $crate::operand::PortTuple>::Options, $p, $o>(
+                cx, words, $code,
+            )
         })
     };
     ($presence:ident pure, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| {
-            $crate::run::pure::<
-                <$i as $crate::operand::Row>::Maybe,
-                <$o as $crate::operand::Row>::Maybe,
+            $crate::dispatch::pure::<
+                <$i as $crate::operand::PortTuple>::Options,
+                <$o as $crate::operand::PortTuple>::Options,
             >(cx, words, $code)
         })
     };
     ($presence:ident full, $i:ty, $p:ty, $o:ty, $s:ty, $code:expr) => {
         Some(|cx, words| {
-            $crate::run::full::<
-                <$i as $crate::operand::Row>::Maybe,
+            $crate::dispatch::with_context::<
+                <$i as $crate::operand::PortTuple>::Options,
                 $p,
-                <$o as $crate::operand::Row>::Maybe,
+                <$o as $crate::operand::PortTuple>::Options,
                 $s,
             >(cx, words, $code)
         })

@@ -4,8 +4,8 @@
 //! second word with its length; a matrix has two more words with its rows and columns. A port that may be absent has
 //! one more word at the end: its presence slot.
 
-use crate::bulk::{Array, Matrix};
-pub use crate::flow::{Flow, Pose, Rotation, Time, Twist, Vector, Wrench};
+use crate::aggregates::{Array, Matrix};
+pub use crate::value_types::{FlowType, Pose, Rotation, Time, Twist, Vector, Wrench};
 use rpi_image::{ParamType, PortType};
 
 /// Value that is read and written through operand words: a port, or a tuple of ports.
@@ -13,9 +13,9 @@ pub trait Operand: Sized {
     /// Number of operand words.
     const WORDS: usize;
     /// Reads the value; `words` starts at its first word.
-    fn get(cells: &[u64], words: &[u32]) -> Self;
+    fn read(cells: &[u64], words: &[u32]) -> Self;
     /// Writes the value; `words` starts at its first word.
-    fn put(self, cells: &mut [u64], words: &[u32]);
+    fn write(self, cells: &mut [u64], words: &[u32]);
 }
 
 /// Single port that is always present.
@@ -27,7 +27,7 @@ pub trait Port: Operand + Copy {
 }
 
 /// Parameter of a primitive.
-pub trait Setting: Operand {
+pub trait Parameter: Operand {
     /// Declared type.
     const TYPE: ParamType;
 }
@@ -38,13 +38,13 @@ pub struct Text;
 
 impl Operand for Text {
     const WORDS: usize = 0;
-    fn get(_: &[u64], _: &[u32]) -> Self {
+    fn read(_: &[u64], _: &[u32]) -> Self {
         Text
     }
-    fn put(self, _: &mut [u64], _: &[u32]) {}
+    fn write(self, _: &mut [u64], _: &[u32]) {}
 }
 
-impl Setting for Text {
+impl Parameter for Text {
     const TYPE: ParamType = ParamType::Str;
 }
 
@@ -53,23 +53,23 @@ macro_rules! single_values {
         impl Operand for $t {
             const WORDS: usize = 1;
             #[inline(always)]
-            fn get(cells: &[u64], words: &[u32]) -> Self {
+            fn read(cells: &[u64], words: &[u32]) -> Self {
                 Self::load(cells, words[0] as usize)
             }
             #[inline(always)]
-            fn put(self, cells: &mut [u64], words: &[u32]) {
+            fn write(self, cells: &mut [u64], words: &[u32]) {
                 self.store(cells, words[0] as usize);
             }
         }
         impl Port for $t {
-            const TYPE: PortType = PortType::One(<$t as Flow>::SCALAR);
+            const TYPE: PortType = PortType::Scalar(<$t as FlowType>::SCALAR);
             #[inline(always)]
             fn neutral() -> Self {
-                <$t as Flow>::neutral()
+                <$t as FlowType>::neutral()
             }
         }
-        impl Setting for $t {
-            const TYPE: ParamType = ParamType::One(<$t as Flow>::SCALAR);
+        impl Parameter for $t {
+            const TYPE: ParamType = ParamType::Scalar(<$t as FlowType>::SCALAR);
         }
     )* };
 }
@@ -77,41 +77,41 @@ macro_rules! single_values {
 single_values!(bool, i64, f64, Time, Vector, Rotation, Pose, Twist, Wrench);
 
 /// An array operand is passed as a handle; the code writes array outputs itself.
-impl<T: Flow> Operand for Array<T> {
+impl<T: FlowType> Operand for Array<T> {
     const WORDS: usize = 2;
     #[inline(always)]
-    fn get(_: &[u64], words: &[u32]) -> Self {
-        Array::at(words[0] as usize, words[1] as usize)
+    fn read(_: &[u64], words: &[u32]) -> Self {
+        Array::new(words[0] as usize, words[1] as usize)
     }
     #[inline(always)]
-    fn put(self, _: &mut [u64], _: &[u32]) {}
+    fn write(self, _: &mut [u64], _: &[u32]) {}
 }
 
-impl<T: Flow> Port for Array<T> {
+impl<T: FlowType> Port for Array<T> {
     const TYPE: PortType = PortType::Array(T::SCALAR);
     fn neutral() -> Self {
-        Array::at(0, 0)
+        Array::new(0, 0)
     }
 }
 
-impl<T: Flow> Setting for Array<T> {
+impl<T: FlowType> Parameter for Array<T> {
     const TYPE: ParamType = ParamType::Array(T::SCALAR);
 }
 
 impl Operand for Matrix {
     const WORDS: usize = 3;
     #[inline(always)]
-    fn get(_: &[u64], words: &[u32]) -> Self {
-        Matrix::at(words[0] as usize, words[1] as usize, words[2] as usize)
+    fn read(_: &[u64], words: &[u32]) -> Self {
+        Matrix::new(words[0] as usize, words[1] as usize, words[2] as usize)
     }
     #[inline(always)]
-    fn put(self, _: &mut [u64], _: &[u32]) {}
+    fn write(self, _: &mut [u64], _: &[u32]) {}
 }
 
 impl Port for Matrix {
     const TYPE: PortType = PortType::Matrix;
     fn neutral() -> Self {
-        Matrix::at(0, 0, 0)
+        Matrix::new(0, 0, 0)
     }
 }
 
@@ -119,34 +119,34 @@ impl Port for Matrix {
 impl<T: Port> Operand for Option<T> {
     const WORDS: usize = T::WORDS + 1;
     #[inline(always)]
-    fn get(cells: &[u64], words: &[u32]) -> Self {
-        (cells[words[T::WORDS] as usize] != 0).then(|| T::get(cells, words))
+    fn read(cells: &[u64], words: &[u32]) -> Self {
+        (cells[words[T::WORDS] as usize] != 0).then(|| T::read(cells, words))
     }
     #[inline(always)]
-    fn put(self, cells: &mut [u64], words: &[u32]) {
+    fn write(self, cells: &mut [u64], words: &[u32]) {
         cells[words[T::WORDS] as usize] = u64::from(self.is_some());
         if let Some(value) = self {
-            value.put(cells, words);
+            value.write(cells, words);
         }
     }
 }
 
 /// Tuple of ports that are always present, with the corresponding tuple of ports that may be absent.
-pub trait Row: Operand {
+pub trait PortTuple: Operand {
     /// Ports as options.
-    type Maybe: Operand;
+    type Options: Operand;
     /// Converts present ports to options.
-    fn present(self) -> Self::Maybe;
+    fn into_options(self) -> Self::Options;
     /// Returns the values. A missing value, which violates the presence rule of the primitive, becomes neutral.
-    fn expect(maybe: Self::Maybe) -> Self;
+    fn unwrap_or_neutral(maybe: Self::Options) -> Self;
 }
 
 /// State that a primitive keeps from cycle to cycle.
-pub trait Memory: Sized {
+pub trait PrimState: Sized {
     /// Number of operand words.
     const WORDS: usize;
     /// Number of slots; 0 if it depends on parameters.
-    const CELLS: u32;
+    const SLOTS: u32;
     /// Reads the state; `words` starts at its first word.
     fn load(cells: &[u64], words: &[u32]) -> Self;
     /// Writes the state back.
@@ -154,36 +154,36 @@ pub trait Memory: Sized {
 }
 
 /// Component of a state, stored at fixed slots.
-pub trait Stored: Sized {
+pub trait StateField: Sized {
     /// Number of slots.
-    const CELLS: usize;
+    const SLOTS: usize;
     /// Reads the component from `cells[at..]`.
-    fn recall(cells: &[u64], at: usize) -> Self;
+    fn load_state(cells: &[u64], at: usize) -> Self;
     /// Writes the component to `cells[at..]`.
-    fn keep(self, cells: &mut [u64], at: usize);
+    fn store_state(self, cells: &mut [u64], at: usize);
 }
 
-impl<T: Flow> Stored for T {
-    const CELLS: usize = <T as Flow>::CELLS;
+impl<T: FlowType> StateField for T {
+    const SLOTS: usize = <T as FlowType>::SLOTS;
     #[inline(always)]
-    fn recall(cells: &[u64], at: usize) -> Self {
-        <T as Flow>::load(cells, at)
+    fn load_state(cells: &[u64], at: usize) -> Self {
+        <T as FlowType>::load(cells, at)
     }
     #[inline(always)]
-    fn keep(self, cells: &mut [u64], at: usize) {
-        Flow::store(self, cells, at);
+    fn store_state(self, cells: &mut [u64], at: usize) {
+        FlowType::store(self, cells, at);
     }
 }
 
 /// Array of reals.
-impl<const N: usize> Stored for [f64; N] {
-    const CELLS: usize = N;
+impl<const N: usize> StateField for [f64; N] {
+    const SLOTS: usize = N;
     #[inline(always)]
-    fn recall(cells: &[u64], at: usize) -> Self {
+    fn load_state(cells: &[u64], at: usize) -> Self {
         core::array::from_fn(|k| f64::from_bits(cells[at + k]))
     }
     #[inline(always)]
-    fn keep(self, cells: &mut [u64], at: usize) {
+    fn store_state(self, cells: &mut [u64], at: usize) {
         let slots = &mut cells[at..at + N];
         slots
             .iter_mut()
@@ -198,45 +198,45 @@ macro_rules! tuples {
             const WORDS: usize = 0 $(+ $t::WORDS)*;
             #[inline(always)]
             #[allow(unused_variables, unused_mut, unused_assignments, clippy::unused_unit)]
-            fn get(cells: &[u64], words: &[u32]) -> Self {
+            fn read(cells: &[u64], words: &[u32]) -> Self {
                 let mut at = 0;
-                ($({ let v = $t::get(cells, &words[at..]); at += $t::WORDS; v },)*)
+                ($({ let v = $t::read(cells, &words[at..]); at += $t::WORDS; v },)*)
             }
             #[inline(always)]
             #[allow(unused_variables, unused_mut, unused_assignments)]
-            fn put(self, cells: &mut [u64], words: &[u32]) {
+            fn write(self, cells: &mut [u64], words: &[u32]) {
                 let mut at = 0;
-                $( self.$i.put(cells, &words[at..]); at += $t::WORDS; )*
+                $( self.$i.write(cells, &words[at..]); at += $t::WORDS; )*
             }
         }
-        impl<$($t: Port),*> Row for ($($t,)*) {
-            type Maybe = ($(Option<$t>,)*);
+        impl<$($t: Port),*> PortTuple for ($($t,)*) {
+            type Options = ($(Option<$t>,)*);
             #[inline(always)]
             #[allow(clippy::unused_unit)]
-            fn present(self) -> Self::Maybe {
+            fn into_options(self) -> Self::Options {
                 ($(Some(self.$i),)*)
             }
             #[inline(always)]
             #[allow(unused_variables, clippy::unused_unit)]
-            fn expect(maybe: Self::Maybe) -> Self {
+            fn unwrap_or_neutral(maybe: Self::Options) -> Self {
                 ($(maybe.$i.unwrap_or_else(<$t as Port>::neutral),)*)
             }
         }
         /// State of fixed size: components stored contiguously.
-        impl<$($t: Stored),*> Memory for ($($t,)*) {
-            const WORDS: usize = (Self::CELLS > 0) as usize;
-            const CELLS: u32 = 0 $(+ <$t as Stored>::CELLS as u32)*;
+        impl<$($t: StateField),*> PrimState for ($($t,)*) {
+            const WORDS: usize = (Self::SLOTS > 0) as usize;
+            const SLOTS: u32 = 0 $(+ <$t as StateField>::SLOTS as u32)*;
             #[inline(always)]
             #[allow(unused_variables, unused_mut, unused_assignments, clippy::unused_unit)]
             fn load(cells: &[u64], words: &[u32]) -> Self {
                 let mut at = words.first().map_or(0, |&w| w as usize);
-                ($({ let v = <$t as Stored>::recall(cells, at); at += <$t as Stored>::CELLS; v },)*)
+                ($({ let v = <$t as StateField>::load_state(cells, at); at += <$t as StateField>::SLOTS; v },)*)
             }
             #[inline(always)]
             #[allow(unused_variables, unused_mut, unused_assignments)]
             fn store(self, cells: &mut [u64], words: &[u32]) {
                 let mut at = words.first().map_or(0, |&w| w as usize);
-                $( <$t as Stored>::keep(self.$i, cells, at); at += <$t as Stored>::CELLS; )*
+                $( <$t as StateField>::store_state(self.$i, cells, at); at += <$t as StateField>::SLOTS; )*
             }
         }
     )* };

@@ -1,7 +1,7 @@
 //! Table of all primitives.
 
 use crate::catalogue;
-use crate::cx::Cx;
+use crate::context::Context;
 use core::cmp::Ordering;
 use rpi_image::{PrimDesc, SizeArgs};
 
@@ -11,7 +11,7 @@ use rpi_image::{PrimDesc, SizeArgs};
 /// first slot and its length; a matrix is its first slot, rows and columns. In the `optional` form, each input and
 /// output ends with a presence slot, even if it is always present. Parameters that replace an in-port are inputs; text
 /// parameters have no word. State is one word (fixed size) or two (first slot, length).
-pub type RunFn = fn(&mut Cx<'_>, &[u32]);
+pub type RunFn = fn(&mut Context<'_>, &[u32]);
 
 /// Primitive: declaration and code.
 #[derive(Clone, Copy, Debug)]
@@ -45,13 +45,13 @@ impl PrimId {
 
     /// Returns the primitive with this registered name. As a `const fn`, it lets constants check names at compile time.
     #[must_use]
-    pub const fn of(name: &str) -> Option<PrimId> {
+    pub const fn from_name(name: &str) -> Option<PrimId> {
         let all = registry();
         // A loop, because `slice::binary_search_by` is not a `const fn`.
         let (mut from, mut to) = (0, all.len());
         while from < to {
             let middle = usize::midpoint(from, to);
-            match catalogue::order(all[middle].desc.name, name) {
+            match catalogue::compare_names(all[middle].desc.name, name) {
                 Ordering::Less => from = middle + 1,
                 Ordering::Equal => return Some(PrimId(middle as u16)),
                 Ordering::Greater => to = middle,

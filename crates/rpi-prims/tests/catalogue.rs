@@ -1,7 +1,7 @@
 //! Tests of the registry against the catalogue of the reference system.
 
-use rpi_image::{Need, ParamType, PortType, PrimDesc, Scalar};
-use rpi_prims::differences::EXTRA_IN_PORTS;
+use rpi_image::{Fallback, ParamType, PortType, PrimDesc, Scalar};
+use rpi_prims::differences::IGNORED_IN_PORTS;
 use rpi_prims::{PrimId, registry};
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ const FOREIGN: [&str; 4] = [
 ];
 
 fn catalogue(file: &str) -> Option<String> {
-    let path = rpi_testkit::shared_path(&format!("reference/catalogue/{file}"))?;
+    let path = rpi_testkit::external_data_path(&format!("reference/catalogue/{file}"))?;
     Some(std::fs::read_to_string(path).expect("a readable file"))
 }
 
@@ -32,7 +32,7 @@ fn all_types_of_the_reference_are_registered() {
         .map(str::trim)
         .filter(|name| !name.is_empty())
         .filter(ours)
-        .filter(|name| PrimId::of(name).is_none())
+        .filter(|name| PrimId::from_name(name).is_none())
         .collect();
     assert!(missing.is_empty(), "{} missing: {missing:?}", missing.len());
 }
@@ -45,7 +45,7 @@ fn ports_and_parameters_are_those_of_the_reference() {
     let mut wrong = Vec::new();
     for line in table.lines().skip(1) {
         let columns: Vec<&str> = line.split('\t').collect();
-        let desc = PrimId::of(columns[0]).expect("registered").desc();
+        let desc = PrimId::from_name(columns[0]).expect("registered").desc();
         check_inputs(desc, columns[1], &mut wrong);
         check_outputs(desc, columns[2], &mut wrong);
         check_params(desc, columns.get(3).copied().unwrap_or(""), &mut wrong);
@@ -61,7 +61,7 @@ fn check_inputs(desc: &PrimDesc, list: &str, wrong: &mut Vec<String>) {
     for (name, ty) in items(list) {
         let known = desc.input(name).map(|k| desc.inputs[k].ty);
         let left_out =
-            IGNORED.contains(&(desc.name, name)) || EXTRA_IN_PORTS.contains(&(desc.name, name));
+            IGNORED.contains(&(desc.name, name)) || IGNORED_IN_PORTS.contains(&(desc.name, name));
         if known != port_type(ty) && !left_out && desc.name != "Core::IntArrayIsNull" {
             wrong.push(format!("{} {name}: {ty}, ours {known:?}", desc.name));
         }
@@ -83,7 +83,7 @@ fn check_outputs(desc: &PrimDesc, list: &str, wrong: &mut Vec<String>) {
 
 fn check_params(desc: &PrimDesc, list: &str, wrong: &mut Vec<String>) {
     for (name, _) in items(list) {
-        if desc.param(name).is_none() && desc.fallback(name).is_none() {
+        if desc.param(name).is_none() && desc.in_port_of_param(name).is_none() {
             wrong.push(format!("{} has no parameter {name}", desc.name));
         }
     }
@@ -97,7 +97,7 @@ fn port_type(text: &str) -> Option<PortType> {
     Some(match element {
         Some(element) => PortType::Array(scalar(element)?),
         None if text == "MutableMatrix" => PortType::Matrix,
-        None => PortType::One(scalar(text)?),
+        None => PortType::Scalar(scalar(text)?),
     })
 }
 
@@ -120,11 +120,11 @@ fn scalar(text: &str) -> Option<Scalar> {
 fn names_are_sorted_and_found() {
     for (k, prim) in registry().iter().enumerate() {
         assert_eq!(
-            PrimId::of(prim.desc.name).map(|id| usize::from(id.0)),
+            PrimId::from_name(prim.desc.name).map(|id| usize::from(id.0)),
             Some(k)
         );
     }
-    assert!(PrimId::of("Core::Nothing").is_none());
+    assert!(PrimId::from_name("Core::Nothing").is_none());
 }
 
 #[test]
@@ -135,10 +135,12 @@ fn names_within_a_primitive_are_different() {
             |name: &'static str| assert!(params.insert(name), "{}: {name} twice", desc.name);
         desc.params.iter().for_each(|p| fresh(p.name));
         for input in desc.inputs {
-            match input.need {
-                Need::Param(name, _) => fresh(name),
-                Need::Params(names, _) => names.iter().for_each(|(name, _)| fresh(name)),
-                Need::Required | Need::Absent => {}
+            match input.fallback {
+                Fallback::Param(name, _) => fresh(name),
+                Fallback::ComposedOfParams(names, _) => {
+                    names.iter().for_each(|(name, _)| fresh(name))
+                }
+                Fallback::Required | Fallback::AbsentValue => {}
             }
         }
         let ports: BTreeSet<_> = desc.inputs.iter().map(|p| p.name).collect();
@@ -150,7 +152,7 @@ fn names_within_a_primitive_are_different() {
 fn defaults_have_the_type_of_their_parameter() {
     for desc in registry().iter().map(|p| &p.desc) {
         for param in desc.params {
-            let ParamType::One(scalar) = param.ty else {
+            let ParamType::Scalar(scalar) = param.ty else {
                 continue;
             };
             let value = param.default.value(scalar.into());
@@ -158,7 +160,9 @@ fn defaults_have_the_type_of_their_parameter() {
             assert!(fits, "{} {}", desc.name, param.name);
         }
         for input in desc.inputs {
-            let (Need::Param(name, default), PortType::One(scalar)) = (input.need, input.ty) else {
+            let (Fallback::Param(name, default), PortType::Scalar(scalar)) =
+                (input.fallback, input.ty)
+            else {
                 continue;
             };
             let value = default.value(scalar.into());

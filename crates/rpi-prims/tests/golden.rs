@@ -4,43 +4,67 @@
 mod common;
 
 use common::golden::check;
-use common::{DT, Rig, get, of};
+use common::{DT, TestBench, get, value_of};
 use rpi_image::Value;
 use rpi_prims::FaultCode;
-use rpi_prims::flow::{Pose, Rotation, Time, Twist, Vector, Wrench};
 use rpi_prims::geometry;
+use rpi_prims::value_types::{Pose, Rotation, Time, Twist, Vector, Wrench};
 
 rpi_testkit::trap_allocations!();
 
 #[test]
 fn reals_and_their_functions() {
     check(&[
-        ("Core::DoubleModulo", &[of(7.5), of(2.0)], &[of(1.5)]),
-        ("Core::DoubleModulo", &[of(-7.5), of(2.0)], &[of(-1.5)]),
-        ("Core::DoubleLog", &[of(core::f64::consts::E)], &[of(1.0)]),
-        ("Rpi::DoubleSubtract", &[of(1.0), of(3.0)], &[of(-2.0)]),
-        ("Rpi::DoubleNegate", &[of(1.5)], &[of(-1.5)]),
-        ("Rpi::DoubleAbsolute", &[of(-1.5)], &[of(1.5)]),
-        ("Rpi::DoubleMinimum", &[of(f64::NAN), of(3.0)], &[of(3.0)]),
-        ("Rpi::DoubleMaximum", &[of(1.0), of(3.0)], &[of(3.0)]),
         (
-            "Rpi::DoubleGreaterOrEqual",
-            &[of(3.0), of(3.0)],
-            &[of(true)],
+            "Core::DoubleModulo",
+            &[value_of(7.5), value_of(2.0)],
+            &[value_of(1.5)],
+        ),
+        (
+            "Core::DoubleModulo",
+            &[value_of(-7.5), value_of(2.0)],
+            &[value_of(-1.5)],
+        ),
+        (
+            "Core::DoubleLog",
+            &[value_of(core::f64::consts::E)],
+            &[value_of(1.0)],
+        ),
+        (
+            "Rpi::DoubleSubtract",
+            &[value_of(1.0), value_of(3.0)],
+            &[value_of(-2.0)],
+        ),
+        ("Rpi::DoubleNegate", &[value_of(1.5)], &[value_of(-1.5)]),
+        ("Rpi::DoubleAbsolute", &[value_of(-1.5)], &[value_of(1.5)]),
+        (
+            "Rpi::DoubleMinimum",
+            &[value_of(f64::NAN), value_of(3.0)],
+            &[value_of(3.0)],
+        ),
+        (
+            "Rpi::DoubleMaximum",
+            &[value_of(1.0), value_of(3.0)],
+            &[value_of(3.0)],
         ),
         (
             "Rpi::DoubleGreaterOrEqual",
-            &[of(f64::NAN), of(3.0)],
-            &[of(false)],
+            &[value_of(3.0), value_of(3.0)],
+            &[value_of(true)],
         ),
-        ("Rpi::DoubleFloor", &[of(-1.5)], &[of(-2.0)]),
-        ("Rpi::DoubleCeiling", &[of(-1.5)], &[of(-1.0)]),
-        ("Rpi::DoubleRound", &[of(2.5)], &[of(3.0)]),
-        ("Rpi::DoubleExponential", &[of(0.0)], &[of(1.0)]),
+        (
+            "Rpi::DoubleGreaterOrEqual",
+            &[value_of(f64::NAN), value_of(3.0)],
+            &[value_of(false)],
+        ),
+        ("Rpi::DoubleFloor", &[value_of(-1.5)], &[value_of(-2.0)]),
+        ("Rpi::DoubleCeiling", &[value_of(-1.5)], &[value_of(-1.0)]),
+        ("Rpi::DoubleRound", &[value_of(2.5)], &[value_of(3.0)]),
+        ("Rpi::DoubleExponential", &[value_of(0.0)], &[value_of(1.0)]),
         (
             "Rpi::DoubleAtan",
-            &[of(1.0)],
-            &[of(core::f64::consts::FRAC_PI_4)],
+            &[value_of(1.0)],
+            &[value_of(core::f64::consts::FRAC_PI_4)],
         ),
     ]);
 }
@@ -50,7 +74,11 @@ fn reals_and_their_functions() {
 fn machine_integers() {
     let (i8, u8, u64) = (-8_i64, 8_i64, 64_i64);
     let three = |name, a: i64, b: i64, width: i64, result: i64| {
-        check(&[(name, &[of(a), of(b), of(width)], &[of(result)])]);
+        check(&[(
+            name,
+            &[value_of(a), value_of(b), value_of(width)],
+            &[value_of(result)],
+        )]);
     };
     three("Rpi::MachineAdd", 127, 1, i8, -128);
     three("Rpi::MachineAdd", 255, 1, u8, 0);
@@ -72,7 +100,9 @@ fn machine_integers() {
     three("Rpi::MachineShiftRight", -128, 2, i8, -32);
     three("Rpi::MachineShiftRight", -1, 200, i8, -1);
     three("Rpi::MachineShiftRight", 255, 12, u8, 0);
-    let two = |name, a: i64, b: i64, result: i64| check(&[(name, &[of(a), of(b)], &[of(result)])]);
+    let two = |name, a: i64, b: i64, result: i64| {
+        check(&[(name, &[value_of(a), value_of(b)], &[value_of(result)])])
+    };
     two("Rpi::MachineWrap", 300, u8, 44);
     two("Rpi::MachineWrap", 200, i8, -56);
     two("Rpi::MachineNot", 5, u8, 250);
@@ -81,7 +111,11 @@ fn machine_integers() {
     two("Rpi::MachineOr", 12, 3, 15);
     two("Rpi::MachineToInt", 200, u8, 200);
     let compared = |name, a: i64, b: i64, width: i64, result: bool| {
-        check(&[(name, &[of(a), of(b), of(width)], &[of(result)])]);
+        check(&[(
+            name,
+            &[value_of(a), value_of(b), value_of(width)],
+            &[value_of(result)],
+        )]);
     };
     compared("Rpi::MachineGreater", -1, 1, u64, true);
     compared("Rpi::MachineGreater", -1, 1, i8, false);
@@ -92,37 +126,77 @@ fn machine_integers() {
 #[test]
 fn integers_booleans_and_times() {
     check(&[
-        ("Rpi::IntSubtract", &[of(1_i64), of(3_i64)], &[of(-2_i64)]),
-        ("Rpi::IntNegate", &[of(5_i64)], &[of(-5_i64)]),
-        ("Rpi::IntModulo", &[of(-7_i64), of(3_i64)], &[of(-1_i64)]),
-        ("Rpi::IntPower", &[of(-2_i64), of(3_i64)], &[of(-8_i64)]),
-        ("Rpi::IntPower", &[of(-1_i64), of(i64::MAX)], &[of(-1_i64)]),
-        ("Rpi::IntAbsolute", &[of(-5_i64)], &[of(5_i64)]),
-        ("Rpi::IntMinimum", &[of(-5_i64), of(2_i64)], &[of(-5_i64)]),
-        ("Rpi::IntMaximum", &[of(-5_i64), of(2_i64)], &[of(2_i64)]),
+        (
+            "Rpi::IntSubtract",
+            &[value_of(1_i64), value_of(3_i64)],
+            &[value_of(-2_i64)],
+        ),
+        ("Rpi::IntNegate", &[value_of(5_i64)], &[value_of(-5_i64)]),
+        (
+            "Rpi::IntModulo",
+            &[value_of(-7_i64), value_of(3_i64)],
+            &[value_of(-1_i64)],
+        ),
+        (
+            "Rpi::IntPower",
+            &[value_of(-2_i64), value_of(3_i64)],
+            &[value_of(-8_i64)],
+        ),
+        (
+            "Rpi::IntPower",
+            &[value_of(-1_i64), value_of(i64::MAX)],
+            &[value_of(-1_i64)],
+        ),
+        ("Rpi::IntAbsolute", &[value_of(-5_i64)], &[value_of(5_i64)]),
+        (
+            "Rpi::IntMinimum",
+            &[value_of(-5_i64), value_of(2_i64)],
+            &[value_of(-5_i64)],
+        ),
+        (
+            "Rpi::IntMaximum",
+            &[value_of(-5_i64), value_of(2_i64)],
+            &[value_of(2_i64)],
+        ),
         (
             "Rpi::IntGreaterOrEqual",
-            &[of(2_i64), of(2_i64)],
-            &[of(true)],
+            &[value_of(2_i64), value_of(2_i64)],
+            &[value_of(true)],
         ),
         (
             "Core::IntEquals",
-            &[of(i64::MIN), of(i64::MAX)],
-            &[of(false)],
+            &[value_of(i64::MIN), value_of(i64::MAX)],
+            &[value_of(false)],
         ),
-        ("Rpi::BooleanXor", &[of(true), of(true)], &[of(false)]),
-        ("Rpi::BooleanImplies", &[of(false), of(false)], &[of(true)]),
-        ("Rpi::BooleanEquals", &[of(false), of(false)], &[of(true)]),
-        ("Rpi::TimeEquals", &[of(Time(5)), of(Time(5))], &[of(true)]),
+        (
+            "Rpi::BooleanXor",
+            &[value_of(true), value_of(true)],
+            &[value_of(false)],
+        ),
+        (
+            "Rpi::BooleanImplies",
+            &[value_of(false), value_of(false)],
+            &[value_of(true)],
+        ),
+        (
+            "Rpi::BooleanEquals",
+            &[value_of(false), value_of(false)],
+            &[value_of(true)],
+        ),
+        (
+            "Rpi::TimeEquals",
+            &[value_of(Time(5)), value_of(Time(5))],
+            &[value_of(true)],
+        ),
         (
             "Rpi::TimeGreater",
-            &[of(Time(5)), of(Time(5))],
-            &[of(false)],
+            &[value_of(Time(5)), value_of(Time(5))],
+            &[value_of(false)],
         ),
         (
             "Rpi::TimeGreaterOrEqual",
-            &[of(Time(5)), of(Time(5))],
-            &[of(true)],
+            &[value_of(Time(5)), value_of(Time(5))],
+            &[value_of(true)],
         ),
     ]);
 }
@@ -132,42 +206,54 @@ fn faults_have_their_codes() {
     let cases: [(&str, &[Value], FaultCode); 10] = [
         (
             "Rpi::IntSubtract",
-            &[of(i64::MIN), of(1_i64)],
+            &[value_of(i64::MIN), value_of(1_i64)],
             FaultCode::IntegerOverflow,
         ),
         (
             "Rpi::IntNegate",
-            &[of(i64::MIN)],
+            &[value_of(i64::MIN)],
             FaultCode::IntegerOverflow,
         ),
         (
             "Rpi::IntAbsolute",
-            &[of(i64::MIN)],
+            &[value_of(i64::MIN)],
             FaultCode::IntegerOverflow,
         ),
         (
             "Rpi::IntPower",
-            &[of(2_i64), of(63_i64)],
+            &[value_of(2_i64), value_of(63_i64)],
             FaultCode::IntegerOverflow,
         ),
         (
             "Rpi::IntModulo",
-            &[of(1_i64), of(0_i64)],
+            &[value_of(1_i64), value_of(0_i64)],
             FaultCode::DivisionByZero,
         ),
         (
             "Core::TimeAdd",
-            &[of(Time(i64::MAX)), of(1.0)],
+            &[value_of(Time(i64::MAX)), value_of(1.0)],
             FaultCode::IntegerOverflow,
         ),
-        ("Rpi::Assert", &[of(false)], FaultCode::AssertionFailed),
-        ("Rpi::AssertIndex", &[of(false)], FaultCode::IndexOutOfRange),
-        ("Rpi::Assume", &[of(false)], FaultCode::AssertionFailed),
-        ("EStop", &[of(true)], FaultCode::EmergencyStop),
+        (
+            "Rpi::Assert",
+            &[value_of(false)],
+            FaultCode::AssertionFailed,
+        ),
+        (
+            "Rpi::AssertIndex",
+            &[value_of(false)],
+            FaultCode::IndexOutOfRange,
+        ),
+        (
+            "Rpi::Assume",
+            &[value_of(false)],
+            FaultCode::AssertionFailed,
+        ),
+        ("EStop", &[value_of(true)], FaultCode::EmergencyStop),
     ];
     for (name, inputs, code) in cases {
-        let mut rig = Rig::new(name, &[]);
-        rig.give(inputs);
+        let mut rig = TestBench::new(name, &[]);
+        rig.step_present(inputs);
         assert_eq!(rig.fault, Some(code), "{name}");
     }
 }
@@ -184,55 +270,82 @@ fn twist(linear: Vector, angular: Vector) -> Twist {
 fn vectors_twists_and_wrenches() {
     let (a, b) = (Vector::new(1.0, 2.0, 3.0), Vector::new(-4.0, 5.0, 0.5));
     let quarter: Rotation = geometry::from_abc(core::f64::consts::FRAC_PI_2, 0.0, 0.0);
-    let parts = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3].map(of);
+    let parts = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3].map(value_of);
     let about_zyx = Vector::new(0.3, 0.2, 0.1);
     check(&[
-        ("Rpi::VectorSubtract", &[of(a), of(b)], &[of(a - b)]),
-        ("Rpi::VectorNegate", &[of(a)], &[of(-a)]),
+        (
+            "Rpi::VectorSubtract",
+            &[value_of(a), value_of(b)],
+            &[value_of(a - b)],
+        ),
+        ("Rpi::VectorNegate", &[value_of(a)], &[value_of(-a)]),
         (
             "Rpi::VectorNorm",
-            &[of(Vector::new(2.0, 3.0, 6.0))],
-            &[of(7.0)],
+            &[value_of(Vector::new(2.0, 3.0, 6.0))],
+            &[value_of(7.0)],
         ),
         (
             "World::VectorRotate",
-            &[of(Vector::x()), of(quarter)],
-            &[of(Vector::y())],
+            &[value_of(Vector::x()), value_of(quarter)],
+            &[value_of(Vector::y())],
         ),
         (
             "World::TwistRotate",
-            &[of(twist(Vector::x(), Vector::z())), of(quarter)],
-            &[of(twist(Vector::y(), Vector::z()))],
+            &[value_of(twist(Vector::x(), Vector::z())), value_of(quarter)],
+            &[value_of(twist(Vector::y(), Vector::z()))],
         ),
         (
             "World::TwistChangeCenter",
-            &[of(twist(Vector::x(), Vector::z())), of(Vector::x())],
-            &[of(twist(Vector::new(1.0, 1.0, 0.0), Vector::z()))],
+            &[
+                value_of(twist(Vector::x(), Vector::z())),
+                value_of(Vector::x()),
+            ],
+            &[value_of(twist(Vector::new(1.0, 1.0, 0.0), Vector::z()))],
         ),
-        ("World::TwistFromXYZ", &parts, &[of(twist(a, about_zyx))]),
-        ("World::TwistToXYZ", &[of(twist(a, about_zyx))], &parts),
-        ("World::WrenchFromXYZ", &parts, &[of(wrench(a, about_zyx))]),
+        (
+            "World::TwistFromXYZ",
+            &parts,
+            &[value_of(twist(a, about_zyx))],
+        ),
+        (
+            "World::TwistToXYZ",
+            &[value_of(twist(a, about_zyx))],
+            &parts,
+        ),
+        (
+            "World::WrenchFromXYZ",
+            &parts,
+            &[value_of(wrench(a, about_zyx))],
+        ),
         (
             "Rpi::TwistScale",
-            &[of(twist(a, b)), of(2.0)],
-            &[of(twist(a * 2.0, b * 2.0))],
+            &[value_of(twist(a, b)), value_of(2.0)],
+            &[value_of(twist(a * 2.0, b * 2.0))],
         ),
         (
             "Rpi::WrenchAdd",
-            &[of(wrench(a, b)), of(wrench(b, a))],
-            &[of(wrench(a + b, a + b))],
+            &[value_of(wrench(a, b)), value_of(wrench(b, a))],
+            &[value_of(wrench(a + b, a + b))],
         ),
-        ("Rpi::WrenchToParts", &[of(wrench(a, b))], &[of(a), of(b)]),
-        ("Rpi::WrenchFromParts", &[of(a), of(b)], &[of(wrench(a, b))]),
+        (
+            "Rpi::WrenchToParts",
+            &[value_of(wrench(a, b))],
+            &[value_of(a), value_of(b)],
+        ),
+        (
+            "Rpi::WrenchFromParts",
+            &[value_of(a), value_of(b)],
+            &[value_of(wrench(a, b))],
+        ),
         (
             "Rpi::RotationExponential",
-            &[of(Vector::z() * core::f64::consts::FRAC_PI_2)],
-            &[of(quarter)],
+            &[value_of(Vector::z() * core::f64::consts::FRAC_PI_2)],
+            &[value_of(quarter)],
         ),
         (
             "Rpi::RotationLogarithm",
-            &[of(quarter)],
-            &[of(Vector::z() * core::f64::consts::FRAC_PI_2)],
+            &[value_of(quarter)],
+            &[value_of(Vector::z() * core::f64::consts::FRAC_PI_2)],
         ),
     ]);
 }
@@ -244,23 +357,33 @@ fn poses() {
     check(&[
         (
             "World::FrameFromXYZ",
-            &[of(1.0), of(2.0), of(3.0), of(turned)],
-            &[of(pose)],
+            &[
+                value_of(1.0),
+                value_of(2.0),
+                value_of(3.0),
+                value_of(turned),
+            ],
+            &[value_of(pose)],
         ),
         (
             "World::FrameToXYZ",
-            &[of(pose)],
-            &[of(1.0), of(2.0), of(3.0), of(turned)],
+            &[value_of(pose)],
+            &[
+                value_of(1.0),
+                value_of(2.0),
+                value_of(3.0),
+                value_of(turned),
+            ],
         ),
         (
             "Rpi::FrameApply",
-            &[of(pose), of(Vector::x())],
-            &[of(Vector::new(1.0, 3.0, 3.0))],
+            &[value_of(pose), value_of(Vector::x())],
+            &[value_of(Vector::new(1.0, 3.0, 3.0))],
         ),
         (
             "World::FrameTransform",
-            &[of(pose), of(pose.inverse())],
-            &[of(Pose::identity())],
+            &[value_of(pose), value_of(pose.inverse())],
+            &[value_of(Pose::identity())],
         ),
     ]);
 }
@@ -280,9 +403,9 @@ fn euler_angles_at_the_gimbal_lock() {
 
 #[test]
 fn latches_and_holds() {
-    let mut trigger = Rig::new("Core::Trigger", &[]);
+    let mut trigger = TestBench::new("Core::Trigger", &[]);
     let mut step = |on: bool, off: bool, reset: bool| {
-        get::<bool>(&trigger.give(&[of(on), of(off), of(reset)])[0])
+        get::<bool>(&trigger.step_present(&[value_of(on), value_of(off), value_of(reset)])[0])
     };
     assert!(!step(false, false, false));
     assert!(step(true, false, false));
@@ -291,17 +414,20 @@ fn latches_and_holds() {
     assert!(!step(true, false, false), "off for good");
     assert!(step(true, false, true), "armed again");
 
-    let mut hold = Rig::new("Rpi::DoubleHold", &[]);
-    let mut step = |value: Option<f64>| hold.step(&[value.map(of), Some(of(9.0))]).remove(0);
-    assert_eq!(step(None), Some(of(9.0)));
-    assert_eq!(step(Some(1.0)), Some(of(1.0)));
-    assert_eq!(step(None), Some(of(1.0)));
+    let mut hold = TestBench::new("Rpi::DoubleHold", &[]);
+    let mut step = |value: Option<f64>| {
+        hold.step(&[value.map(value_of), Some(value_of(9.0))])
+            .remove(0)
+    };
+    assert_eq!(step(None), Some(value_of(9.0)));
+    assert_eq!(step(Some(1.0)), Some(value_of(1.0)));
+    assert_eq!(step(None), Some(value_of(1.0)));
 }
 
 #[test]
 fn a_mean_forgets_what_has_left_the_window() {
-    let mut mean = Rig::new("Core::DoubleAverage", &[("Duration", of(3.0 * DT))]);
-    let mut push = |x: f64| get::<f64>(&mean.give(&[of(x), of(false)])[0]);
+    let mut mean = TestBench::new("Core::DoubleAverage", &[("Duration", value_of(3.0 * DT))]);
+    let mut push = |x: f64| get::<f64>(&mean.step_present(&[value_of(x), value_of(false)])[0]);
     push(1e300);
     push(f64::INFINITY);
     for _ in 0..6 {
@@ -312,12 +438,12 @@ fn a_mean_forgets_what_has_left_the_window() {
 
 #[test]
 fn ranges_of_time_line_up() {
-    let mut rig = Rig::new(
+    let mut rig = TestBench::new(
         "Core::TimeConsistentRange",
-        &[("MaxSize", of(1e-6)), ("MaxAge", of(2.0 * DT))],
+        &[("MaxSize", value_of(1e-6)), ("MaxAge", value_of(2.0 * DT))],
     );
     let mut step = |first: (i64, i64), second: (i64, i64)| {
-        let times = [first.0, first.1, second.0, second.1].map(|t| Some(of(Time(t))));
+        let times = [first.0, first.1, second.0, second.1].map(|t| Some(value_of(Time(t))));
         let out = rig.step(&times);
         out[0]
             .clone()
@@ -348,11 +474,11 @@ fn ranges_of_time_line_up() {
 
 #[test]
 fn following_a_moving_goal() {
-    let mut rig = Rig::new("Core::OTG2", &[]);
+    let mut rig = TestBench::new("Core::OTG2", &[]);
     let (mut position, mut velocity, mut goal) = (0.0, 0.0, 0.1);
     for _ in 0..400 {
         goal += 0.2 * DT;
-        let out = rig.give(&[position, velocity, goal, 1.0, 2.0].map(of));
+        let out = rig.step_present(&[position, velocity, goal, 1.0, 2.0].map(value_of));
         (position, velocity) = (get(&out[0]), get(&out[1]));
     }
     assert!(
@@ -372,9 +498,9 @@ fn platforms_drive_to_their_goals() {
             geometry::from_abc(0.5, 0.0, 0.0),
         );
         let (mut at, mut velocity) = (Pose::identity(), Twist::default());
-        let mut rig = Rig::new(name, &[]);
+        let mut rig = TestBench::new(name, &[]);
         for _ in 0..3000 {
-            let inputs = [of(at), of(velocity), of(goal)];
+            let inputs = [value_of(at), value_of(velocity), value_of(goal)];
             let out = rig.step(&inputs.map(Some)).remove(0).expect("present");
             velocity = get::<Twist>(&out);
             let turned = geometry::exp(velocity.angular * DT);

@@ -3,7 +3,7 @@
 mod common;
 
 use common::golden::{check, same};
-use common::{Rig, array, get, matrix, of, reals};
+use common::{TestBench, array, get, matrix, reals, value_of};
 use rpi_image::{Scalar, Type, Value};
 
 rpi_testkit::trap_allocations!();
@@ -35,21 +35,22 @@ fn matrices() {
         ),
         (
             "Core::MatrixScale",
-            &[a.clone(), of(2.0)],
+            &[a.clone(), value_of(2.0)],
             &[matrix(A.map(|row| row.map(|v| 2.0 * v)))],
         ),
     ]);
     let singular = matrix([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.0, 0.0, 1.0]]);
-    let out = Rig::new("Core::MatrixSolve", &[]).give(&[singular, array(&[1.0, 0.0, 0.0])]);
+    let out =
+        TestBench::new("Core::MatrixSolve", &[]).step_present(&[singular, array(&[1.0, 0.0, 0.0])]);
     assert!(reals(&out[0]).iter().all(|v| v.is_nan()));
 }
 
 fn with(name: &str, params: &[(&str, i64)], inputs: &[Value]) -> Value {
     let params: Vec<_> = params
         .iter()
-        .map(|(name, value)| (*name, of(*value)))
+        .map(|(name, value)| (*name, value_of(*value)))
         .collect();
-    Rig::new(name, &params).give(inputs).remove(0)
+    TestBench::new(name, &params).step_present(inputs).remove(0)
 }
 
 #[test]
@@ -69,7 +70,7 @@ fn parts_of_matrices() {
             &[("Row", 1), ("Col", 2)],
             of_counted,
         )],
-        &[of(6.0)],
+        &[value_of(6.0)],
     );
     same(
         "block",
@@ -85,7 +86,7 @@ fn parts_of_matrices() {
     let set = with(
         "Core::MatrixSet",
         &[("Row", 0), ("Col", 2)],
-        &[counted.clone(), of(-1.0)],
+        &[counted.clone(), value_of(-1.0)],
     );
     same(
         "set",
@@ -106,7 +107,7 @@ fn parts_of_matrices() {
         ("SelectedRows", array(&[2_i64, 0])),
         ("SelectedCols", array(&[1_i64])),
     ];
-    let selected = Rig::new("Core::MatrixSelect", &select).give(of_counted);
+    let selected = TestBench::new("Core::MatrixSelect", &select).step_present(of_counted);
     same("selected", &selected, &[matrix([[8.0], [2.0]])]);
     same(
         "created",
@@ -130,7 +131,7 @@ fn slices_of_arrays() {
     same(
         "get",
         &[with("Core::DoubleArrayGet", &[("Index", 2)], &[three])],
-        &[of(3.0)],
+        &[value_of(3.0)],
     );
 }
 
@@ -149,13 +150,19 @@ fn indices_outside_are_refused_when_sizes_are_known() {
         ("Core::MatrixArrayGet", &[("Size", 4)]),
     ];
     for (name, given) in cases {
-        let desc = rpi_prims::PrimId::of(name).expect("registered").desc();
+        let desc = rpi_prims::PrimId::from_name(name)
+            .expect("registered")
+            .desc();
         let params = desc.params.iter().map(|p| {
             let value = given
                 .iter()
                 .find(|(name, _)| *name == p.name)
-                .map(|(_, v)| of(*v));
-            value.unwrap_or_else(|| p.default.value(Type::One(Scalar::Int)).expect("a default"))
+                .map(|(_, v)| value_of(*v));
+            value.unwrap_or_else(|| {
+                p.default
+                    .value(Type::Scalar(Scalar::Int))
+                    .expect("a default")
+            })
         });
         let params: Vec<Value> = params.collect();
         let input = if name.contains("Matrix") {
@@ -164,7 +171,7 @@ fn indices_outside_are_refused_when_sizes_are_known() {
             Type::Array(Scalar::Real, 3)
         };
         let args = ShapeArgs {
-            inputs: &[Some(input), Some(Type::One(Scalar::Real))],
+            inputs: &[Some(input), Some(Type::Scalar(Scalar::Real))],
             params: &params,
         };
         assert_eq!(desc.out_type(0, &args), None, "{name}");
@@ -178,32 +185,38 @@ fn bits(text: &str) -> Value {
 #[test]
 fn numbers_as_bits_lowest_first() {
     let dec = |name: &str, n: i64, signed: bool, value: i64| {
-        let params = [("amountBits", of(n)), ("signBit", of(signed))];
-        Rig::new(name, &params).give(&[of(value)])
+        let params = [("amountBits", value_of(n)), ("signBit", value_of(signed))];
+        TestBench::new(name, &params).step_present(&[value_of(value)])
     };
     assert_eq!(
         dec("Core::DecToBin", 4, false, 6),
-        [bits("0110"), of(false)]
+        [bits("0110"), value_of(false)]
     );
-    assert_eq!(dec("Core::DecToBin", 4, false, 16)[1], of(true));
+    assert_eq!(dec("Core::DecToBin", 4, false, 16)[1], value_of(true));
     assert_eq!(
         dec("Core::DecToBin", 4, true, -2),
-        [bits("0111"), of(false)]
+        [bits("0111"), value_of(false)]
     );
-    assert_eq!(dec("Core::DecToBin", 4, true, 8)[1], of(true));
+    assert_eq!(dec("Core::DecToBin", 4, true, 8)[1], value_of(true));
     assert_eq!(
         dec("Core::DecToBCD", 8, false, 42),
-        [bits("01000010"), of(false)]
+        [bits("01000010"), value_of(false)]
     );
     assert_eq!(
         dec("Core::DecToBCD", 9, true, -42),
-        [bits("010000101"), of(false)]
+        [bits("010000101"), value_of(false)]
     );
-    assert_eq!(dec("Core::DecToBCD", 8, false, 142)[1], of(true));
-    assert_eq!(dec("Core::DecToBCD", 8, false, -4)[1], of(true));
+    assert_eq!(dec("Core::DecToBCD", 8, false, 142)[1], value_of(true));
+    assert_eq!(dec("Core::DecToBCD", 8, false, -4)[1], value_of(true));
     let number = |name: &str, text: &str, signed: bool| {
-        let mut rig = Rig::new(name, &[("amountBits", of(3_i64)), ("signBit", of(signed))]);
-        (get::<i64>(&rig.give(&[bits(text)])[0]), rig.fault)
+        let mut rig = TestBench::new(
+            name,
+            &[
+                ("amountBits", value_of(3_i64)),
+                ("signBit", value_of(signed)),
+            ],
+        );
+        (get::<i64>(&rig.step_present(&[bits(text)])[0]), rig.fault)
     };
     assert_eq!(number("Core::BinToDec", "011", false), (6, None));
     assert_eq!(number("Core::BinToDec", "011", true), (-2, None));

@@ -2,16 +2,16 @@
 
 mod common;
 
-use common::{Form, Rig, of};
+use common::{Form, TestBench, value_of};
 use rpi_image::{Presence, PrimDesc, Role, Scalar, Type, Value};
 use rpi_prims::{Prim, registry};
 
 rpi_testkit::trap_allocations!();
 
 /// Deterministic pseudo-random number generator (SplitMix64).
-struct Dice(u64);
+struct Random(u64);
 
-impl Dice {
+impl Random {
     fn roll(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -26,13 +26,13 @@ impl Dice {
     /// Returns a typical value of a type.
     fn value(&mut self, ty: Type) -> Value {
         let scalar = match ty {
-            Type::One(s) | Type::Array(s, _) => s,
+            Type::Scalar(s) | Type::Array(s, _) => s,
             Type::Matrix(..) => Scalar::Real,
         };
-        let each = scalar.cells().max(1);
-        let count = ty.cells() / each;
+        let each = scalar.slots().max(1);
+        let count = ty.slots() / each;
         let cells = (0..count).flat_map(|_| self.one(scalar)).collect();
-        Value::Cells { ty, cells }
+        Value::Slots { ty, cells }
     }
 
     fn one(&mut self, scalar: Scalar) -> Vec<u64> {
@@ -42,7 +42,7 @@ impl Dice {
             Scalar::Time => vec![self.roll() >> 4],
             Scalar::Rotation => self.rotation(),
             Scalar::Pose => [self.reals(3), self.rotation()].concat(),
-            _ => self.reals(scalar.cells()),
+            _ => self.reals(scalar.slots()),
         }
     }
 
@@ -69,11 +69,11 @@ impl Dice {
         ];
         const INTS: [i64; 6] = [i64::MIN, i64::MAX, -1, 0, 1, 64];
         let mut value = self.value(ty);
-        let Value::Cells { cells, .. } = &mut value else {
+        let Value::Slots { cells, .. } = &mut value else {
             return value;
         };
         let scalar = match ty {
-            Type::One(s) | Type::Array(s, _) => s,
+            Type::Scalar(s) | Type::Array(s, _) => s,
             Type::Matrix(..) => Scalar::Real,
         };
         for cell in cells {
@@ -101,10 +101,10 @@ fn all_present(desc: &PrimDesc, outputs: &[Option<Value>]) {
 
 #[test]
 fn both_forms_agree_where_all_inputs_are_present() {
-    let mut dice = Dice(1);
+    let mut dice = Random(1);
     for prim in with_code().filter(|p| p.total.is_some() && p.optional.is_some()) {
-        let mut total = Rig::with_form(prim.desc.name, &[], Form::Total);
-        let mut optional = Rig::with_form(prim.desc.name, &[], Form::Optional);
+        let mut total = TestBench::with_form(prim.desc.name, &[], Form::Total);
+        let mut optional = TestBench::with_form(prim.desc.name, &[], Form::Optional);
         for _ in 0..50 {
             let inputs: Vec<_> = total
                 .types()
@@ -145,9 +145,9 @@ fn forms_go_with_presence() {
 
 #[test]
 fn outputs_are_as_present_as_declared() {
-    let mut dice = Dice(2);
+    let mut dice = Random(2);
     for prim in with_code().filter(|p| p.optional.is_some()) {
-        let mut rig = Rig::new(prim.desc.name, &[]);
+        let mut rig = TestBench::new(prim.desc.name, &[]);
         for _ in 0..200 {
             let inputs: Vec<_> = rig
                 .types()
@@ -170,12 +170,12 @@ fn outputs_are_as_present_as_declared() {
 
 #[test]
 fn a_reset_makes_it_as_new() {
-    let mut dice = Dice(3);
+    let mut dice = Random(3);
     for prim in with_code() {
         let Some(reset) = prim.desc.input("inReset") else {
             continue;
         };
-        let mut used = Rig::new(prim.desc.name, &[]);
+        let mut used = TestBench::new(prim.desc.name, &[]);
         for _ in 0..40 {
             let inputs: Vec<_> = used
                 .types()
@@ -184,14 +184,14 @@ fn a_reset_makes_it_as_new() {
                 .collect();
             used.step(&inputs);
         }
-        let mut fresh = Rig::new(prim.desc.name, &[]);
+        let mut fresh = TestBench::new(prim.desc.name, &[]);
         for k in 0..20 {
             let mut inputs: Vec<_> = used
                 .types()
                 .into_iter()
                 .map(|ty| Some(dice.value(ty)))
                 .collect();
-            inputs[reset] = Some(of(k == 0));
+            inputs[reset] = Some(value_of(k == 0));
             assert_eq!(
                 used.step(&inputs),
                 fresh.step(&inputs),
@@ -206,7 +206,7 @@ fn a_reset_makes_it_as_new() {
 fn the_same_inputs_give_the_same_bits() {
     for prim in with_code() {
         let run = || {
-            let (mut dice, mut rig) = (Dice(4), Rig::new(prim.desc.name, &[]));
+            let (mut dice, mut rig) = (Random(4), TestBench::new(prim.desc.name, &[]));
             let mut step = || {
                 let inputs: Vec<_> = rig
                     .types()
@@ -224,9 +224,9 @@ fn the_same_inputs_give_the_same_bits() {
 
 #[test]
 fn nothing_panics_on_extreme_inputs_and_only_the_declared_ones_fault() {
-    let mut dice = Dice(5);
+    let mut dice = Random(5);
     for prim in with_code() {
-        let mut rig = Rig::new(prim.desc.name, &[]);
+        let mut rig = TestBench::new(prim.desc.name, &[]);
         for _ in 0..100 {
             let inputs: Vec<_> = rig
                 .types()
@@ -245,21 +245,21 @@ fn nothing_panics_on_extreme_inputs_and_only_the_declared_ones_fault() {
 
 #[test]
 fn absurd_parameters_are_no_panic() {
-    let params = [f64::NAN, f64::INFINITY, -1.0, 0.0].map(of);
+    let params = [f64::NAN, f64::INFINITY, -1.0, 0.0].map(value_of);
     for prim in with_code() {
         for value in &params {
             let reals = prim
                 .desc
                 .params
                 .iter()
-                .filter(|p| p.ty == rpi_image::ParamType::One(Scalar::Real));
+                .filter(|p| p.ty == rpi_image::ParamType::Scalar(Scalar::Real));
             let given: Vec<_> = reals.map(|p| (p.name, value.clone())).collect();
             let infinite = common::get::<f64>(value) == f64::INFINITY;
-            let sized = matches!(prim.desc.state, rpi_image::State::Sized(_));
+            let sized = matches!(prim.desc.state, rpi_image::StateSize::Computed(_));
             if given.is_empty() || (infinite && sized) {
                 continue;
             }
-            let (mut dice, mut rig) = (Dice(6), Rig::new(prim.desc.name, &given));
+            let (mut dice, mut rig) = (Random(6), TestBench::new(prim.desc.name, &given));
             for _ in 0..10 {
                 let inputs: Vec<_> = rig
                     .types()
@@ -281,17 +281,17 @@ fn guarded_operations_fault_only_where_they_count() {
         let plain = ["Rpi::", "Core::"].map(|space| name.replace("Rpi::", space));
         let plain = plain
             .iter()
-            .find(|name| rpi_prims::PrimId::of(name).is_some());
-        let mut plain = Rig::new(plain.expect("an operation without a guard"), &[]);
-        let mut rig = Rig::new(prim.desc.name, &[]);
-        let mut dice = Dice(7);
+            .find(|name| rpi_prims::PrimId::from_name(name).is_some());
+        let mut plain = TestBench::new(plain.expect("an operation without a guard"), &[]);
+        let mut rig = TestBench::new(prim.desc.name, &[]);
+        let mut dice = Random(7);
         for _ in 0..100 {
             let operands: Vec<_> = plain
                 .types()
                 .into_iter()
                 .map(|ty| Some(dice.extreme(ty)))
                 .collect();
-            let with = |active: bool| [vec![Some(of(active))], operands.clone()].concat();
+            let with = |active: bool| [vec![Some(value_of(active))], operands.clone()].concat();
             assert_eq!(
                 (rig.step(&with(true)), rig.fault),
                 (plain.step(&operands), plain.fault),
@@ -300,7 +300,7 @@ fn guarded_operations_fault_only_where_they_count() {
             );
             assert_eq!(
                 (rig.step(&with(false)), rig.fault),
-                (vec![Some(of(0_i64))], None),
+                (vec![Some(value_of(0_i64))], None),
                 "{}",
                 prim.desc.name
             );

@@ -2,6 +2,6 @@
 //!
 //! It takes what the runtime observes in a run and must not depend on nets or the compiler.
 
-pub mod record;
-pub mod recording;
+pub mod mcap;
+pub mod sample_output;
 pub mod trace;

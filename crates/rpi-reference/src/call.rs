@@ -1,70 +1,74 @@
 //! Calls. Each call has its own instance, which lives as long as the calling block is not reset (M6.5).
 
-use rpi_sema::typed::{Activation, Call, Each, ExprId, Kind, UnitId, UnitKind};
+use rpi_sema::typed::{Activation, Call, ElementwiseOp, ExprId, TypedExprKind, UnitId, UnitKind};
 
-use crate::cycle::{Keep, Reference};
-use crate::instance::{Here, Instance, InstanceId};
-use crate::value::{Leaf, Stop};
+use crate::cycle::{Interpreter, MemoryUpdate};
+use crate::instance::{EvalContext, Instance, InstanceId};
+use crate::value::{EvalError, Leaf};
 
-impl<'p> Reference<'p> {
+impl<'p> Interpreter<'p> {
     /// Returns a leaf of the result of a call.
     pub(crate) fn result(
         &mut self,
-        here: Here,
+        here: EvalContext,
         id: ExprId,
         call: &'p Call,
         k: usize,
-    ) -> Result<Leaf, Stop> {
-        let leaf = match self.called(here, id, call)? {
+    ) -> Result<Leaf, EvalError> {
+        let leaf = match self.active_instance(here, id, call)? {
             Some(instance) => Some(self.output(instance, k)?),
             None => None,
         };
         match &call.activation {
-            Activation::Condact { default, .. } => self.lasting(here, id, k, leaf, *default),
+            Activation::Condact { default, .. } => self.held_result(here, id, k, leaf, *default),
             _ => Ok(leaf.flatten()),
         }
     }
 
     /// Returns the result of a conditionally activated call. While the call does not run, this is the result of its
     /// last run, which may be absent; before the first run it is the default of the first cycle.
-    fn lasting(
+    fn held_result(
         &mut self,
-        here: Here,
+        here: EvalContext,
         id: ExprId,
         k: usize,
         ran: Option<Leaf>,
         default: Option<ExprId>,
-    ) -> Result<Leaf, Stop> {
+    ) -> Result<Leaf, EvalError> {
         let memory = self.instances[here.instance].memory(here.block);
-        let kept = memory.kept.get(&(id, k)).copied();
+        let kept = memory.delayed_values.get(&(id, k)).copied();
         let leaf = match (ran.or(kept), default) {
             (Some(leaf), _) => leaf,
             (None, Some(default)) => self.leaf(here.unguarded(), default, k)?,
             (None, None) => None,
         };
-        self.keep.push((here, Keep::Leaf(id, k, leaf)));
+        self.updates.push((here, MemoryUpdate::Leaf(id, k, leaf)));
         Ok(leaf)
     }
 
     /// Returns the instance of a call, or `None` if the call does not run in this cycle.
-    pub(crate) fn called(
+    pub(crate) fn active_instance(
         &mut self,
-        here: Here,
+        here: EvalContext,
         id: ExprId,
         call: &'p Call,
-    ) -> Result<Option<InstanceId>, Stop> {
-        if let Some(known) = self.instances[here.instance].now.entered.get(&id) {
+    ) -> Result<Option<InstanceId>, EvalError> {
+        if let Some(known) = self.instances[here.instance].current.entered.get(&id) {
             return Ok(*known);
         }
         let (runs, afresh) = self.activation(here, &call.activation)?;
         let entered = runs.then(|| self.instance(here, id, call, afresh));
-        let now = &mut self.instances[here.instance].now;
+        let now = &mut self.instances[here.instance].current;
         now.entered.insert(id, entered);
         Ok(entered)
     }
 
     /// Returns whether a call runs, and whether it restarts.
-    fn activation(&mut self, here: Here, activation: &Activation) -> Result<(bool, bool), Stop> {
+    fn activation(
+        &mut self,
+        here: EvalContext,
+        activation: &Activation,
+    ) -> Result<(bool, bool), EvalError> {
         let here = here.unguarded();
         Ok(match activation {
             Activation::Always => (true, false),
@@ -80,8 +84,14 @@ impl<'p> Reference<'p> {
         })
     }
 
-    fn instance(&mut self, here: Here, id: ExprId, call: &'p Call, afresh: bool) -> InstanceId {
-        let around = match self.follows_choice(call) {
+    fn instance(
+        &mut self,
+        here: EvalContext,
+        id: ExprId,
+        call: &'p Call,
+        afresh: bool,
+    ) -> InstanceId {
+        let around = match self.is_stateless_call(call) {
             true => here,
             false => here.unguarded(),
         };
@@ -101,7 +111,7 @@ impl<'p> Reference<'p> {
     }
 
     /// Returns a leaf of the out-ports of an instance, numbered consecutively.
-    fn output(&mut self, instance: InstanceId, mut k: usize) -> Result<Leaf, Stop> {
+    fn output(&mut self, instance: InstanceId, mut k: usize) -> Result<Leaf, EvalError> {
         let unit = self.instances[instance].unit;
         for flow in &unit.outputs {
             let size = unit.flow(*flow).ty.leaf_count();
@@ -110,12 +120,12 @@ impl<'p> Reference<'p> {
             }
             k -= size;
         }
-        Err(Stop::Beyond("a missing out-port".to_owned()))
+        Err(EvalError::Unsupported("a missing out-port".to_owned()))
     }
 
     /// Returns whether the evaluation of a call is needed only where its value is needed: neither the callee nor
     /// anything that it calls has state (M6.7).
-    pub(crate) fn follows_choice(&self, call: &Call) -> bool {
+    pub(crate) fn is_stateless_call(&self, call: &Call) -> bool {
         matches!(call.activation, Activation::Always) && self.is_stateless(call.unit)
     }
 
@@ -133,12 +143,17 @@ impl<'p> Reference<'p> {
         !has_parts && !unit.exprs.iter().any(|expr| self.is_state(&expr.kind))
     }
 
-    fn is_state(&self, kind: &Kind) -> bool {
+    fn is_state(&self, kind: &TypedExprKind) -> bool {
         match kind {
-            Kind::Each(each, _) => matches!(each, Each::Pre | Each::Last | Each::Hold),
-            Kind::Current(_) => true,
-            Kind::Prim(call) => !matches!(call.prim.desc().state, rpi_image::State::None),
-            Kind::Call(call) => !self.follows_choice(call),
+            TypedExprKind::Each(each, _) => matches!(
+                each,
+                ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold
+            ),
+            TypedExprKind::Current(_) => true,
+            TypedExprKind::Prim(call) => {
+                !matches!(call.prim.desc().state, rpi_image::StateSize::None)
+            }
+            TypedExprKind::Call(call) => !self.is_stateless_call(call),
             _ => false,
         }
     }

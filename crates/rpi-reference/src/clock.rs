@@ -10,23 +10,25 @@ mod context;
 
 use std::rc::Rc;
 
-use rpi_sema::typed::{BlockId, ClockOn, Each, ExprId, FlowId, FlowRole, Kind, Unit};
+use rpi_sema::typed::{
+    BlockId, DeclaredClock, ElementwiseOp, ExprId, FlowId, FlowRole, TypedExprKind, Unit,
+};
 
 pub(crate) use calls::call_of;
 
 /// Origin of the condition of a sampling.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Decider {
+pub(crate) enum ClockCondition {
     /// Flow of the unit.
     Flow(FlowId),
     /// Condition inside a call that has no name in the caller: the call, and the condition in the callee.
-    Behind(ExprId, Box<Decider>),
+    InCall(ExprId, Box<ClockCondition>),
 }
 
 /// One sampling step: the cycles in which the condition has the given value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Sampling {
-    pub(crate) by: Decider,
+    pub(crate) by: ClockCondition,
     pub(crate) value: u32,
 }
 
@@ -44,12 +46,12 @@ pub(crate) struct Clocks {
 }
 
 /// Computation of the clocks of one unit.
-struct Finder<'p> {
+struct ClockSolver<'p> {
     unit: &'p Unit,
     units: &'p [Unit],
     /// Clocks of the called units.
-    known: &'p [Option<Rc<Clocks>>],
-    found: Clocks,
+    callees: &'p [Option<Rc<Clocks>>],
+    clocks: Clocks,
     /// Whether the clocks that follow from flows with declared clocks are complete.
     is_settled: bool,
     /// Whether the base clock is assigned to operators and calls that have their own first cycle but no clock from
@@ -66,21 +68,21 @@ pub(crate) fn base() -> Clock {
 pub(crate) fn clocks(units: &[Unit]) -> Vec<Rc<Clocks>> {
     let mut known = vec![None; units.len()];
     for k in 0..units.len() {
-        of_unit(units, k, &mut known);
+        compute_unit(units, k, &mut known);
     }
     known.into_iter().flatten().collect()
 }
 
 /// Computes the clocks of a unit after those of its callees. Units are not recursive.
-fn of_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
+fn compute_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
     if known[k].is_some() {
         return;
     }
     let unit = &units[k];
     for call in unit.exprs.iter().filter_map(|expr| call_of(&expr.kind)) {
-        of_unit(units, call.unit.0 as usize, known);
+        compute_unit(units, call.unit.0 as usize, known);
     }
-    let found = Finder::new(unit, units, known).find();
+    let found = ClockSolver::new(unit, units, known).find();
     known[k] = Some(Rc::new(found));
 }
 
@@ -97,8 +99,8 @@ impl Clocks {
     }
 }
 
-impl<'p> Finder<'p> {
-    fn new(unit: &'p Unit, units: &'p [Unit], known: &'p [Option<Rc<Clocks>>]) -> Finder<'p> {
+impl<'p> ClockSolver<'p> {
+    fn new(unit: &'p Unit, units: &'p [Unit], known: &'p [Option<Rc<Clocks>>]) -> ClockSolver<'p> {
         let of_flow = |flow: &rpi_sema::typed::Flow| vec![None; flow.ty.leaf_count()];
         let of_expr = |expr: &rpi_sema::typed::Expr| vec![None; expr.ty.leaf_count()];
         let found = Clocks {
@@ -107,11 +109,11 @@ impl<'p> Finder<'p> {
             calls: vec![None; unit.exprs.len()],
             blocks: context::blocks(unit),
         };
-        Finder {
+        ClockSolver {
             unit,
             units,
-            known,
-            found,
+            callees: known,
+            clocks: found,
             is_settled: false,
             has_starts: false,
         }
@@ -127,8 +129,8 @@ impl<'p> Finder<'p> {
         // This step comes last, because a clock that is not yet known may still determine when a call or `hold` starts.
         self.has_starts = true;
         self.until_nothing_changes();
-        self.settle();
-        self.found
+        self.adopt_reader_clocks();
+        self.clocks
     }
 
     /// Assigns the base clock to flows without a clock, first to flows that do not depend on the clocks of others.
@@ -140,7 +142,7 @@ impl<'p> Finder<'p> {
         let settled: Vec<FlowId> = settled.copied().collect();
         let chosen = if settled.is_empty() { &open } else { &settled };
         for flow in chosen {
-            for leaf in &mut self.found.flows[flow.0 as usize] {
+            for leaf in &mut self.clocks.flows[flow.0 as usize] {
                 leaf.get_or_insert_with(|| Rc::new([]));
             }
         }
@@ -148,7 +150,7 @@ impl<'p> Finder<'p> {
     }
 
     fn is_open(&self, id: FlowId) -> bool {
-        self.found.flows[id.0 as usize].contains(&None)
+        self.clocks.flows[id.0 as usize].contains(&None)
     }
 
     /// Returns whether the value of a flow is sampled, somewhere in its definition, by a flow that has no clock yet.
@@ -166,8 +168,8 @@ impl<'p> Finder<'p> {
             let mut open: Vec<ExprId> = values.map(|(_, value, _)| value).collect();
             while let Some(at) = open.pop() {
                 match &self.unit.expr(at).kind {
-                    Kind::Flow(flow) => flows.push(*flow),
-                    Kind::When { clock, .. } if self.is_open(clock.flow) => return true,
+                    TypedExprKind::Flow(flow) => flows.push(*flow),
+                    TypedExprKind::When { clock, .. } if self.is_open(clock.flow) => return true,
                     other => other.operands(&mut |operand| open.push(operand)),
                 }
             }
@@ -177,19 +179,19 @@ impl<'p> Finder<'p> {
 
     fn until_nothing_changes(&mut self) {
         loop {
-            let before = self.found.flows.clone();
+            let before = self.clocks.flows.clone();
             for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
                 let leaves = 0..self.unit.expr(id).ty.leaf_count();
-                self.found.exprs[id.0 as usize] = leaves.map(|k| self.leaf(id, k)).collect();
+                self.clocks.exprs[id.0 as usize] = leaves.map(|k| self.leaf(id, k)).collect();
             }
             for flow in (0..).map(FlowId).take(self.unit.flows.len()) {
                 for k in 0..self.unit.flow(flow).ty.leaf_count() {
                     let now = self.flow(flow, k);
-                    let leaf = &mut self.found.flows[flow.0 as usize][k];
-                    *leaf = common([leaf.clone(), now].into_iter());
+                    let leaf = &mut self.clocks.flows[flow.0 as usize][k];
+                    *leaf = common_prefix([leaf.clone(), now].into_iter());
                 }
             }
-            if self.found.flows == before {
+            if self.clocks.flows == before {
                 return;
             }
         }
@@ -199,72 +201,77 @@ impl<'p> Finder<'p> {
     fn flow(&self, id: FlowId, k: usize) -> Clock {
         let flow = self.unit.flow(id);
         if let Some(on) = flow.clock {
-            return self.on(on);
+            return self.sampled_clock(on);
         }
         if flow.role == FlowRole::Param {
             return None;
         }
         match crate::flow::definition(self.unit, id, k) {
-            Some((_, value, leaf)) => self.found.exprs[value.0 as usize][leaf].clone(),
+            Some((_, value, leaf)) => self.clocks.exprs[value.0 as usize][leaf].clone(),
             // A port or a flow shared by states is read in all cycles, present or not.
             None => base(),
         }
     }
 
     /// Returns the clock of the cycles in which a flow has a given value.
-    fn on(&self, on: ClockOn) -> Clock {
-        let decides = self.found.flows[on.flow.0 as usize].first()?.clone()?;
-        Some(then(&decides, self.by(on.flow), on.value))
+    fn sampled_clock(&self, on: DeclaredClock) -> Clock {
+        let decides = self.clocks.flows[on.flow.0 as usize].first()?.clone()?;
+        Some(sampled(&decides, self.clock_condition(on.flow), on.value))
     }
 
     /// Returns the condition represented by a flow. In RPI a flow that copies another stands for that one; in Lustre
     /// each name is a separate clock.
-    fn by(&self, flow: FlowId) -> Decider {
+    fn clock_condition(&self, flow: FlowId) -> ClockCondition {
         let mut flow = flow;
         for _ in 0..self.unit.flows.len() {
             let value = crate::flow::definition(self.unit, flow, 0).map(|(_, value, _)| value);
             match value.map(|value| (value, &self.unit.expr(value).kind)) {
-                Some((value, Kind::Flow(source)))
-                    if !self.unit.is_lustre && self.is_seen(*source, value) =>
+                Some((value, TypedExprKind::Flow(source)))
+                    if !self.unit.is_lustre && self.is_visible_in_scope(*source, value) =>
                 {
                     flow = *source;
                 }
                 _ => break,
             }
         }
-        Decider::Flow(flow)
+        ClockCondition::Flow(flow)
     }
 
     /// Returns the clock of a leaf of an expression whose operands have clocks.
     fn leaf(&mut self, id: ExprId, k: usize) -> Clock {
         let expr = self.unit.expr(id);
         match &expr.kind {
-            Kind::Flow(flow) if !self.is_seen(*flow, id) => base(),
-            Kind::Flow(flow) => self.found.flows[flow.0 as usize][k].clone(),
-            Kind::When { clock, .. } => self.on(*clock),
-            Kind::Current(operand) => {
-                let clock = self.found.exprs[operand.0 as usize][k].clone()?;
+            TypedExprKind::Flow(flow) if !self.is_visible_in_scope(*flow, id) => base(),
+            TypedExprKind::Flow(flow) => self.clocks.flows[flow.0 as usize][k].clone(),
+            TypedExprKind::When { clock, .. } => self.sampled_clock(*clock),
+            TypedExprKind::Current(operand) => {
+                let clock = self.clocks.exprs[operand.0 as usize][k].clone()?;
                 Some(clock[..clock.len().saturating_sub(1)].into())
             }
-            Kind::Merge { on, .. } => self.found.exprs[on.0 as usize][0].clone(),
+            TypedExprKind::Merge { on, .. } => self.clocks.exprs[on.0 as usize][0].clone(),
             // Like a call with state: its first cycle is that of the body.
-            Kind::Each(Each::Hold, _) if self.has_starts && !self.unit.is_lustre => base(),
-            Kind::Present(_) | Kind::Each(Each::Coalesce | Each::Hold, _) => None,
-            Kind::Call(call) => self.call(id, call, k),
+            TypedExprKind::Each(ElementwiseOp::Hold, _)
+                if self.has_starts && !self.unit.is_lustre =>
+            {
+                base()
+            }
+            TypedExprKind::Present(_)
+            | TypedExprKind::Each(ElementwiseOp::Coalesce | ElementwiseOp::Hold, _) => None,
+            TypedExprKind::Call(call) => self.call(id, call, k),
             kind => {
                 let mut clocks = Vec::new();
                 self.reads(kind, &expr.ty, k, &mut |operand, leaf| {
-                    clocks.push(self.found.exprs[operand.0 as usize][leaf].clone());
+                    clocks.push(self.clocks.exprs[operand.0 as usize][leaf].clone());
                 });
-                common(clocks.into_iter())
+                common_prefix(clocks.into_iter())
             }
         }
     }
 
     /// Returns whether a flow has its own clock at a reader. Outside of its fragment or state, it is an optional flow
     /// of the enclosing block (M4.2).
-    fn is_seen(&self, flow: FlowId, reader: ExprId) -> bool {
-        let mut around = Some(self.found.blocks[reader.0 as usize]);
+    fn is_visible_in_scope(&self, flow: FlowId, reader: ExprId) -> bool {
+        let mut around = Some(self.clocks.blocks[reader.0 as usize]);
         while let Some(block) = around {
             if block == self.unit.flow(flow).block {
                 return true;
@@ -277,22 +284,22 @@ impl<'p> Finder<'p> {
     /// Calls `read` with the leaves of the operands from which a leaf is computed.
     fn reads(
         &self,
-        kind: &Kind,
+        kind: &TypedExprKind,
         ty: &rpi_sema::ty::Ty,
         k: usize,
         read: &mut impl FnMut(ExprId, usize),
     ) {
         let size = |id: ExprId| self.unit.expr(id).ty.leaf_count();
         match kind {
-            Kind::Part { base, at } => read(*base, *at as usize + k),
-            Kind::Repeat(element) => read(*element, k % size(*element).max(1)),
-            Kind::Replace { base, at, value } => {
+            TypedExprKind::Part { base, at } => read(*base, *at as usize + k),
+            TypedExprKind::Repeat(element) => read(*element, k % size(*element).max(1)),
+            TypedExprKind::Replace { base, at, value } => {
                 match k.checked_sub(*at as usize).filter(|k| *k < size(*value)) {
                     Some(k) => read(*value, k),
                     None => read(*base, k),
                 }
             }
-            Kind::Build(parts) => {
+            TypedExprKind::Build(parts) => {
                 let mut first = 0;
                 for part in parts {
                     if (first..first + size(*part)).contains(&k) {
@@ -301,7 +308,7 @@ impl<'p> Finder<'p> {
                     first += size(*part);
                 }
             }
-            Kind::Each(_, operands) => {
+            TypedExprKind::Each(_, operands) => {
                 for operand in operands {
                     // The condition of an `if` has one leaf, whatever the number of leaves of its branches.
                     let leaf = if size(*operand) == ty.leaf_count() {
@@ -320,13 +327,13 @@ impl<'p> Finder<'p> {
 }
 
 /// Returns a clock with one more sampling step.
-fn then(clock: &[Sampling], by: Decider, value: u32) -> Rc<[Sampling]> {
+fn sampled(clock: &[Sampling], by: ClockCondition, value: u32) -> Rc<[Sampling]> {
     let last = Sampling { by, value };
     clock.iter().cloned().chain([last]).collect()
 }
 
 /// Returns the common prefix of clocks: the slowest clock from which all of them are sampled.
-fn common(clocks: impl Iterator<Item = Clock>) -> Clock {
+fn common_prefix(clocks: impl Iterator<Item = Clock>) -> Clock {
     clocks.flatten().map(Some).reduce(|a, b| {
         let (a, b) = (a?, b?);
         let both = a.iter().zip(b.iter()).take_while(|(a, b)| a == b);

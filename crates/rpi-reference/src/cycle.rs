@@ -5,16 +5,17 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use rpi_sema::typed::{
-    self, BlockId, Each, Equation, ExprId, FlowId, FlowRole, Kind, PrimCall, Unit, UnitId,
+    self, BlockId, ElementwiseOp, Equation, ExprId, FlowId, FlowRole, PrimCall, TypedExprKind,
+    Unit, UnitId,
 };
-use rpi_syntax::ast::EndKind;
+use rpi_syntax::ast::CommandEndKind;
 
 use crate::clock::{self, Clocks};
-use crate::instance::{Here, Instance, InstanceId, Now, Place, State};
-use crate::value::{Leaf, Stop};
+use crate::instance::{CycleValues, EvalContext, Instance, InstanceId, LeafId, State};
+use crate::value::{EvalError, Leaf};
 
 /// Interpreter of a program, with its state.
-pub struct Reference<'p> {
+pub struct Interpreter<'p> {
     pub(crate) units: &'p [Unit],
     /// Clocks of each unit.
     pub(crate) clocks: Vec<Rc<Clocks>>,
@@ -27,11 +28,11 @@ pub struct Reference<'p> {
     /// Inputs of the current cycle, by leaf.
     pub(crate) inputs: Vec<Leaf>,
     /// Updates of the memory for the next cycle.
-    pub(crate) keep: Vec<(Here, Keep)>,
+    pub(crate) updates: Vec<(EvalContext, MemoryUpdate)>,
 }
 
 /// Update of the memory for the next cycle.
-pub(crate) enum Keep {
+pub(crate) enum MemoryUpdate {
     /// Leaf of a delayed expression; it is evaluated at the end of the cycle.
     Delayed(ExprId, usize, ExprId),
     /// Leaf with a known value.
@@ -50,7 +51,7 @@ pub(crate) enum Keep {
 
 /// Observable result of a cycle.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Cycle {
+pub struct CycleOutput {
     /// Out-ports, by leaf.
     pub outputs: Vec<Leaf>,
     /// Exported flows, by leaf, in source order.
@@ -59,18 +60,18 @@ pub struct Cycle {
     pub end: Option<usize>,
 }
 
-impl<'p> Reference<'p> {
+impl<'p> Interpreter<'p> {
     /// Creates an interpreter for a unit that runs on its own. `dt` is the period in seconds.
     #[must_use]
-    pub fn new(units: &'p [Unit], root: UnitId, dt: f64) -> Reference<'p> {
-        Reference {
+    pub fn new(units: &'p [Unit], root: UnitId, dt: f64) -> Interpreter<'p> {
+        Interpreter {
             units,
             clocks: clock::clocks(units),
             instances: vec![Instance::new(&units[root.0 as usize], root, None)],
             cycle: 0,
             dt,
             inputs: Vec::new(),
-            keep: Vec::new(),
+            updates: Vec::new(),
         }
     }
 
@@ -78,7 +79,7 @@ impl<'p> Reference<'p> {
     ///
     /// # Errors
     /// If the cycle faults; no further cycle may be run then.
-    pub fn cycle(&mut self, inputs: &[Leaf]) -> Result<Cycle, Stop> {
+    pub fn cycle(&mut self, inputs: &[Leaf]) -> Result<CycleOutput, EvalError> {
         self.cycle += 1;
         self.inputs = inputs.to_vec();
         self.enter(0, true);
@@ -89,28 +90,28 @@ impl<'p> Reference<'p> {
             let ty = &unit.flow(*flow).ty;
             for k in 0..ty.leaf_count() {
                 let leaf = self.flow(0, *flow, k)?;
-                outputs.push(self.as_seen(leaf, ty, k));
+                outputs.push(self.to_external(leaf, ty, k));
             }
         }
-        let seen = Cycle {
+        let seen = CycleOutput {
             outputs,
             exports: self.exports()?,
             end: self.end()?,
         };
-        self.remember()?;
+        self.update_memory()?;
         Ok(seen)
     }
 
     /// Begins a cycle of an instance.
     pub(crate) fn enter(&mut self, instance: InstanceId, chosen: bool) {
-        self.instances[instance].now = Now {
+        self.instances[instance].current = CycleValues {
             chosen,
-            ..Now::default()
+            ..CycleValues::default()
         };
     }
 
     /// Evaluates all active expressions of an instance.
-    pub(crate) fn body(&mut self, instance: InstanceId) -> Result<(), Stop> {
+    pub(crate) fn body(&mut self, instance: InstanceId) -> Result<(), EvalError> {
         let unit = self.instances[instance].unit;
         self.ports(instance)?;
         for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
@@ -120,29 +121,29 @@ impl<'p> Reference<'p> {
             }
             let here = self.inside(instance, id);
             for equation in &block.equations {
-                self.visit(here, equation.value)?;
+                self.evaluate(here, equation.value)?;
                 self.targets(instance, equation)?;
             }
             for claim in &block.claims {
-                self.visit(here, claim.condition)?;
+                self.evaluate(here, claim.condition)?;
             }
             for k in 0..block.automata.len() {
                 self.transitions(here, id, k)?;
             }
             for export in &block.exports {
-                self.visit(here, export.value)?;
+                self.evaluate(here, export.value)?;
             }
             for end in &block.ends {
-                self.visit(here, end.condition)?;
+                self.evaluate(here, end.condition)?;
             }
         }
         Ok(())
     }
 
     /// Checks that the values defined by an equation lie in the subranges of the flows.
-    fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), Stop> {
+    fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), EvalError> {
         for target in &equation.targets {
-            if let typed::Place::Flow { flow, at } = target.place {
+            if let typed::TargetPlace::Flow { flow, at } = target.place {
                 for (k, _) in target.ty.subranges(false) {
                     self.flow(instance, flow, at as usize + k)?;
                 }
@@ -152,7 +153,7 @@ impl<'p> Reference<'p> {
     }
 
     /// Checks that the inputs lie in the subranges of the in-ports.
-    fn ports(&mut self, instance: InstanceId) -> Result<(), Stop> {
+    fn ports(&mut self, instance: InstanceId) -> Result<(), EvalError> {
         let unit = self.instances[instance].unit;
         let from_outside = self.instances[instance].caller.is_none();
         for flow in &unit.inputs {
@@ -164,39 +165,39 @@ impl<'p> Reference<'p> {
     }
 
     /// Returns the evaluation context inside a block.
-    pub(crate) fn inside(&self, instance: InstanceId, block: BlockId) -> Here {
-        Here {
+    pub(crate) fn inside(&self, instance: InstanceId, block: BlockId) -> EvalContext {
+        EvalContext {
             instance,
             block: Some(block),
-            chosen: self.instances[instance].now.chosen,
+            chosen: self.instances[instance].current.chosen,
         }
     }
 
     /// Evaluates all leaves of an expression and of its operands, because an expression whose value is not used may
     /// still fault or have state.
-    pub(crate) fn visit(&mut self, here: Here, id: ExprId) -> Result<(), Stop> {
-        if !self.instances[here.instance].now.visited.insert(id) {
+    pub(crate) fn evaluate(&mut self, here: EvalContext, id: ExprId) -> Result<(), EvalError> {
+        if !self.instances[here.instance].current.visited.insert(id) {
             return Ok(());
         }
         let expr = self.instances[here.instance].unit.expr(id);
         for k in 0..expr.ty.leaf_count() {
             self.leaf(here, id, k)?;
         }
-        if let Kind::Call(call) = &expr.kind
+        if let TypedExprKind::Call(call) = &expr.kind
             && self.runs(here, id)?
-            && let Some(instance) = self.called(here, id, call)?
+            && let Some(instance) = self.active_instance(here, id, call)?
         {
             self.body(instance)?;
         }
         let mut operands = Vec::new();
         expr.kind.operands(&mut |operand| operands.push(operand));
-        if let Kind::Each(Each::Coalesce, of) = &expr.kind {
-            self.needed(here, id, of[0], of[1])?;
+        if let TypedExprKind::Each(ElementwiseOp::Coalesce, of) = &expr.kind {
+            self.evaluate_if_absent(here, id, of[0], of[1])?;
         }
         for (k, operand) in operands.into_iter().enumerate() {
             if self.is_text(here, id, k)? {
                 let there = self.operand(here, (id, 0), k)?;
-                self.visit(there, operand)?;
+                self.evaluate(there, operand)?;
             }
         }
         Ok(())
@@ -204,7 +205,13 @@ impl<'p> Reference<'p> {
 
     /// Evaluates the parts of y that `x ?? y` needs: for an array or struct literal only the parts with an absent leaf
     /// in x, for any other expression everything if any leaf of x is absent (M6.7).
-    fn needed(&mut self, here: Here, id: ExprId, x: ExprId, y: ExprId) -> Result<(), Stop> {
+    fn evaluate_if_absent(
+        &mut self,
+        here: EvalContext,
+        id: ExprId,
+        x: ExprId,
+        y: ExprId,
+    ) -> Result<(), EvalError> {
         let unit = self.instances[here.instance].unit;
         let mut absent = Vec::new();
         for k in 0..unit.expr(id).ty.leaf_count() {
@@ -213,9 +220,14 @@ impl<'p> Reference<'p> {
         self.where_absent(here, y, &absent)
     }
 
-    fn where_absent(&mut self, here: Here, y: ExprId, absent: &[bool]) -> Result<(), Stop> {
+    fn where_absent(
+        &mut self,
+        here: EvalContext,
+        y: ExprId,
+        absent: &[bool],
+    ) -> Result<(), EvalError> {
         let unit = self.instances[here.instance].unit;
-        if let Kind::Build(parts) = &unit.expr(y).kind
+        if let TypedExprKind::Build(parts) = &unit.expr(y).kind
             && !self.clocks(here).are_sampled()
         {
             let mut first = 0;
@@ -227,17 +239,19 @@ impl<'p> Reference<'p> {
             return Ok(());
         }
         match absent.contains(&true) {
-            true => self.visit(here, y),
+            true => self.evaluate(here, y),
             false => Ok(()),
         }
     }
 
     /// Returns whether the operand of this number is part of the instance: a branch excluded by static parameters is
     /// not (M5.4).
-    fn is_text(&mut self, here: Here, id: ExprId, number: usize) -> Result<bool, Stop> {
+    fn is_text(&mut self, here: EvalContext, id: ExprId, number: usize) -> Result<bool, EvalError> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
-            Kind::Each(Each::If, operands) if number > 0 && unit.chosen.contains(&operands[0]) => {
+            TypedExprKind::Each(ElementwiseOp::If, operands)
+                if number > 0 && unit.static_conditions.contains(&operands[0]) =>
+            {
                 self.truth(here, operands[0])? == Some(number == 1)
             }
             _ => true,
@@ -248,53 +262,61 @@ impl<'p> Reference<'p> {
     /// operator needs its value (M6.7).
     pub(crate) fn operand(
         &mut self,
-        here: Here,
-        (id, k): Place,
+        here: EvalContext,
+        (id, k): LeafId,
         number: usize,
-    ) -> Result<Here, Stop> {
+    ) -> Result<EvalContext, EvalError> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
-            Kind::Each(Each::If, operands) if number > 0 => {
+            TypedExprKind::Each(ElementwiseOp::If, operands) if number > 0 => {
                 let condition = self.truth(here, operands[0])?;
-                Here {
+                EvalContext {
                     chosen: here.chosen && condition == Some(number == 1),
                     ..here
                 }
             }
-            Kind::Each(Each::Arrow, _) => Here {
+            TypedExprKind::Each(ElementwiseOp::Arrow, _) => EvalContext {
                 chosen: here.chosen && self.is_first(here, (id, k)) == (number == 0),
                 ..here
             },
-            Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => {
-                here.unguarded()
-            }
+            TypedExprKind::Each(
+                ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold,
+                _,
+            )
+            | TypedExprKind::Current(_) => here.unguarded(),
             // The leaves of the right operand that are needed were evaluated before.
-            Kind::Each(Each::Coalesce, _) if number == 1 => Here {
+            TypedExprKind::Each(ElementwiseOp::Coalesce, _) if number == 1 => EvalContext {
                 chosen: false,
                 ..here
             },
-            Kind::Prim(call) if number == 1 && is_lazy(call) => self.second(here, call)?,
-            Kind::Prim(call) if remembers(call) => here.unguarded(),
-            Kind::Call(call) if !self.follows_choice(call) => here.unguarded(),
+            TypedExprKind::Prim(call) if number == 1 && is_lazy(call) => {
+                self.right_operand_context(here, call)?
+            }
+            TypedExprKind::Prim(call) if has_state(call) => here.unguarded(),
+            TypedExprKind::Call(call) if !self.is_stateless_call(call) => here.unguarded(),
             _ => here,
         })
     }
 
     /// Returns the context of the right operand of `and`, `or` and `=>`: chosen unless the left one decides. An absent
     /// left operand does not decide (M4.4).
-    fn second(&mut self, here: Here, call: &PrimCall) -> Result<Here, Stop> {
+    fn right_operand_context(
+        &mut self,
+        here: EvalContext,
+        call: &PrimCall,
+    ) -> Result<EvalContext, EvalError> {
         let left = match call.inputs[0] {
             Some(left) => self.truth(here, left)?,
             None => None,
         };
         let decides = left == Some(call.prim.desc().name == "Core::BooleanOr");
-        Ok(Here {
+        Ok(EvalContext {
             chosen: here.chosen && !decides,
             ..here
         })
     }
 
-    fn exports(&mut self) -> Result<Vec<Leaf>, Stop> {
+    fn exports(&mut self) -> Result<Vec<Leaf>, EvalError> {
         let unit = self.instances[0].unit;
         let mut leaves = Vec::new();
         for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
@@ -308,7 +330,7 @@ impl<'p> Reference<'p> {
                     } else {
                         None
                     };
-                    leaves.push(self.as_seen(leaf, ty, k));
+                    leaves.push(self.to_external(leaf, ty, k));
                 }
             }
         }
@@ -316,12 +338,13 @@ impl<'p> Reference<'p> {
     }
 
     /// Returns the result with which the command ends. `fail` takes precedence, then the source order (M10.1).
-    fn end(&mut self) -> Result<Option<usize>, Stop> {
+    fn end(&mut self) -> Result<Option<usize>, EvalError> {
         let ends = &self.instances[0].unit.block(BlockId::ROOT).ends;
         let here = self.inside(0, BlockId::ROOT);
         for fail in [true, false] {
             for (k, end) in ends.iter().enumerate() {
-                let asked = (end.kind == EndKind::Fail) == fail && end.kind != EndKind::Yield;
+                let asked =
+                    (end.kind == CommandEndKind::Fail) == fail && end.kind != CommandEndKind::Yield;
                 if asked && self.truth(here, end.condition)? == Some(true) {
                     return Ok(Some(k));
                 }
@@ -331,17 +354,17 @@ impl<'p> Reference<'p> {
     }
 
     /// Updates the memory for the next cycle.
-    fn remember(&mut self) -> Result<(), Stop> {
+    fn update_memory(&mut self) -> Result<(), EvalError> {
         let mut known = Vec::new();
         // Evaluating a delayed operand may record further updates.
-        while !self.keep.is_empty() {
-            for (here, keep) in std::mem::take(&mut self.keep) {
+        while !self.updates.is_empty() {
+            for (here, keep) in std::mem::take(&mut self.updates) {
                 let keep = match keep {
-                    Keep::Delayed(id, k, operand) => {
-                        Keep::Leaf(id, k, self.leaf(here.unguarded(), operand, k)?)
+                    MemoryUpdate::Delayed(id, k, operand) => {
+                        MemoryUpdate::Leaf(id, k, self.leaf(here.unguarded(), operand, k)?)
                     }
-                    Keep::Last(flow, k) => {
-                        Keep::LastLeaf(flow, k, self.flow(here.instance, flow, k)?)
+                    MemoryUpdate::Last(flow, k) => {
+                        MemoryUpdate::LastLeaf(flow, k, self.flow(here.instance, flow, k)?)
                     }
                     other => other,
                 };
@@ -351,16 +374,18 @@ impl<'p> Reference<'p> {
         for (here, keep) in known {
             let memory = self.instances[here.instance].memory(here.block);
             match keep {
-                Keep::Leaf(id, k, leaf) => drop(memory.kept.insert((id, k), leaf)),
-                Keep::LastLeaf(flow, k, leaf) => drop(memory.last.insert((flow, k), leaf)),
-                Keep::Begun(id, k) => drop(memory.begun.insert((id, k))),
-                Keep::Active(block, true) => drop(memory.was_active.insert(block)),
-                Keep::Active(block, false) => drop(memory.was_active.remove(&block)),
-                Keep::State(k, state, owed) => {
-                    memory.states.insert(k, state);
-                    memory.owed.insert(k, owed);
+                MemoryUpdate::Leaf(id, k, leaf) => {
+                    drop(memory.delayed_values.insert((id, k), leaf))
                 }
-                Keep::Delayed(..) | Keep::Last(..) => {}
+                MemoryUpdate::LastLeaf(flow, k, leaf) => drop(memory.last.insert((flow, k), leaf)),
+                MemoryUpdate::Begun(id, k) => drop(memory.started.insert((id, k))),
+                MemoryUpdate::Active(block, true) => drop(memory.was_active.insert(block)),
+                MemoryUpdate::Active(block, false) => drop(memory.was_active.remove(&block)),
+                MemoryUpdate::State(k, state, owed) => {
+                    memory.states.insert(k, state);
+                    memory.pending_restarts.insert(k, owed);
+                }
+                MemoryUpdate::Delayed(..) | MemoryUpdate::Last(..) => {}
             }
         }
         Ok(())
@@ -373,7 +398,7 @@ impl<'p> Reference<'p> {
         let before = unit.inputs[..port].iter().filter(from_outside);
         let first: usize = before.map(|id| unit.flow(*id).ty.leaf_count()).sum();
         let leaf = self.inputs.get(first + k).copied().flatten();
-        self.as_counted(leaf, &unit.flow(unit.inputs[port]).ty, k)
+        self.from_external(leaf, &unit.flow(unit.inputs[port]).ty, k)
     }
 }
 
@@ -384,6 +409,6 @@ fn is_lazy(call: &PrimCall) -> bool {
 }
 
 /// Returns whether a primitive has state.
-fn remembers(call: &PrimCall) -> bool {
-    !matches!(call.prim.desc().state, rpi_image::State::None)
+fn has_state(call: &PrimCall) -> bool {
+    !matches!(call.prim.desc().state, rpi_image::StateSize::None)
 }

@@ -1,19 +1,19 @@
 //! Values of flows: from the caller, from an equation, or from the states of an automaton.
 
-use rpi_sema::typed::{BlockId, ExprId, FlowId, Place, Shared, Unit};
+use rpi_sema::typed::{BlockId, ExprId, FlowId, SharedFlow, TargetPlace, Unit};
 
-use crate::cycle::Reference;
+use crate::cycle::Interpreter;
 use crate::instance::InstanceId;
-use crate::value::{Leaf, Stop, Value};
+use crate::value::{EvalError, Leaf, Value};
 
-impl<'p> Reference<'p> {
+impl<'p> Interpreter<'p> {
     /// Returns a leaf of a flow. A value outside of a declared subrange faults where the flow is defined (M2.4).
     pub(crate) fn flow(
         &mut self,
         instance: InstanceId,
         flow: FlowId,
         k: usize,
-    ) -> Result<Leaf, Stop> {
+    ) -> Result<Leaf, EvalError> {
         let leaf = self.unchecked(instance, flow, k)?;
         let unit = self.instances[instance].unit;
         let ty = &unit.flow(flow).ty;
@@ -21,25 +21,30 @@ impl<'p> Reference<'p> {
         let range = ty.subranges(from_outside).into_iter().find(|of| of.0 == k);
         match (leaf, range) {
             (Some(Value::Int(number)), Some((_, range)))
-                if !range.contains(number) && self.instances[instance].now.chosen =>
+                if !range.contains(number) && self.instances[instance].current.chosen =>
             {
-                Err(Stop::Fault("subrange"))
+                Err(EvalError::Fault("subrange"))
             }
             _ => Ok(leaf),
         }
     }
 
-    fn unchecked(&mut self, instance: InstanceId, flow: FlowId, k: usize) -> Result<Leaf, Stop> {
+    fn unchecked(
+        &mut self,
+        instance: InstanceId,
+        flow: FlowId,
+        k: usize,
+    ) -> Result<Leaf, EvalError> {
         let unit = self.instances[instance].unit;
         if let Some(port) = unit.inputs.iter().position(|input| *input == flow) {
-            return self.given(instance, port, k);
+            return self.argument(instance, port, k);
         }
         if let Some((block, shared)) = shared(unit, flow) {
-            return self.of_states(instance, block, shared, k);
+            return self.shared_flow(instance, block, shared, k);
         }
         let Some((block, value, leaf)) = definition(unit, flow, k) else {
             let name = &unit.flow(flow).name;
-            return Err(Stop::Beyond(format!("`{name}` has no equation")));
+            return Err(EvalError::Unsupported(format!("`{name}` has no equation")));
         };
         // Outside of its inactive fragment a flow is absent (M6.3).
         if !self.is_active(instance, block)? {
@@ -50,7 +55,7 @@ impl<'p> Reference<'p> {
     }
 
     /// Returns the argument for an in-port, or its default.
-    fn given(&mut self, instance: InstanceId, port: usize, k: usize) -> Result<Leaf, Stop> {
+    fn argument(&mut self, instance: InstanceId, port: usize, k: usize) -> Result<Leaf, EvalError> {
         let it = &self.instances[instance];
         let Some((caller, args)) = it.caller else {
             return Ok(self.input(port, k));
@@ -67,13 +72,13 @@ impl<'p> Reference<'p> {
 
     /// Returns a flow shared by states: that of the active state, or the default if that state does not define it
     /// (M14.5).
-    fn of_states(
+    fn shared_flow(
         &mut self,
         instance: InstanceId,
         block: BlockId,
-        shared: &Shared,
+        shared: &SharedFlow,
         k: usize,
-    ) -> Result<Leaf, Stop> {
+    ) -> Result<Leaf, EvalError> {
         if !self.is_active(instance, block)? {
             return Ok(None);
         }
@@ -91,7 +96,7 @@ impl<'p> Reference<'p> {
 }
 
 /// Returns the automaton that defines a flow, and its block.
-fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &Shared)> {
+fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &SharedFlow)> {
     let blocks = (0..).map(BlockId).zip(&unit.blocks);
     let mut all = blocks.flat_map(|(id, block)| {
         let automata = block.automata.iter();
@@ -108,7 +113,7 @@ pub(crate) fn definition(unit: &Unit, flow: FlowId, k: usize) -> Option<(BlockId
             let mut first = 0;
             for target in &equation.targets {
                 let size = target.ty.leaf_count();
-                if let Place::Flow { flow: defined, at } = target.place
+                if let TargetPlace::Flow { flow: defined, at } = target.place
                     && defined == flow
                     && (at as usize..at as usize + size).contains(&k)
                 {

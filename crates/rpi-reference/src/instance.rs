@@ -10,31 +10,31 @@ use crate::value::Leaf;
 pub(crate) type InstanceId = usize;
 
 /// Leaf of an expression: the expression and the index of the leaf.
-pub(crate) type Place = (ExprId, usize);
+pub(crate) type LeafId = (ExprId, usize);
 
 /// Instance of a unit: the whole program, or the callee of one call.
 pub(crate) struct Instance<'p> {
     pub(crate) unit: &'p Unit,
     pub(crate) id: UnitId,
     /// Context of the call and its arguments; `None` for the whole program.
-    pub(crate) caller: Option<(Here, &'p [Option<ExprId>])>,
+    pub(crate) caller: Option<(EvalContext, &'p [Option<ExprId>])>,
     /// Memory outside of the body, used by the condition of a named fragment.
     pub(crate) around: Memory,
     /// Memory of each block.
     pub(crate) blocks: Vec<Memory>,
     /// Values in the current cycle.
-    pub(crate) now: Now,
+    pub(crate) current: CycleValues,
 }
 
 /// Memory of a block. Restarting a block clears it (M6.2).
 #[derive(Clone, Default)]
 pub(crate) struct Memory {
     /// Values kept for the next cycle by `pre`, `hold`, `current` and activated calls.
-    pub(crate) kept: BTreeMap<Place, Leaf>,
+    pub(crate) delayed_values: BTreeMap<LeafId, Leaf>,
     /// Previous values of the flows shared by states.
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
     /// Leaves of `a -> b` and `first` that have had their first cycle (M5.1).
-    pub(crate) begun: BTreeSet<Place>,
+    pub(crate) started: BTreeSet<LeafId>,
     /// Instance of each call.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,
     /// Inner blocks that were active in the previous cycle of this block.
@@ -42,23 +42,23 @@ pub(crate) struct Memory {
     /// For each automaton the state of the next cycle, and whether it restarts.
     pub(crate) states: BTreeMap<usize, State>,
     /// For each automaton the states that were entered with a restart and left before they ran.
-    pub(crate) owed: BTreeMap<usize, BTreeSet<u32>>,
+    pub(crate) pending_restarts: BTreeMap<usize, BTreeSet<u32>>,
 }
 
 /// State of an automaton.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct State {
     pub(crate) index: u32,
-    pub(crate) afresh: bool,
+    pub(crate) restarts: bool,
 }
 
 /// Values of an instance in the current cycle; empty when the cycle begins.
 #[derive(Clone, Default)]
-pub(crate) struct Now {
+pub(crate) struct CycleValues {
     /// Whether the enclosing `if`s chose the call.
     pub(crate) chosen: bool,
     /// Evaluated leaves; `None` while the evaluation is in progress.
-    pub(crate) leaves: BTreeMap<Place, Option<Leaf>>,
+    pub(crate) leaves: BTreeMap<LeafId, Option<Leaf>>,
     /// Expressions that have been evaluated completely.
     pub(crate) visited: BTreeSet<ExprId>,
     /// Blocks whose activity is known.
@@ -71,7 +71,7 @@ pub(crate) struct Now {
 
 /// Context in which an expression is evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Here {
+pub(crate) struct EvalContext {
     pub(crate) instance: InstanceId,
     /// Block whose memory is used; `None` outside of the body.
     pub(crate) block: Option<BlockId>,
@@ -83,7 +83,7 @@ impl<'p> Instance<'p> {
     pub(crate) fn new(
         unit: &'p Unit,
         id: UnitId,
-        caller: Option<(Here, &'p [Option<ExprId>])>,
+        caller: Option<(EvalContext, &'p [Option<ExprId>])>,
     ) -> Instance<'p> {
         Instance {
             unit,
@@ -91,7 +91,7 @@ impl<'p> Instance<'p> {
             caller,
             around: Memory::default(),
             blocks: vec![Memory::default(); unit.blocks.len()],
-            now: Now::default(),
+            current: CycleValues::default(),
         }
     }
 
@@ -103,7 +103,7 @@ impl<'p> Instance<'p> {
     }
 
     /// Clears the memory of a block and of all inner blocks.
-    pub(crate) fn start_afresh(&mut self, block: BlockId) {
+    pub(crate) fn reset(&mut self, block: BlockId) {
         for k in (0..).map(BlockId).take(self.blocks.len()) {
             if self.unit_blocks_around(k).any(|around| around == block) {
                 self.blocks[k.0 as usize] = Memory::default();
@@ -118,11 +118,11 @@ impl<'p> Instance<'p> {
     }
 }
 
-impl Here {
+impl EvalContext {
     /// Returns the context for an operand of a stateful operator. Its state is updated in all cycles, whatever an `if`
     /// chooses, so its faults count.
-    pub(crate) fn unguarded(self) -> Here {
-        Here {
+    pub(crate) fn unguarded(self) -> EvalContext {
+        EvalContext {
             chosen: true,
             ..self
         }

@@ -36,5 +36,5 @@ mod operator;
 mod time;
 mod value;
 
-pub use cycle::{Cycle, Reference};
-pub use value::{Leaf, Stop, Value};
+pub use cycle::{CycleOutput, Interpreter};
+pub use value::{EvalError, Leaf, Value};

@@ -1,10 +1,10 @@
 //! Arithmetic and logical operators, by the names of their primitives.
 
 use crate::value::Value::{Bool, Int, Real};
-use crate::value::{Leaf, Stop, Value};
+use crate::value::{EvalError, Leaf, Value};
 
 /// Applies an operator. An operator that would fault returns 0 in a branch that was not chosen (M6.6).
-pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf, Stop> {
+pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf, EvalError> {
     if let Some(leaf) = logic(name, operands) {
         return Ok(leaf);
     }
@@ -77,7 +77,7 @@ fn total(name: &str, operands: &[Value]) -> Option<Value> {
 }
 
 /// Applies an operator that faults if there is no result (M2.2).
-fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, Stop> {
+fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, EvalError> {
     let (result, fault) = match (name, operands) {
         ("Core::IntAdd", &[Int(a), Int(b)]) => (a.checked_add(b), "overflow"),
         ("Rpi::IntSubtract", &[Int(a), Int(b)]) => (a.checked_sub(b), "overflow"),
@@ -89,11 +89,11 @@ fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, Stop> 
         ("Rpi::IntPower", &[Int(a), Int(b)]) => (power(a, b), "overflow"),
         ("Rpi::IntNegate", &[Int(a)]) => (a.checked_neg(), "overflow"),
         ("Core::IntFromDouble", &[Real(a)]) => (whole(a), "conversion"),
-        _ => return Err(Stop::Beyond(format!("{name} of {operands:?}"))),
+        _ => return Err(EvalError::Unsupported(format!("{name} of {operands:?}"))),
     };
     match result {
         Some(number) => Ok(Int(number)),
-        None if chosen => Err(Stop::Fault(fault)),
+        None if chosen => Err(EvalError::Fault(fault)),
         None => Ok(Int(0)),
     }
 }

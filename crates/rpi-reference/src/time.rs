@@ -3,10 +3,10 @@
 
 use rpi_sema::ty::Ty;
 
-use crate::cycle::Reference;
-use crate::value::{Leaf, Stop, Value};
+use crate::cycle::Interpreter;
+use crate::value::{EvalError, Leaf, Value};
 
-impl Reference<'_> {
+impl Interpreter<'_> {
     /// Converts ticks to seconds.
     fn seconds(&self, ticks: i64) -> f64 {
         let tick_ns = (self.dt * 1e9).round();
@@ -26,7 +26,7 @@ impl Reference<'_> {
     }
 
     /// Converts an input or a constant to the internal representation.
-    pub(crate) fn as_counted(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
+    pub(crate) fn from_external(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Real(seconds)), true) => self.whole_ticks(seconds).map(Value::Int),
             (leaf, _) => leaf,
@@ -34,7 +34,7 @@ impl Reference<'_> {
     }
 
     /// Converts an internal value to the representation of outputs.
-    pub(crate) fn as_seen(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
+    pub(crate) fn to_external(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds(ticks))),
             (leaf, _) => leaf,
@@ -43,12 +43,12 @@ impl Reference<'_> {
 
     /// Evaluates conversions between ticks and seconds, and the times provided by the core. Returns `None` for other
     /// primitives.
-    pub(crate) fn of_time(
+    pub(crate) fn time_operator(
         &self,
         name: &str,
         operands: &[Leaf],
         chosen: bool,
-    ) -> Option<Result<Leaf, Stop>> {
+    ) -> Option<Result<Leaf, EvalError>> {
         let elapsed = (self.cycle - 1).cast_signed();
         Some(Ok(match (name, operands) {
             ("Rpi::Time", _) => Some(Value::Real(self.seconds(elapsed))),
@@ -65,7 +65,7 @@ impl Reference<'_> {
             }
             ("Rpi::TicksFromSeconds", [Some(Value::Real(seconds))]) => {
                 match self.whole_ticks(*seconds) {
-                    None if chosen => return Some(Err(Stop::Fault("conversion"))),
+                    None if chosen => return Some(Err(EvalError::Fault("conversion"))),
                     ticks => Some(Value::Int(ticks.unwrap_or(0))),
                 }
             }
@@ -81,7 +81,7 @@ fn is_time(ty: &Ty, k: usize) -> bool {
         Ty::Duration => true,
         Ty::Array(..) | Ty::Struct(_) | Ty::Tuple(_) => {
             let mut leaves = Vec::new();
-            ty.leaves(&mut |_, leaf| leaves.push(*leaf == Ty::Duration));
+            ty.for_each_leaf(&mut |_, leaf| leaves.push(*leaf == Ty::Duration));
             leaves.get(k).copied().unwrap_or(false)
         }
         _ => false,

@@ -18,18 +18,18 @@ pub type Leaf = Option<Value>;
 
 /// Reason why a cycle has no values.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Stop {
+pub enum EvalError {
     /// Fault: overflow, division by zero, a conversion that loses the value, an index out of bounds (M2.2).
     Fault(&'static str),
     /// Dependency of a flow on itself within the cycle, which the checker rejects (M5.4).
-    Ring,
+    DependencyCycle,
     /// Construct that this interpreter does not support.
-    Beyond(String),
+    Unsupported(String),
 }
 
 impl Value {
     /// Converts a constant.
-    pub(crate) fn of(constant: &Constant) -> Option<Value> {
+    pub(crate) fn from_constant(constant: &Constant) -> Option<Value> {
         let truth = constant.as_bool().map(Value::Bool);
         let integer = || constant.as_int().map(Value::Int);
         let real = || constant.as_real().map(Value::Real);

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use rpi_diag::{Code, FileId, Finding, SourceMap, Span};
+use rpi_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use rpi_runtime::run::{FaultOrigin, Outcome, RunEnd, fault_text};
 
 /// Returns the diagnostic for a fault, with its source location and cycle number. `of` names the faulty command if the
 /// message must name it.
-pub(crate) fn fault(origin: &FaultOrigin, of: Option<&str>) -> Finding {
+pub(crate) fn fault_diagnostic(origin: &FaultOrigin, of: Option<&str>) -> Diagnostic {
     let (what, cycle) = (fault_text(origin.code), origin.cycle);
     let of = of.map_or_else(String::new, |of| format!(" of `{of}`"));
     let span = origin.text.map(|text| Span {
@@ -20,34 +20,36 @@ pub(crate) fn fault(origin: &FaultOrigin, of: Option<&str>) -> Finding {
         let name = flow.split('#').next().unwrap_or(flow);
         format!("for `{name}`")
     });
-    Finding::new(Code::RPI9011, format!("cycle {cycle}{of}: {what}"))
-        .at(span.unwrap_or(Span::NONE), label)
+    Diagnostic::new(Code::RPI9011, format!("cycle {cycle}{of}: {what}"))
+        .primary(span.unwrap_or(Span::NONE), label)
 }
 
 /// Diagnostics for the commands of a run that ended with a fault, by the index of the command in the outcome.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Faults(pub(crate) BTreeMap<usize, Finding>);
+pub struct Faults(pub(crate) BTreeMap<usize, Diagnostic>);
 
 impl Faults {
     /// Returns the diagnostics for the faults of a run.
     #[must_use]
     pub fn of(outcome: &Outcome) -> Faults {
         let commands = outcome.commands.iter().enumerate();
-        let finding = |(index, command): (usize, &rpi_runtime::run::CommandEnd)| match &command.end
-        {
-            RunEnd::Fault { origin, .. } => Some((index, fault(origin, Some(&command.name)))),
-            _ => None,
-        };
-        Faults(commands.filter_map(finding).collect())
+        let diagnostic =
+            |(index, command): (usize, &rpi_runtime::run::CommandEnd)| match &command.end {
+                RunEnd::Fault { origin, .. } => {
+                    Some((index, fault_diagnostic(origin, Some(&command.name))))
+                }
+                _ => None,
+            };
+        Faults(commands.filter_map(diagnostic).collect())
     }
 
     /// Adds the source locations to the faults in the outcome and returns the diagnostics of the faults with a known
     /// location.
     #[must_use]
-    pub fn locate(self, outcome: &mut Outcome, sources: &SourceMap) -> Vec<Finding> {
+    pub fn locate(self, outcome: &mut Outcome, sources: &SourceMap) -> Vec<Diagnostic> {
         let mut found = Vec::new();
-        for (index, finding) in self.0 {
-            let span = finding.span();
+        for (index, diagnostic) in self.0 {
+            let span = diagnostic.span();
             let command = outcome.commands.get_mut(index).filter(|_| !span.is_none());
             if let Some(RunEnd::Fault { at, .. }) = command.map(|command| &mut command.end) {
                 *at = Some(format!(
@@ -55,7 +57,7 @@ impl Faults {
                     sources.name(span.file),
                     sources.line_col(span)
                 ));
-                found.push(finding);
+                found.push(diagnostic);
             }
         }
         found

@@ -3,10 +3,10 @@
 //! It compares and reports what nets and commands compute. It takes nets and images and must not depend on source
 //! texts.
 
-pub mod claims;
 pub mod faults;
+pub mod monitor;
 pub mod motion;
-pub mod node;
+pub mod node_runner;
 pub mod plot;
-pub mod replay;
 pub mod testing;
+pub mod trace_compare;

@@ -2,22 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use crate::plot::{Chart, Line, Picture, SpacePath, Spell};
+use crate::plot::{Chart, ExecutionSpan, Line, Plot, SpacePath};
 use rpi_runtime::run::{Channel, Outcome, RunEnd, Sink, Source};
 
 /// Sink that collects the paths of the arms and the states of the digital outputs.
 #[derive(Default)]
-pub struct Motion {
+pub struct MotionSink {
     channels: Vec<Channel>,
     /// Tick and first three memory words of each collected sample, by channel.
-    kept: BTreeMap<usize, Vec<(u64, [u64; 3])>>,
+    samples: BTreeMap<usize, Vec<(u64, [u64; 3])>>,
 }
 
 const JOINT: &str = "joint.commanded_position";
 const TOOL: &str = "tcp.commanded_position";
 const SWITCH: &str = "out.bool";
 
-impl Sink for Motion {
+impl Sink for MotionSink {
     fn channels(&mut self, channels: &[Channel]) {
         self.channels = channels.to_vec();
     }
@@ -26,16 +26,16 @@ impl Sink for Motion {
         let shown = matches!(&self.channels[channel].source, Source::Device { port, .. } if [JOINT, TOOL, SWITCH].contains(port));
         if let Some(value) = value.filter(|_| shown) {
             let cell = |k: usize| value.get(k).copied().unwrap_or(0);
-            let kept = self.kept.entry(channel).or_default();
+            let kept = self.samples.entry(channel).or_default();
             kept.push((tick, [cell(0), cell(1), cell(2)]));
         }
     }
 }
 
-impl Motion {
+impl MotionSink {
     /// Returns the picture of the run with this outcome.
     #[must_use]
-    pub fn picture(&self, title: &str, outcome: &Outcome) -> Picture {
+    pub fn to_plot(&self, title: &str, outcome: &Outcome) -> Plot {
         let dt = outcome.tick_ns as f64 * 1e-9;
         let mut charts = Vec::new();
         for device in self.devices(JOINT) {
@@ -56,7 +56,7 @@ impl Motion {
                 self.switches(device, dt),
             ));
         }
-        Picture {
+        Plot {
             title: title.to_owned(),
             paths: self
                 .devices(TOOL)
@@ -64,20 +64,20 @@ impl Motion {
                 .map(|d| self.path(d, dt))
                 .collect(),
             charts,
-            spells: spells(outcome, dt),
+            spans: execution_spans(outcome, dt),
         }
     }
 
     /// Returns the devices that have this port, in the order of the cell.
     fn devices(&self, wanted: &str) -> Vec<&str> {
-        let mut devices: Vec<&str> = self.of(wanted).map(|(device, ..)| device).collect();
+        let mut devices: Vec<&str> = self.samples_of(wanted).map(|(device, ..)| device).collect();
         devices.dedup();
         devices
     }
 
     /// Returns device, port index and samples of all channels of a port.
-    fn of(&self, wanted: &str) -> impl Iterator<Item = (&str, usize, &[(u64, [u64; 3])])> {
-        let kept = self.kept.iter();
+    fn samples_of(&self, wanted: &str) -> impl Iterator<Item = (&str, usize, &[(u64, [u64; 3])])> {
+        let kept = self.samples.iter();
         kept.filter_map(
             move |(channel, samples)| match &self.channels[*channel].source {
                 Source::Device {
@@ -97,7 +97,7 @@ impl Motion {
         (name, value): (&str, fn(u64) -> f64),
         dt: f64,
     ) -> Vec<Line> {
-        let mine = self.of(wanted).filter(|(of, ..)| *of == device);
+        let mine = self.samples_of(wanted).filter(|(of, ..)| *of == device);
         mine.map(|(_, index, samples)| Line {
             name: format!("{name} {index}"),
             points: samples
@@ -129,7 +129,7 @@ impl Motion {
     }
 
     fn path(&self, device: &str, dt: f64) -> SpacePath {
-        let mut mine = self.of(TOOL).filter(|(of, ..)| *of == device);
+        let mut mine = self.samples_of(TOOL).filter(|(of, ..)| *of == device);
         let samples = mine.next().map_or(&[][..], |(_, _, samples)| samples);
         SpacePath {
             name: device.to_owned(),
@@ -154,22 +154,22 @@ fn velocity(line: &Line) -> Line {
     }
 }
 
-fn spells(outcome: &Outcome, dt: f64) -> Vec<Spell> {
+fn execution_spans(outcome: &Outcome, dt: f64) -> Vec<ExecutionSpan> {
     let started = outcome
         .commands
         .iter()
         .filter_map(|c| Some((c, c.first_tick?)));
     started
-        .map(|(command, first)| Spell {
+        .map(|(command, first)| ExecutionSpan {
             command: command.name.clone(),
             from: first as f64 * dt,
             to: (first + command.cycles) as f64 * dt,
-            end: word(&command.end),
+            end: end_text(&command.end),
         })
         .collect()
 }
 
-fn word(end: &RunEnd) -> String {
+fn end_text(end: &RunEnd) -> String {
     match end {
         RunEnd::Result { name, .. } => name.clone(),
         other => other.to_string(),

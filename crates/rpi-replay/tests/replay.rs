@@ -3,7 +3,7 @@
 use rpi_diag::FileId;
 use rpi_net::Net;
 use rpi_record::trace::Trace;
-use rpi_replay::replay::{Options, ReplayError, Report, replay};
+use rpi_replay::trace_compare::{CompareReport, Options, ReplayError, replay};
 
 /// Test net: x counts up by the value of an input; y doubles x; f holds a constant while the input is positive.
 const NET: &str = "{k=Core::DoubleNetcommIn(Key='k',Value='1.0'),x=Core::Clock(inIncrement=k.outValue),\
@@ -12,11 +12,11 @@ const NET: &str = "{k=Core::DoubleNetcommIn(Key='k',Value='1.0'),x=Core::Clock(i
     f={c=Core::DoubleValue(Value='5.0'),outC=c.outValue}(inActive=on.outValue)}";
 
 fn net(text: &str) -> Net {
-    let (net, findings) = rpi_net::rpinet::read("small", FileId(0), text);
-    net.unwrap_or_else(|| panic!("{findings:?}"))
+    let (net, diagnostics) = rpi_net::rpinet::parse("small", FileId(0), text);
+    net.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
 
-fn run(rows: &str) -> Result<Report, ReplayError> {
+fn run(rows: &str) -> Result<CompareReport, ReplayError> {
     let text = format!("0\t#t0\t1000\tcycle=1\n{}", rows.replace(' ', "\t"));
     let options = Options {
         period_ns: 500_000_000,
@@ -157,7 +157,7 @@ fn a_trace_without_a_cycle_has_nothing_to_compare() {
 fn an_empty_trace_is_bad_input() {
     let trace = Trace::parse("").unwrap();
     let error = replay(&net(NET), &trace, &Options::default());
-    assert_eq!(error, Err(ReplayError::Empty));
+    assert_eq!(error, Err(ReplayError::EmptyTrace));
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn what_depends_on_something_not_recorded_is_not_compared() {
     let listed = format!("{header}\n1,y,T,inFirst,0.5\n2,y,T,inFirst,9.0\n3,y,T,inFirst,9.0\n");
     let trace = Trace::parse(&listed)
         .unwrap()
-        .merged(&Trace::parse(&chosen).unwrap());
+        .merged_with(&Trace::parse(&chosen).unwrap());
     let report = replay(&net(NET), &trace, &Options::default()).unwrap();
     assert!(
         report

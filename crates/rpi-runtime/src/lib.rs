@@ -5,8 +5,8 @@
 //! another crate.
 
 pub mod control;
+pub mod cycle_time;
 pub mod latency;
-pub mod measure;
 pub mod realtime;
 pub mod run;
-pub mod tape;
+pub mod tick_log;

@@ -4,25 +4,25 @@ use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// Hash map for lookups only. It must not be iterated where the order matters.
-pub(crate) type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
+pub(crate) type FastMap<K, V> = HashMap<K, V, BuildHasherDefault<FastHasher>>;
 
 /// Hash set for lookups only. It must not be iterated where the order matters.
-pub(crate) type Set<K> = HashSet<K, BuildHasherDefault<Mix>>;
+pub(crate) type FastSet<K> = HashSet<K, BuildHasherDefault<FastHasher>>;
 
 /// Hasher that multiplies and rotates, eight bytes at a time.
 #[derive(Default)]
-pub(crate) struct Mix(u64);
+pub(crate) struct FastHasher(u64);
 // The integer nearest to 2^64 divided by the golden ratio, as in Fibonacci hashing (Knuth, TAOCP vol. 3).
 
-const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
+const GOLDEN_RATIO: u64 = 0x9e37_79b9_7f4a_7c15;
 
-impl Mix {
+impl FastHasher {
     fn mix(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(ODD);
+        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(GOLDEN_RATIO);
     }
 }
 
-impl Hasher for Mix {
+impl Hasher for FastHasher {
     fn write(&mut self, bytes: &[u8]) {
         let mut words = bytes.chunks_exact(8);
         for word in &mut words {

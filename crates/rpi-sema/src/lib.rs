@@ -27,7 +27,7 @@ pub mod typed;
 pub mod units;
 pub(crate) mod unused;
 
-pub use crate::summary::told;
-pub use crate::unused::needless;
-pub use check::{Checked, check, no_file, result_identity};
-pub use sound::{sound, without_lacks_of_open_bodies};
+pub use crate::summary::summary;
+pub use crate::unused::unused_warnings;
+pub use check::{CheckedProgram, check, file_not_found, result_identity};
+pub use sound::{sound_units, without_undefined_flows_in_unclosed_bodies};

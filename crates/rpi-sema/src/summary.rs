@@ -2,20 +2,20 @@
 
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
-use crate::typed::{Expr, Kind};
-use rpi_syntax::ast::EndKind;
+use crate::typed::{Expr, TypedExprKind};
+use rpi_syntax::ast::CommandEndKind;
 use std::collections::BTreeSet;
 
 /// Primitives for integer division.
-const DIVISIONS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
+const DIVISION_PRIMS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
 
 /// Returns one line per analysis, by its name, for a unit and all units that it calls.
 #[must_use]
-pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
+pub fn summary(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
     if units[id.0 as usize].kind == UnitKind::Task {
-        return task(units, &units[id.0 as usize]);
+        return task_summary(units, &units[id.0 as usize]);
     }
-    let all = reached(units, id);
+    let all = transitive_callees(units, id);
     let all: Vec<&Unit> = all.iter().map(|id| &units[id.0 as usize]).collect();
     vec![
         ("units", dimensions(&all)),
@@ -26,14 +26,19 @@ pub fn told(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
 }
 
 /// Returns the summary of a task.
-fn task(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
+fn task_summary(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
     let run = task.steps.iter().map(|step| &units[step.unit.0 as usize]);
     let commands: Vec<&Unit> = run.filter(|unit| unit.kind == UnitKind::Command).collect();
     let ends = commands
         .iter()
         .flat_map(|unit| &unit.block(BlockId::ROOT).ends);
-    let count = |kind: EndKind| ends.clone().filter(|end| end.kind == kind).count();
-    let [finish, give, fail] = [EndKind::Finish, EndKind::Yield, EndKind::Fail].map(count);
+    let count = |kind: CommandEndKind| ends.clone().filter(|end| end.kind == kind).count();
+    let [finish, give, fail] = [
+        CommandEndKind::Finish,
+        CommandEndKind::Yield,
+        CommandEndKind::Fail,
+    ]
+    .map(count);
     let (steps, run) = (task.steps.len(), commands.len());
     vec![
         (
@@ -55,7 +60,7 @@ fn task(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
 }
 
 /// Returns a unit and the units that it calls, transitively.
-fn reached(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
+fn transitive_callees(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
     let (mut seen, mut open) = (BTreeSet::new(), vec![id]);
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
@@ -63,7 +68,7 @@ fn reached(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
         }
         let calls = units[id.0 as usize].exprs.iter();
         open.extend(calls.filter_map(|expr| match &expr.kind {
-            Kind::Call(call) => Some(call.unit),
+            TypedExprKind::Call(call) => Some(call.unit),
             _ => None,
         }));
     }
@@ -80,7 +85,7 @@ fn dimensions(units: &[&Unit]) -> String {
     for (_, expr) in exprs(units) {
         if let Ty::Real(dim) = &expr.ty {
             reals += 1;
-            if !dim.is_plain() {
+            if !dim.is_dimensionless() {
                 with_unit += 1;
                 // Successive expressions often have the same dimension.
                 if last.replace(*dim) != Some(*dim) {
@@ -107,7 +112,7 @@ fn clocks(units: &[&Unit]) -> String {
             .iter()
             .filter(|flow| flow.clock.is_some())
             .count();
-        let sampled = |expr: &&Expr| matches!(expr.kind, Kind::When { .. });
+        let sampled = |expr: &&Expr| matches!(expr.kind, TypedExprKind::When { .. });
         (flows, unit.exprs.iter().filter(sampled).count())
     };
     let (flows, sampled) = units
@@ -125,10 +130,12 @@ fn bounds(units: &[&Unit]) -> String {
     let (mut fixed, mut computed) = (0, 0);
     for (unit, expr) in exprs(units) {
         match &expr.kind {
-            Kind::Part { base, .. } | Kind::Slice { base, .. } if is_array(unit, *base) => {
+            TypedExprKind::Part { base, .. } | TypedExprKind::Slice { base, .. }
+                if is_array(unit, *base) =>
+            {
                 fixed += 1;
             }
-            Kind::Select { .. } => computed += 1,
+            TypedExprKind::Select { .. } => computed += 1,
             _ => {}
         }
     }
@@ -138,16 +145,16 @@ fn bounds(units: &[&Unit]) -> String {
 fn divisions(units: &[&Unit]) -> String {
     let (mut constant, mut computed) = (0, 0);
     for (unit, expr) in exprs(units) {
-        let Kind::Prim(call) = &expr.kind else {
+        let TypedExprKind::Prim(call) = &expr.kind else {
             continue;
         };
-        if !DIVISIONS.contains(&call.prim.desc().name) {
+        if !DIVISION_PRIMS.contains(&call.prim.desc().name) {
             continue;
         }
         let divisor = call.inputs.get(1).copied().flatten();
         let divisor = divisor.map(|id| &unit.expr(id).kind);
         match divisor {
-            Some(Kind::Literal(_) | Kind::Const(_)) => constant += 1,
+            Some(TypedExprKind::Literal(_) | TypedExprKind::Const(_)) => constant += 1,
             _ => computed += 1,
         }
     }

@@ -22,12 +22,12 @@ pub(crate) enum Expr {
     /// Disjunction.
     Or(Box<Expr>, Box<Expr>),
     /// A fact about the command with this name.
-    Said(String, Saying),
+    Fact(String, FactExpr),
 }
 
 /// A fact about a command, before its names are resolved.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Saying {
+pub(crate) enum FactExpr {
     /// The Boolean export with this key is true.
     Export(String),
     /// The command has ended.
@@ -43,17 +43,17 @@ pub(crate) enum Saying {
 }
 
 /// Maximum nesting depth of a condition.
-const DEPTH: usize = 32;
+const MAX_DEPTH: usize = 32;
 /// Maximum number of facts in a condition.
-const MOST: usize = 256;
+const MAX_FACTS: usize = 256;
 
 impl Expr {
     /// Returns the number of facts in the condition.
-    pub(crate) fn facts(&self) -> usize {
+    pub(crate) fn fact_count(&self) -> usize {
         match self {
-            Expr::Not(inner) => inner.facts(),
-            Expr::And(a, b) | Expr::Or(a, b) => a.facts() + b.facts(),
-            Expr::True | Expr::False | Expr::Said(..) => 1,
+            Expr::Not(inner) => inner.fact_count(),
+            Expr::And(a, b) | Expr::Or(a, b) => a.fact_count() + b.fact_count(),
+            Expr::True | Expr::False | Expr::Fact(..) => 1,
         }
     }
 }
@@ -63,32 +63,32 @@ impl Expr {
 /// # Errors
 /// If the text is not a condition; the message has the byte offset.
 pub(crate) fn parse(text: &str) -> Result<Expr, String> {
-    let mut reader = Reader {
+    let mut reader = Parser {
         text,
         at: 0,
-        left: MOST,
+        facts_left: MAX_FACTS,
     };
-    let found = reader.either(DEPTH)?;
-    reader.blanks();
+    let found = reader.parse_or(MAX_DEPTH)?;
+    reader.skip_blanks();
     match reader.rest() {
         "" => Ok(found),
         _ => Err(reader.expected("the end of the condition")),
     }
 }
 
-struct Reader<'a> {
+struct Parser<'a> {
     text: &'a str,
     at: usize,
     /// Number of facts that may still follow.
-    left: usize,
+    facts_left: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> Parser<'a> {
     fn rest(&self) -> &'a str {
         &self.text[self.at..]
     }
 
-    fn blanks(&mut self) {
+    fn skip_blanks(&mut self) {
         let rest = self.rest();
         self.at += rest.len() - rest.trim_start().len();
     }
@@ -97,15 +97,15 @@ impl<'a> Reader<'a> {
         format!("expected {what} at byte {} of the condition", self.at)
     }
 
-    fn next_is(&mut self, sign: char) -> bool {
-        self.blanks();
+    fn accept(&mut self, sign: char) -> bool {
+        self.skip_blanks();
         let found = self.rest().starts_with(sign);
         self.at += if found { sign.len_utf8() } else { 0 };
         found
     }
 
     fn name(&mut self) -> Result<&'a str, String> {
-        self.blanks();
+        self.skip_blanks();
         let rest = self.rest();
         let ends = |c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-';
         let name = &rest[..rest.find(ends).unwrap_or(rest.len())];
@@ -116,47 +116,47 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn either(&mut self, depth: usize) -> Result<Expr, String> {
-        let mut found = self.both(depth)?;
-        while self.next_is('|') {
-            found = Expr::Or(found.into(), self.both(depth)?.into());
+    fn parse_or(&mut self, depth: usize) -> Result<Expr, String> {
+        let mut found = self.parse_and(depth)?;
+        while self.accept('|') {
+            found = Expr::Or(found.into(), self.parse_and(depth)?.into());
         }
         Ok(found)
     }
 
-    fn both(&mut self, depth: usize) -> Result<Expr, String> {
-        let mut found = self.factor(depth)?;
-        while self.next_is('&') {
-            found = Expr::And(found.into(), self.factor(depth)?.into());
+    fn parse_and(&mut self, depth: usize) -> Result<Expr, String> {
+        let mut found = self.parse_factor(depth)?;
+        while self.accept('&') {
+            found = Expr::And(found.into(), self.parse_factor(depth)?.into());
         }
         Ok(found)
     }
 
-    fn factor(&mut self, depth: usize) -> Result<Expr, String> {
+    fn parse_factor(&mut self, depth: usize) -> Result<Expr, String> {
         let deeper = depth
             .checked_sub(1)
             .ok_or("the condition is nested too deeply")?;
-        if self.next_is('!') {
-            return Ok(Expr::Not(self.factor(deeper)?.into()));
+        if self.accept('!') {
+            return Ok(Expr::Not(self.parse_factor(deeper)?.into()));
         }
-        if self.next_is('(') {
-            let inner = self.either(deeper)?;
-            return match self.next_is(')') {
+        if self.accept('(') {
+            let inner = self.parse_or(deeper)?;
+            return match self.accept(')') {
                 true => Ok(inner),
                 false => Err(self.expected("`)`")),
             };
         }
-        self.left = self
-            .left
+        self.facts_left = self
+            .facts_left
             .checked_sub(1)
             .ok_or("the condition is too long")?;
         let name = self.name()?;
-        if self.next_is('.') {
+        if self.accept('.') {
             let key = self.name()?.to_owned();
-            return Ok(Expr::Said(name.to_owned(), Saying::Export(key)));
+            return Ok(Expr::Fact(name.to_owned(), FactExpr::Export(key)));
         }
-        if self.next_is('@') {
-            return Ok(Expr::Said(name.to_owned(), self.fact()?));
+        if self.accept('@') {
+            return Ok(Expr::Fact(name.to_owned(), self.parse_fact()?));
         }
         match name {
             "t" => Ok(Expr::True),
@@ -165,24 +165,24 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn fact(&mut self) -> Result<Saying, String> {
+    fn parse_fact(&mut self) -> Result<FactExpr, String> {
         let fact = self.name()?;
-        let mut argument = || match self.next_is('(') {
-            true => self.name().and_then(|name| match self.next_is(')') {
+        let mut argument = || match self.accept('(') {
+            true => self.name().and_then(|name| match self.accept(')') {
                 true => Ok(name),
                 false => Err(self.expected("`)`")),
             }),
             false => Err(self.expected("`(`")),
         };
         match fact {
-            "ended" => Ok(Saying::Ended),
-            "regular" => Ok(Saying::Regular),
-            "failed" => Ok(Saying::Failed),
-            "result" => argument().map(|name| Saying::Result(name.to_owned())),
+            "ended" => Ok(FactExpr::Ended),
+            "regular" => Ok(FactExpr::Regular),
+            "failed" => Ok(FactExpr::Failed),
+            "result" => argument().map(|name| FactExpr::Result(name.to_owned())),
             "error" => {
                 let number = argument()?.parse();
                 number
-                    .map(Saying::Error)
+                    .map(FactExpr::Error)
                     .map_err(|_| self.expected("a number"))
             }
             _ => Err(self.expected("ended, regular, failed, result or error")),
@@ -201,8 +201,8 @@ mod tests {
             Expr::Not(a) => format!("!{}", shape(a)),
             Expr::And(a, b) => format!("({}&{})", shape(a), shape(b)),
             Expr::Or(a, b) => format!("({}|{})", shape(a), shape(b)),
-            Expr::Said(command, Saying::Export(key)) => format!("{command}.{key}"),
-            Expr::Said(command, saying) => format!("{command}@{saying:?}"),
+            Expr::Fact(command, FactExpr::Export(key)) => format!("{command}.{key}"),
+            Expr::Fact(command, saying) => format!("{command}@{saying:?}"),
         }
     }
 
@@ -242,7 +242,7 @@ mod tests {
         let deep = "(".repeat(100_000);
         assert!(parse(&deep).unwrap_err().contains("deeply"));
         let wide = |n| vec!["n1.a"; n].join(" & ");
-        assert!(parse(&wide(MOST)).is_ok());
+        assert!(parse(&wide(MAX_FACTS)).is_ok());
         assert!(parse(&wide(1_000_000)).unwrap_err().contains("long"));
     }
 }

@@ -5,46 +5,54 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use rpi_core::{Watch, Why};
+use rpi_core::{AbortReason, CycleObserver};
 use rpi_runtime::control::Executive;
-use rpi_runtime::realtime::{self, Beat, Grant, RealTime};
-use rpi_runtime::run::Camera;
-use rpi_runtime::tape::Taped;
+use rpi_runtime::realtime::{self, RealTime, ResourceGrant, TickTimer};
+use rpi_runtime::run::TickCollector;
+use rpi_runtime::tick_log::LoggingBank;
 use rpi_sim::SimBank;
 
 /// The core with its devices, its timer and the observer that is called for every command after each of its cycles.
-pub(crate) struct Cycle {
-    pub(crate) executive: Executive<Taped<SimBank>>,
-    pub(crate) beat: Beat,
-    pub(crate) watch: Box<dyn Watch + Send>,
+pub(crate) struct CycleThread {
+    pub(crate) executive: Executive<LoggingBank<SimBank>>,
+    pub(crate) beat: TickTimer,
+    pub(crate) watch: Box<dyn CycleObserver + Send>,
     /// Wrapper around each tick; it must call its argument once.
-    pub(crate) around_tick: fn(&mut dyn FnMut()),
+    pub(crate) tick_wrapper: fn(&mut dyn FnMut()),
     /// Set when the thread must stop; no further tick starts.
-    pub(crate) over: Arc<AtomicBool>,
+    pub(crate) stop: Arc<AtomicBool>,
     /// Emergency stop request: while it is set, everything is stopped at the end of each tick.
-    pub(crate) alarm: Arc<AtomicBool>,
+    pub(crate) emergency_stop: Arc<AtomicBool>,
     /// Recorder of each tick, if the run is recorded.
-    pub(crate) camera: Option<Camera>,
+    pub(crate) recorder: Option<TickCollector>,
     /// Number of ticks missing from the recording. Set after the last tick.
-    pub(crate) lost: Arc<OnceLock<u64>>,
+    pub(crate) lost_ticks: Arc<OnceLock<u64>>,
 }
 
-impl Cycle {
+impl CycleThread {
     /// Requests the real-time settings from the system, publishes the results in `granted` and runs the ticks. With the
     /// system-call fence up, this function never returns.
-    pub(crate) fn run(mut self, real_time: Option<RealTime>, granted: &OnceLock<Vec<Grant>>) {
-        let grants = real_time.map(realtime::begin).unwrap_or_default();
-        let fenced = grants.iter().any(realtime::is_fence_up);
+    pub(crate) fn run(
+        mut self,
+        real_time: Option<RealTime>,
+        granted: &OnceLock<Vec<ResourceGrant>>,
+    ) {
+        let grants = real_time
+            .map(realtime::acquire_resources)
+            .unwrap_or_default();
+        let fenced = grants.iter().any(realtime::is_syscall_filter_installed);
         self.beat.restart();
         // `Server::run` polls this cell. Setting it takes no system call, which the fence would forbid.
         let _ = granted.set(grants);
-        let around_tick = self.around_tick;
-        while !self.over.load(Ordering::Relaxed) {
+        let around_tick = self.tick_wrapper;
+        while !self.stop.load(Ordering::Relaxed) {
             around_tick(&mut || self.tick());
         }
-        let _ = self.lost.set(self.camera.as_ref().map_or(0, Camera::lost));
+        let _ = self
+            .lost_ticks
+            .set(self.recorder.as_ref().map_or(0, TickCollector::lost_ticks));
         if fenced {
-            realtime::rest();
+            realtime::sleep_forever();
         }
     }
 
@@ -52,34 +60,34 @@ impl Cycle {
         let now = self.executive.now();
         let wall_ns = self.beat.wait(now);
         let (executive, watch) = (&mut self.executive, &mut *self.watch);
-        let Some(camera) = &mut self.camera else {
+        let Some(camera) = &mut self.recorder else {
             executive.tick(wall_ns, watch);
-            let too_often = self.beat.over(now);
+            let too_often = self.beat.finish_tick(now);
             let late = self.beat.overrun();
             // `|` instead of `||`: the overrun must be attributed to its command in any case.
-            let too_often = too_often | late.is_some_and(|late| executive.too_late(late));
-            if let Some(why) = reason_to_stop(&self.alarm, too_often) {
+            let too_often = too_often | late.is_some_and(|late| executive.handle_overrun(late));
+            if let Some(why) = reason_to_stop(&self.emergency_stop, too_often) {
                 executive.halt(why);
             }
             return;
         };
         camera.tick(executive, wall_ns, watch);
-        let too_often = self.beat.over(now);
+        let too_often = self.beat.finish_tick(now);
         let late = self.beat.overrun();
         // `|` for the same reason as above.
-        let too_often = too_often | late.is_some_and(|late| camera.too_late(executive, late));
-        if let Some(why) = reason_to_stop(&self.alarm, too_often) {
+        let too_often = too_often | late.is_some_and(|late| camera.handle_overrun(executive, late));
+        if let Some(why) = reason_to_stop(&self.emergency_stop, too_often) {
             camera.halt(executive, why);
         }
-        camera.take(executive, (now, wall_ns));
+        camera.record_tick(executive, (now, wall_ns));
     }
 }
 
 /// Returns the reason to stop everything, if there is one.
-fn reason_to_stop(alarm: &AtomicBool, too_often: bool) -> Option<Why> {
+fn reason_to_stop(alarm: &AtomicBool, too_often: bool) -> Option<AbortReason> {
     match (alarm.load(Ordering::Relaxed), too_often) {
-        (true, _) => Some(Why::EmergencyStop),
-        (false, true) => Some(Why::Overrun),
+        (true, _) => Some(AbortReason::EmergencyStop),
+        (false, true) => Some(AbortReason::Overrun),
         (false, false) => None,
     }
 }

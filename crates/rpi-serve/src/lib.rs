@@ -14,22 +14,22 @@
 mod condition;
 mod cycle;
 mod dio;
-mod fair;
+mod fair_share;
 mod limits;
 mod open_error;
 mod peer;
 mod rpc;
-mod script;
 mod server;
 mod settings;
 mod state;
+mod task_bundle;
+mod transport;
 mod web;
-mod wire;
 
 pub use limits::{Limits, OnLoss};
-pub use open_error::CannotOpen;
+pub use open_error::OpenError;
 pub use rpc::methods;
-pub use rpi_runtime::realtime::Pace;
-pub use script::Script;
+pub use rpi_runtime::realtime::TimeBase;
 pub use server::Server;
 pub use settings::{Settings, TlsFiles};
+pub use task_bundle::TaskBundle;

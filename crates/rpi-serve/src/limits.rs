@@ -20,30 +20,30 @@ pub struct Limits {
     pub rules: usize,
     /// Total size of all active rules: facts in their conditions plus commands that they stop, cancel and start. The
     /// cycle evaluates all of them in each tick.
-    pub facts: usize,
+    pub rule_size: usize,
     /// Memory slots (8 bytes each) that one request may set: numbers or array elements.
-    pub values: usize,
+    pub values_per_request: usize,
     /// Number of devices, including those of the cell.
     pub devices: usize,
     /// Size of one message in bytes.
-    pub message: usize,
+    pub message_bytes: usize,
     /// Memory of commands and tasks in bytes, over all sessions.
-    pub memory: usize,
+    pub memory_bytes: usize,
     /// Number of messages that may be queued for a client that does not read them.
-    pub outbox: usize,
+    pub queued_messages: usize,
     /// Number of subscriptions of one client.
-    pub watches: usize,
+    pub subscriptions: usize,
     /// Length of a session, command or device name in bytes. A longer device name is rejected, any other one is
     /// truncated.
-    pub name: usize,
+    pub name_bytes: usize,
     /// Number of loads of one client that may be queued. Clients take turns.
-    pub loads: usize,
+    pub queued_loads: usize,
     /// Timeout from the first to the last byte of a request head.
-    pub patience: Duration,
+    pub request_timeout: Duration,
     /// Delay before a request with a wrong token is answered.
-    pub penance: Duration,
+    pub wrong_token_delay: Duration,
     /// Timeout without any message, answers to pings included, from a client of the native interface over a websocket.
-    pub silence: Duration,
+    pub idle_timeout: Duration,
 }
 
 impl Default for Limits {
@@ -53,18 +53,18 @@ impl Default for Limits {
             sessions: 32,
             commands: 256,
             rules: 1024,
-            facts: 4096,
-            values: 4096,
+            rule_size: 4096,
+            values_per_request: 4096,
             devices: 64,
-            message: 16 << 20,
-            memory: 512 << 20,
-            outbox: 4096,
-            watches: 1024,
-            name: 256,
-            loads: 32,
-            patience: Duration::from_secs(5),
-            penance: Duration::from_secs(1),
-            silence: Duration::from_secs(30),
+            message_bytes: 16 << 20,
+            memory_bytes: 512 << 20,
+            queued_messages: 4096,
+            subscriptions: 1024,
+            name_bytes: 256,
+            queued_loads: 32,
+            request_timeout: Duration::from_secs(5),
+            wrong_token_delay: Duration::from_secs(1),
+            idle_timeout: Duration::from_secs(30),
         }
     }
 }
@@ -90,7 +90,7 @@ impl OnLoss {
     ];
 
     /// Returns the policy with this name.
-    pub fn by_name(name: &str) -> Option<OnLoss> {
+    pub fn from_name(name: &str) -> Option<OnLoss> {
         let found = Self::ALL.iter().find(|(known, _)| *known == name);
         found.map(|(_, policy)| *policy)
     }

@@ -6,11 +6,11 @@ use std::net::SocketAddr;
 
 /// Error of opening a server.
 #[derive(Debug)]
-pub enum CannotOpen {
+pub enum OpenError {
     /// The server would be reachable from other machines without protection.
-    Unguarded {
+    Unprotected {
         /// Configured listening address.
-        at: SocketAddr,
+        address: SocketAddr,
         /// No token is configured: every client would be accepted.
         no_token: bool,
         /// TLS is not configured: the traffic could be read and changed on its way.
@@ -19,14 +19,14 @@ pub enum CannotOpen {
     /// The certificate or key file cannot be used; the text has the reason.
     Identity(String),
     /// A system call failed.
-    System(io::Error),
+    Io(io::Error),
 }
 
-impl fmt::Display for CannotOpen {
+impl fmt::Display for OpenError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            CannotOpen::Unguarded {
-                at,
+            OpenError::Unprotected {
+                address: at,
                 no_token,
                 no_tls,
             } => {
@@ -41,22 +41,22 @@ impl fmt::Display for CannotOpen {
                     "{code}: {at} can be reached from other machines; it requires {lacking}"
                 )
             }
-            CannotOpen::Identity(why) => f.write_str(why),
-            CannotOpen::System(why) => why.fmt(f),
+            OpenError::Identity(why) => f.write_str(why),
+            OpenError::Io(why) => why.fmt(f),
         }
     }
 }
 
-impl std::error::Error for CannotOpen {}
+impl std::error::Error for OpenError {}
 
-impl From<io::Error> for CannotOpen {
-    fn from(why: io::Error) -> CannotOpen {
-        CannotOpen::System(why)
+impl From<io::Error> for OpenError {
+    fn from(why: io::Error) -> OpenError {
+        OpenError::Io(why)
     }
 }
 
 /// Adds the address and a hint to an error of binding it.
-pub(crate) fn not_there(at: SocketAddr, why: &io::Error) -> io::Error {
+pub(crate) fn bind_error(at: SocketAddr, why: &io::Error) -> io::Error {
     let helps = match why.kind() {
         io::ErrorKind::AddrInUse => {
             "; another program listens there: end it, or choose another port"

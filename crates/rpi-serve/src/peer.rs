@@ -7,21 +7,21 @@ use std::net::{IpAddr, Ipv6Addr};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Peer {
     /// This machine: loopback or Unix socket.
-    Here,
+    Local,
     /// A remote address. An IPv6 address is reduced to its /64 network, in which one machine may use any number of
     /// addresses (RFC 4291).
-    There(IpAddr),
+    Remote(IpAddr),
 }
 
 impl Peer {
-    pub(crate) fn of(address: IpAddr) -> Peer {
+    pub(crate) fn from_ip(address: IpAddr) -> Peer {
         match address.to_canonical() {
-            address if address.is_loopback() => Peer::Here,
+            address if address.is_loopback() => Peer::Local,
             IpAddr::V6(six) => {
                 let network = six.to_bits() >> 64 << 64;
-                Peer::There(Ipv6Addr::from_bits(network).into())
+                Peer::Remote(Ipv6Addr::from_bits(network).into())
             }
-            four => Peer::There(four),
+            four => Peer::Remote(four),
         }
     }
 }
@@ -29,9 +29,9 @@ impl Peer {
 impl fmt::Display for Peer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Peer::Here => f.write_str("this machine"),
-            Peer::There(IpAddr::V6(network)) => write!(f, "{network}/64"),
-            Peer::There(address) => address.fmt(f),
+            Peer::Local => f.write_str("this machine"),
+            Peer::Remote(IpAddr::V6(network)) => write!(f, "{network}/64"),
+            Peer::Remote(address) => address.fmt(f),
         }
     }
 }
@@ -42,9 +42,9 @@ mod tests {
 
     #[test]
     fn addresses_of_one_machine_are_one_peer() {
-        let peer = |text: &str| Peer::of(text.parse().unwrap());
+        let peer = |text: &str| Peer::from_ip(text.parse().unwrap());
         for here in ["127.0.0.1", "127.3.2.1", "::1", "::ffff:127.0.0.1"] {
-            assert_eq!(peer(here), Peer::Here, "{here}");
+            assert_eq!(peer(here), Peer::Local, "{here}");
         }
         assert_eq!(peer("::ffff:10.0.0.7"), peer("10.0.0.7"));
         assert_ne!(peer("10.0.0.7"), peer("10.0.0.8"));

@@ -8,29 +8,29 @@ use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use rpi_core::Watch;
+use rpi_core::CycleObserver;
 use rpi_device::NoDevices;
-use rpi_record::recording::{Wanted, record};
+use rpi_record::mcap::{RecordingOptions, record};
 use rpi_runtime::control::{Options, open};
-use rpi_runtime::realtime::{self, Beat, Grant, Pace, RealTime};
-use rpi_runtime::run::Written;
-use rpi_runtime::tape::Taped;
+use rpi_runtime::realtime::{self, RealTime, ResourceGrant, TickTimer, TimeBase};
+use rpi_runtime::run::RecordingStats;
+use rpi_runtime::tick_log::LoggingBank;
 use rpi_sim::Cell;
 
-use crate::cycle::Cycle;
-use crate::open_error::{CannotOpen, not_there};
+use crate::cycle::CycleThread;
+use crate::open_error::{OpenError, bind_error};
 use crate::settings::Settings;
-use crate::state::{Office, bank};
-use crate::wire::{Guard, Reception, Strangers};
+use crate::state::{SharedState, bank};
+use crate::transport::{Acceptor, AuthPolicy, AuthThrottle};
 
 /// Interval at which the server state is updated from the cycle's reports.
-const KEEP: Duration = Duration::from_millis(1);
+const UPDATE_INTERVAL: Duration = Duration::from_millis(1);
 
 /// Time limit for devices to come to rest before the cycle ends.
-const REST: Duration = Duration::from_secs(5);
+const REST_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Name of the cycle thread.
-const CYCLE: &str = "rpi-cycle";
+const CYCLE_THREAD: &str = "rpi-cycle";
 
 /// Capacity of the request queue to the cycle.
 const REQUESTS: usize = 4096;
@@ -41,13 +41,13 @@ pub struct Server {
     address: SocketAddr,
     /// Path of the Unix socket that the server created and must remove.
     socket: Option<PathBuf>,
-    grants: Vec<Grant>,
+    grants: Vec<ResourceGrant>,
     /// Set when connections must end and no further one is accepted.
     closing: Arc<AtomicBool>,
     /// Set when the threads of the cycle and the server state must end.
     over: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
-    office: Option<Office>,
+    office: Option<SharedState>,
     /// Number of ticks missing from the recording. Set after the last tick.
     lost: Arc<OnceLock<u64>>,
 }
@@ -61,8 +61,8 @@ impl Server {
     pub fn open(
         cell: &Cell,
         settings: &Settings,
-        watch: impl Watch + Send + 'static,
-    ) -> Result<Server, CannotOpen> {
+        watch: impl CycleObserver + Send + 'static,
+    ) -> Result<Server, OpenError> {
         Server::open_recorded(cell, settings, watch, None)
     }
 
@@ -73,13 +73,13 @@ impl Server {
     pub fn open_recorded(
         cell: &Cell,
         settings: &Settings,
-        watch: impl Watch + Send + 'static,
-        recording: Option<Wanted>,
-    ) -> Result<Server, CannotOpen> {
-        settings.guarded()?;
+        watch: impl CycleObserver + Send + 'static,
+        recording: Option<RecordingOptions>,
+    ) -> Result<Server, OpenError> {
+        settings.check_protection()?;
         let identity = settings.identity()?;
         let bound = TcpListener::bind(settings.listen);
-        let listener = bound.map_err(|why| not_there(settings.listen, &why))?;
+        let listener = bound.map_err(|why| bind_error(settings.listen, &why))?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let mut server = Server {
@@ -94,21 +94,21 @@ impl Server {
         };
         let office = server.start_cycle(cell, settings, Box::new(watch), recording)?;
         server.office = Some(office.clone());
-        let reception = Reception {
-            office,
+        let reception = Acceptor {
+            state: office,
             limits: settings.limits,
-            guard: Guard {
+            auth: AuthPolicy {
                 token: settings.token.clone(),
             },
             identity,
             closing: Arc::clone(&server.closing),
             connections: Arc::default(),
-            strangers: Strangers::default(),
+            throttle: AuthThrottle::default(),
         };
         if let Some(path) = &settings.socket {
             server.listen_at(path, reception.clone())?;
         }
-        server.spawn("rpi-listen", move || reception.take_all(&listener))?;
+        server.spawn("rpi-listen", move || reception.accept_all(&listener))?;
         Ok(server)
     }
 
@@ -116,59 +116,63 @@ impl Server {
         &mut self,
         cell: &Cell,
         settings: &Settings,
-        watch: Box<dyn Watch + Send>,
-        recording: Option<Wanted>,
-    ) -> io::Result<Office> {
+        watch: Box<dyn CycleObserver + Send>,
+        recording: Option<RecordingOptions>,
+    ) -> io::Result<SharedState> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let options = Options {
             tick_ns,
             commands: limits.commands,
             requests: REQUESTS,
-            timed: settings.pace == Pace::Real,
+            measure_commands: settings.pace == TimeBase::Real,
             budget: settings.budget(),
             ..Options::default()
         };
-        let devices = Taped::new(bank(cell, limits.devices, tick_ns));
+        let devices = LoggingBank::new(bank(cell, limits.devices, tick_ns));
         // `NoDevices`: the loader resolves device names against its own copy of the devices, so that it never waits for
         // the cycle.
         let (mut control, mut executive) = open(devices, Box::new(NoDevices), options);
         let guard = (tick_ns, settings.continuity.unwrap_or_default());
         let record = |wanted| record(wanted, cell, guard, (&mut control, &mut executive));
         let (recorder, camera) = recording.map(record).transpose()?.unzip();
-        let office = Office::open(cell, (control, recorder), settings)?;
+        let office = SharedState::new(cell, (control, recorder), settings)?;
         let overrun = settings.real_time.map(|r| r.overrun).unwrap_or_default();
-        let cycle = Cycle {
+        let cycle = CycleThread {
             executive,
-            beat: Beat::start(settings.pace, tick_ns, overrun),
+            beat: TickTimer::start(settings.pace, tick_ns, overrun),
             watch,
-            around_tick: settings.around_tick,
-            over: Arc::clone(&self.over),
-            alarm: office.desk().emergency.alarm(),
-            camera,
-            lost: Arc::clone(&self.lost),
+            tick_wrapper: settings.tick_wrapper,
+            stop: Arc::clone(&self.over),
+            emergency_stop: office.lock().emergency.stop_flag(),
+            recorder: camera,
+            lost_ticks: Arc::clone(&self.lost),
         };
         self.run(cycle, settings.real_time)?;
         let (over, keeper) = (Arc::clone(&self.over), office.clone());
         self.spawn("rpi-state", move || {
             while !over.load(Ordering::Relaxed) {
-                keeper.desk().keep();
-                thread::sleep(KEEP);
+                keeper.lock().update();
+                thread::sleep(UPDATE_INTERVAL);
             }
         })?;
         Ok(office)
     }
 
     /// Starts the cycle thread and waits until it has published the system's grants.
-    fn run(&mut self, cycle: Cycle, real_time: Option<RealTime>) -> io::Result<()> {
+    fn run(&mut self, cycle: CycleThread, real_time: Option<RealTime>) -> io::Result<()> {
         let granted = Arc::new(OnceLock::new());
         let tell = Arc::clone(&granted);
-        self.spawn(CYCLE, move || cycle.run(real_time, &tell))?;
+        self.spawn(CYCLE_THREAD, move || cycle.run(real_time, &tell))?;
         let ended = |t: &JoinHandle<()>| t.is_finished();
         while granted.get().is_none() && !self.threads.last().is_some_and(ended) {
-            thread::sleep(KEEP);
+            thread::sleep(UPDATE_INTERVAL);
         }
         self.grants = granted.get().cloned().unwrap_or_default();
-        if self.grants.iter().any(realtime::is_fence_up) {
+        if self
+            .grants
+            .iter()
+            .any(realtime::is_syscall_filter_installed)
+        {
             // A fenced thread cannot exit (that takes a system call), so it must not be joined.
             self.threads.pop();
         }
@@ -176,15 +180,15 @@ impl Server {
     }
 
     #[cfg(unix)]
-    fn listen_at(&mut self, path: &Path, reception: Reception) -> io::Result<()> {
-        let listener = crate::wire::bind(path)?;
+    fn listen_at(&mut self, path: &Path, reception: Acceptor) -> io::Result<()> {
+        let listener = crate::transport::bind(path)?;
         self.socket = Some(path.to_owned());
         listener.set_nonblocking(true)?;
-        self.spawn("rpi-listen", move || reception.take_all_local(&listener))
+        self.spawn("rpi-listen", move || reception.accept_all_local(&listener))
     }
 
     #[cfg(not(unix))]
-    fn listen_at(&mut self, _: &Path, _: Reception) -> io::Result<()> {
+    fn listen_at(&mut self, _: &Path, _: Acceptor) -> io::Result<()> {
         Err(io::ErrorKind::Unsupported.into())
     }
 
@@ -196,7 +200,7 @@ impl Server {
 
     /// Returns the system's answers to the real-time settings requested for the cycle thread.
     #[must_use]
-    pub fn grants(&self) -> &[Grant] {
+    pub fn grants(&self) -> &[ResourceGrant] {
         &self.grants
     }
 
@@ -204,7 +208,7 @@ impl Server {
     /// requested it, or the reason.
     pub fn emergency_stop(&self, by: &str) {
         if let Some(office) = &self.office {
-            office.desk().emergency_stop(by, Box::new(|_| {}));
+            office.lock().emergency_stop(by, Box::new(|_| {}));
         }
     }
 
@@ -213,7 +217,7 @@ impl Server {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let office = self.office.as_ref();
-        office.map_or_else(Vec::new, |office| office.desk().log.warnings())
+        office.map_or_else(Vec::new, |office| office.lock().log.take_warnings())
     }
 
     /// Returns the listening address.
@@ -227,41 +231,47 @@ impl Server {
     ///
     /// # Errors
     /// Those of writing the recording.
-    pub fn close(mut self) -> io::Result<Option<Written>> {
+    pub fn close(mut self) -> io::Result<Option<RecordingStats>> {
         self.end()
     }
 
-    fn end(&mut self) -> io::Result<Option<Written>> {
+    fn end(&mut self) -> io::Result<Option<RecordingStats>> {
         self.closing.store(true, Ordering::Relaxed);
-        self.come_to_rest();
+        self.stop_and_wait();
         self.over.store(true, Ordering::Relaxed);
-        let fenced = self.grants.iter().any(realtime::is_fence_up);
+        let fenced = self
+            .grants
+            .iter()
+            .any(realtime::is_syscall_filter_installed);
         self.wait();
         // A fenced thread cannot be joined; `lost` is set after its last tick.
         while fenced && self.lost.get().is_none() {
-            thread::sleep(KEEP);
+            thread::sleep(UPDATE_INTERVAL);
         }
         let lost = self.lost.get().copied().unwrap_or_default();
         let office = self.office.take();
-        office.map_or(Ok(None), |office| office.desk().finish_recording(lost))
+        office.map_or(Ok(None), |office| office.lock().finish_recording(lost))
     }
 
     /// Stops everything and waits until the devices are at rest. A moving arm must not lose its controller.
-    fn come_to_rest(&self) {
+    fn stop_and_wait(&self) {
         let Some(office) = &self.office else {
             return;
         };
-        office.desk().stop_everything();
+        office.lock().stop_all();
         let begin = Instant::now();
-        while self.ticks() && begin.elapsed() < REST && !office.desk().has_come_to_rest() {
-            thread::sleep(KEEP);
+        while self.is_cycle_running()
+            && begin.elapsed() < REST_TIMEOUT
+            && !office.lock().is_at_rest()
+        {
+            thread::sleep(UPDATE_INTERVAL);
         }
     }
 
     /// Returns whether the cycle thread is still running.
-    fn ticks(&self) -> bool {
+    fn is_cycle_running(&self) -> bool {
         let mut threads = self.threads.iter();
-        let ended = |t: &JoinHandle<()>| t.thread().name() == Some(CYCLE) && t.is_finished();
+        let ended = |t: &JoinHandle<()>| t.thread().name() == Some(CYCLE_THREAD) && t.is_finished();
         !threads.any(ended)
     }
 
@@ -294,7 +304,7 @@ mod tests {
 
     use super::*;
     use crate::peer::Peer;
-    use crate::state::{Language, Load, Sink, Update};
+    use crate::state::{Language, LoadRequest, Subscriber, Update};
 
     /// A net that moves an axis of the arm back and forth for ever.
     const SWING: &str = "{t=Core::Clock(Increment='1.0'),c=Core::DoubleCos(inValue=t.outValue),\
@@ -303,11 +313,11 @@ mod tests {
         a=RobotArm::JointPosition(inPosition=p.outValue,Robot='arm',Axis='0')}";
 
     /// Starts a command on the server and waits until the arm moves.
-    fn swing(office: &Office) {
-        let client = office.desk().objects.client(Peer::Here);
-        let session = office.desk().open_session("test", None, (client, true));
+    fn swing(office: &SharedState) {
+        let client = office.lock().objects.client(Peer::Local);
+        let session = office.lock().open_session("test", None, (client, true));
         let session = session.unwrap();
-        let load = Load {
+        let load = LoadRequest {
             session: &session,
             title: "swing",
             language: Language::Rpinet,
@@ -320,28 +330,28 @@ mod tests {
         let started = move |name: Result<String, _>| {
             // The reply is called with the state locked, so `start` needs another thread.
             let name = name.unwrap();
-            thread::spawn(move || starter.desk().start(&name, Box::new(|_| {})));
+            thread::spawn(move || starter.lock().start(&name, Box::new(|_| {})));
         };
-        office.desk().load(&load, Box::new(started));
+        office.lock().load(&load, Box::new(started));
         let begin = Instant::now();
-        while !office.desk().devices.all().any(|info| info.moving) {
+        while !office.lock().devices.all().any(|info| info.moving) {
             assert!(
                 begin.elapsed() < Duration::from_secs(30),
                 "it does not move"
             );
-            thread::sleep(KEEP);
+            thread::sleep(UPDATE_INTERVAL);
         }
     }
 
     /// A subscriber that accepts the first update and is gone afterwards.
     struct Deaf;
 
-    impl Sink for Deaf {
-        fn tell(&mut self, _: &Update<'_>) -> bool {
+    impl Subscriber for Deaf {
+        fn notify(&mut self, _: &Update<'_>) -> bool {
             true
         }
 
-        fn is_heard(&self) -> bool {
+        fn is_connected(&self) -> bool {
             false
         }
     }
@@ -356,8 +366,8 @@ mod tests {
         };
         let server = Server::open(&cell, &settings, ()).unwrap();
         let office = server.office.clone().unwrap();
-        let mut state = office.desk();
-        let client = state.objects.client(Peer::Here);
+        let mut state = office.lock();
+        let client = state.objects.client(Peer::Local);
         let session = state.open_session("test", None, (client, true)).unwrap();
         state.emergency.watch(Box::new(Deaf));
         state.devices.watch(Box::new(Deaf));
@@ -366,9 +376,9 @@ mod tests {
             .sessions
             .watch(&session, Box::new(Deaf))
             .unwrap();
-        assert_eq!(state.watching(), 3);
-        state.lose_client(client, &[]);
-        assert_eq!(state.watching(), 0);
+        assert_eq!(state.subscriber_count(), 3);
+        state.on_client_lost(client, &[]);
+        assert_eq!(state.subscriber_count(), 0);
     }
 
     #[test]
@@ -384,6 +394,6 @@ mod tests {
         let office = server.office.clone().unwrap();
         swing(&office);
         server.close().unwrap();
-        assert!(!office.desk().devices.all().any(|info| info.moving));
+        assert!(!office.lock().devices.all().any(|info| info.moving));
     }
 }

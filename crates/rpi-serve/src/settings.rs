@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use rpi_core::Continuity;
 use rpi_runtime::control::Budget;
-use rpi_runtime::realtime::{Pace, RealTime};
+use rpi_runtime::realtime::{RealTime, TimeBase};
 
 use crate::limits::{Limits, OnLoss};
-use crate::open_error::CannotOpen;
-use crate::wire::Identity;
+use crate::open_error::OpenError;
+use crate::transport::TlsIdentity;
 
 /// Configuration of a server.
 #[derive(Clone, Debug)]
@@ -27,9 +27,9 @@ pub struct Settings {
     /// Length of a tick in nanoseconds. Command periods are whole multiples of it.
     pub tick_ns: u64,
     /// Time source of the ticks: real or simulated time.
-    pub pace: Pace,
+    pub pace: TimeBase,
     /// Wrapper around each tick; it must call its argument once. Tests use it to trap allocations.
-    pub around_tick: fn(&mut dyn FnMut()),
+    pub tick_wrapper: fn(&mut dyn FnMut()),
     /// Real-time settings requested for the cycle thread and the policy for ticks that end after the next one is due.
     /// `None` runs an ordinary thread.
     pub real_time: Option<RealTime>,
@@ -40,7 +40,7 @@ pub struct Settings {
     pub on_loss: OnLoss,
     /// Maximum share of a tick for all commands together, from 0 to 1, by the compiler's bounds. Commands beyond it are
     /// rejected; the rest of the tick is for requests and devices. `None` disables the check.
-    pub share: Option<f64>,
+    pub cycle_share: Option<f64>,
     /// Time of an elementary operation in nanoseconds; `rpic machine` measures the worst case.
     pub ns_per_operation: f64,
     /// Resource limits of clients.
@@ -56,12 +56,12 @@ impl Default for Settings {
             tls: None,
             insecure: false,
             tick_ns: 1_000_000,
-            pace: Pace::Real,
-            around_tick: |tick| tick(),
+            pace: TimeBase::Real,
+            tick_wrapper: |tick| tick(),
             real_time: None,
             continuity: None,
             on_loss: OnLoss::default(),
-            share: Some(Budget::SHARE),
+            cycle_share: Some(Budget::SHARE),
             ns_per_operation: Budget::NS_PER_OPERATION,
             limits: Limits::default(),
         }
@@ -79,13 +79,13 @@ pub struct TlsFiles {
 
 impl Settings {
     /// Returns an error if the address is beyond loopback and the token or TLS is missing.
-    pub(crate) fn guarded(&self) -> Result<(), CannotOpen> {
+    pub(crate) fn check_protection(&self) -> Result<(), OpenError> {
         let (no_token, no_tls) = (self.token.is_none(), self.tls.is_none());
         let local = self.listen.ip().is_loopback();
         match local || self.insecure || !(no_token || no_tls) {
             true => Ok(()),
-            false => Err(CannotOpen::Unguarded {
-                at: self.listen,
+            false => Err(OpenError::Unprotected {
+                address: self.listen,
                 no_token,
                 no_tls,
             }),
@@ -94,8 +94,8 @@ impl Settings {
 
     /// Returns the budget of commands per tick, if it is limited.
     pub(crate) fn budget(&self) -> Option<Budget> {
-        let share = self.share?;
-        Some(Budget::of(
+        let share = self.cycle_share?;
+        Some(Budget::from_share(
             self.tick_ns.max(1),
             share,
             self.ns_per_operation,
@@ -103,9 +103,9 @@ impl Settings {
     }
 
     /// Reads the certificate and key, if they are configured.
-    pub(crate) fn identity(&self) -> Result<Option<Identity>, CannotOpen> {
-        let read = |files: &TlsFiles| Identity::read(&files.certificates, &files.key);
+    pub(crate) fn identity(&self) -> Result<Option<TlsIdentity>, OpenError> {
+        let read = |files: &TlsFiles| TlsIdentity::read(&files.certificates, &files.key);
         let identity = self.tls.as_ref().map(read).transpose();
-        identity.map_err(CannotOpen::Identity)
+        identity.map_err(OpenError::Identity)
     }
 }

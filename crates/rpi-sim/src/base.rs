@@ -4,10 +4,12 @@
 //! differential drive cannot follow. Without set-points it brakes along its current arc.
 
 use crate::cell::BaseSpec;
-use crate::code::Code;
-use crate::device::{Device, Line, Put, Report, Slot, find, is_actuator, tell, within};
+use crate::device::{
+    Device, PortIndex, PortRow, Report, SlotWriter, find_port, is_actuator, is_in_row, read_port,
+};
+use crate::error_code::ErrorCode;
 use core::ops::Range;
-use rpi_device::{Jump, PortName, Quantity, Refusal, ResolveError};
+use rpi_device::{Discontinuity, PortQuery, Quantity, Rejection, ResolveError};
 use rpi_image::Scalar;
 use rpi_kin::Pose;
 
@@ -18,43 +20,43 @@ pub(crate) struct Base {
     tick: f64,
     time: f64,
     /// Ticks between set-points, and ticks until the next one is due.
-    pace: u32,
-    left: u32,
+    set_point_ticks: u32,
+    ticks_left: u32,
     /// Pose in the cell: x, y (m), heading (rad).
-    place: [f64; 3],
+    position: [f64; 3],
     /// Forward velocity (m/s) and angular velocity (rad/s).
     velocity: [f64; 2],
     staged: Option<[f64; 2]>,
     braking: bool,
     /// Angles of the wheels, left and right, in rad.
     wheels: [f64; 2],
-    code: Code,
+    code: ErrorCode,
     reports: Vec<Report>,
 }
 
 /// Capacity for pending reports.
-const REPORTS: usize = 16;
+const REPORT_CAPACITY: usize = 16;
 
 /// Velocities below this, in m/s or rad/s, count as zero.
-const STANDING: f64 = 1e-6;
+const REST_VELOCITY: f64 = 1e-6;
 
-const PORTS: &[Line<Base>] = &[
-    Line::sensor("base.position", Scalar::Pose, |base, _, out| {
-        out.pose(&base.pose())
+const PORTS: &[PortRow<Base>] = &[
+    PortRow::sensor("base.position", Scalar::Pose, |base, _, out| {
+        out.put_pose(&base.pose())
     }),
-    Line::sensor("base.commanded_velocity", Scalar::Twist, Base::put_velocity),
-    Line::sensor("base.measured_velocity", Scalar::Twist, Base::put_velocity),
-    Line::sensor("base.error", Scalar::Int, |base, _, out| {
-        out.bits(base.code.0.cast_unsigned())
+    PortRow::sensor("base.commanded_velocity", Scalar::Twist, Base::put_velocity),
+    PortRow::sensor("base.measured_velocity", Scalar::Twist, Base::put_velocity),
+    PortRow::sensor("base.error", Scalar::Int, |base, _, out| {
+        out.put_bits(base.code.0.cast_unsigned())
     }),
-    Line::sensor("wheel.position", Scalar::Real, Base::put_wheel).indexed(),
-    Line::sensor("wheel.velocity", Scalar::Real, Base::put_wheel_velocity).indexed(),
-    Line::actuator("base.velocity", Scalar::Twist),
+    PortRow::sensor("wheel.position", Scalar::Real, Base::put_wheel).indexed(),
+    PortRow::sensor("wheel.velocity", Scalar::Real, Base::put_wheel_velocity).indexed(),
+    PortRow::actuator("base.velocity", Scalar::Twist),
 ];
 
 /// Descriptions of a base's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
-    PORTS.iter().map(|line| line.head.info())
+    PORTS.iter().map(|line| line.spec.info())
 }
 
 impl Base {
@@ -63,20 +65,20 @@ impl Base {
             spec: spec.clone(),
             tick,
             time: 0.0,
-            pace: 1,
-            left: 0,
-            place: spec.place,
+            set_point_ticks: 1,
+            ticks_left: 0,
+            position: spec.position,
             velocity: [0.0; 2],
             staged: None,
             braking: false,
             wheels: [0.0; 2],
-            code: Code::OK,
-            reports: Vec::with_capacity(REPORTS),
+            code: ErrorCode::OK,
+            reports: Vec::with_capacity(REPORT_CAPACITY),
         }
     }
 
     fn pose(&self) -> Pose {
-        let [x, y, heading] = self.place;
+        let [x, y, heading] = self.position;
         let (sin, cos) = libm::sincos(heading / 2.0);
         let turn = nalgebra::Quaternion::new(cos, 0.0, 0.0, sin);
         Pose::from_parts(
@@ -85,21 +87,21 @@ impl Base {
         )
     }
 
-    fn put_velocity(&self, _: usize, out: &mut Put<'_>) {
+    fn put_velocity(&self, _: usize, out: &mut SlotWriter<'_>) {
         let [forwards, turning] = self.velocity;
-        out.reals([forwards, 0.0, 0.0, 0.0, 0.0, turning]);
+        out.put_reals([forwards, 0.0, 0.0, 0.0, 0.0, turning]);
     }
 
-    fn put_wheel(&self, wheel: usize, out: &mut Put<'_>) {
-        out.reals(self.wheels.get(wheel).copied());
+    fn put_wheel(&self, wheel: usize, out: &mut SlotWriter<'_>) {
+        out.put_reals(self.wheels.get(wheel).copied());
     }
 
-    fn put_wheel_velocity(&self, wheel: usize, out: &mut Put<'_>) {
-        out.reals(self.turning().get(wheel).copied());
+    fn put_wheel_velocity(&self, wheel: usize, out: &mut SlotWriter<'_>) {
+        out.put_reals(self.wheel_velocities().get(wheel).copied());
     }
 
     /// Angular velocities of the wheels, left and right, in rad/s.
-    fn turning(&self) -> [f64; 2] {
+    fn wheel_velocities(&self) -> [f64; 2] {
         let [forwards, turning] = self.velocity;
         [-0.5, 0.5]
             .map(|side| (forwards + side * self.spec.track * turning) / self.spec.wheel_radius)
@@ -108,42 +110,42 @@ impl Base {
     /// True while the base moves. A staged set-point takes precedence over the present velocity.
     fn is_moving(&self) -> bool {
         let velocity = self.staged.unwrap_or(self.velocity);
-        velocity.iter().any(|part| part.abs() > STANDING)
+        velocity.iter().any(|part| part.abs() > REST_VELOCITY)
     }
 
     /// Velocity of a set-point. Returns the violated limit otherwise: code, value, limit.
-    fn judge(&self, value: &[u64]) -> Result<[f64; 2], (Code, f64, f64)> {
+    fn check_set_point(&self, value: &[u64]) -> Result<[f64; 2], (ErrorCode, f64, f64)> {
         let part = |at: usize| value.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
         let wanted = [part(0), part(5)];
         let aside = [1, 2, 3, 4]
             .map(part)
             .into_iter()
-            .find(|part| part.abs() > STANDING || part.is_nan());
+            .find(|part| part.abs() > REST_VELOCITY || part.is_nan());
         if let Some(bad) = wanted
             .into_iter()
             .chain(aside)
             .find(|part| !part.is_finite())
         {
-            return Err((Code::NOT_A_NUMBER, bad, 0.0));
+            return Err((ErrorCode::NOT_A_NUMBER, bad, 0.0));
         }
         if let Some(aside) = aside {
-            return Err((Code::NOT_DRIVABLE, aside, 0.0));
+            return Err((ErrorCode::NOT_DRIVABLE, aside, 0.0));
         }
         for (axis, (wanted, now)) in wanted.into_iter().zip(self.velocity).enumerate() {
             let (most, fastest) = (self.spec.velocity[axis], self.spec.acceleration[axis]);
-            let acceleration = (wanted - now) / (self.tick * f64::from(self.pace));
+            let acceleration = (wanted - now) / (self.tick * f64::from(self.set_point_ticks));
             if wanted.abs() > most * (1.0 + 1e-6) {
-                return Err((Code::VELOCITY, wanted, most));
+                return Err((ErrorCode::VELOCITY, wanted, most));
             }
             if acceleration.abs() > fastest * (1.0 + 1e-6) {
-                return Err((Code::ACCELERATION, acceleration, fastest));
+                return Err((ErrorCode::ACCELERATION, acceleration, fastest));
             }
         }
         Ok(wanted)
     }
 
-    fn blame(&mut self, code: Code, value: f64, limit: f64) {
-        if self.code != code && self.reports.len() < REPORTS {
+    fn set_error(&mut self, code: ErrorCode, value: f64, limit: f64) {
+        if self.code != code && self.reports.len() < REPORT_CAPACITY {
             self.reports.push(Report {
                 time: self.time,
                 axis: None,
@@ -158,12 +160,13 @@ impl Base {
     /// Applies the staged set-point, continues, or starts braking.
     fn decide(&mut self) {
         if let Some(velocity) = self.staged.take() {
-            (self.velocity, self.left, self.braking) = (velocity, self.pace, false);
-        } else if self.left == 0 && self.is_moving() && !self.braking {
-            self.blame(Code::SET_POINT_MISSING, 0.0, 0.0);
+            (self.velocity, self.ticks_left, self.braking) =
+                (velocity, self.set_point_ticks, false);
+        } else if self.ticks_left == 0 && self.is_moving() && !self.braking {
+            self.set_error(ErrorCode::SET_POINT_MISSING, 0.0, 0.0);
             self.braking = true;
         }
-        self.left = self.left.saturating_sub(1);
+        self.ticks_left = self.ticks_left.saturating_sub(1);
         if self.braking {
             self.slow_down();
         }
@@ -192,11 +195,11 @@ impl Base {
         } else {
             libm::sin(half) / half
         };
-        let (sin, cos) = libm::sincos(self.place[2] + half);
-        self.place[0] += forwards * chord * cos;
-        self.place[1] += forwards * chord * sin;
-        self.place[2] = rpi_kin::angle::wrap(self.place[2] + turning);
-        let turning = self.turning();
+        let (sin, cos) = libm::sincos(self.position[2] + half);
+        self.position[0] += forwards * chord * cos;
+        self.position[1] += forwards * chord * sin;
+        self.position[2] = rpi_kin::angle::wrap(self.position[2] + turning);
+        let turning = self.wheel_velocities();
         self.wheels
             .iter_mut()
             .zip(turning)
@@ -205,45 +208,45 @@ impl Base {
 }
 
 impl Device for Base {
-    fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
-        find(PORTS.iter().map(|line| &line.head), name, |_| 2)
+    fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
+        find_port(PORTS.iter().map(|line| &line.spec), name, |_| 2)
     }
 
-    fn has(&self, slot: Slot) -> bool {
-        let line = PORTS.get(usize::from(slot.line));
-        within(line.map(|line| &line.head), slot, |_| 2)
+    fn has_port(&self, slot: PortIndex) -> bool {
+        let line = PORTS.get(usize::from(slot.row));
+        is_in_row(line.map(|line| &line.spec), slot, |_| 2)
     }
 
-    fn resources_of(&self, slot: Slot) -> Range<u32> {
+    fn resources_of(&self, slot: PortIndex) -> Range<u32> {
         0..u32::from(is_actuator(PORTS, slot))
     }
 
-    fn read(&self, slot: Slot, value: &mut [u64]) -> bool {
-        tell(PORTS, self, slot, value)
+    fn read(&self, slot: PortIndex, value: &mut [u64]) -> bool {
+        read_port(PORTS, self, slot, value)
     }
 
-    fn check(&mut self, slot: Slot, value: &[u64]) -> Refusal {
-        match self.judge(value) {
+    fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection {
+        match self.check_set_point(value) {
             Ok(_) if is_actuator(PORTS, slot) => {
-                self.code = Code::OK;
-                Refusal::NONE
+                self.code = ErrorCode::OK;
+                Rejection::NONE
             }
-            Ok(_) => Refusal::ILLEGAL_VALUE,
+            Ok(_) => Rejection::ILLEGAL_VALUE,
             Err((code, value, limit)) => {
-                self.blame(code, value, limit);
-                Refusal::ILLEGAL_VALUE
+                self.set_error(code, value, limit);
+                Rejection::ILLEGAL_VALUE
             }
         }
     }
 
-    fn jump(&self, _slot: Slot, value: &[u64]) -> Option<Jump> {
-        let (code, value, limit) = self.judge(value).err()?;
+    fn jump(&self, _slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
+        let (code, value, limit) = self.check_set_point(value).err()?;
         let quantity = match code {
-            Code::VELOCITY => Quantity::Velocity,
-            Code::ACCELERATION => Quantity::Acceleration,
+            ErrorCode::VELOCITY => Quantity::Velocity,
+            ErrorCode::ACCELERATION => Quantity::Acceleration,
             _ => return None,
         };
-        Some(Jump {
+        Some(Discontinuity {
             resource: 0,
             quantity,
             value,
@@ -251,13 +254,13 @@ impl Device for Base {
         })
     }
 
-    fn error(&self, _slot: Slot) -> i64 {
+    fn error(&self, _slot: PortIndex) -> i64 {
         self.code.0
     }
 
-    fn write(&mut self, slot: Slot, value: &[u64]) {
+    fn write(&mut self, slot: PortIndex, value: &[u64]) {
         if is_actuator(PORTS, slot) {
-            self.staged = self.judge(value).ok();
+            self.staged = self.check_set_point(value).ok();
         }
     }
 
@@ -271,8 +274,8 @@ impl Device for Base {
     }
 
     fn begin(&mut self, _resource: u32, ticks: u32) {
-        self.pace = ticks.max(1);
-        self.code = Code::OK;
+        self.set_point_ticks = ticks.max(1);
+        self.code = ErrorCode::OK;
     }
 
     fn step(&mut self, time: f64) {
@@ -281,7 +284,7 @@ impl Device for Base {
         self.drive();
     }
 
-    fn code(&self) -> Code {
+    fn code(&self) -> ErrorCode {
         self.code
     }
 

@@ -4,18 +4,18 @@ use nalgebra::Vector6;
 
 /// A fault with its interval of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fault {
+pub struct ScheduledFault {
     /// Start time, in s of the cell's time.
     pub from: f64,
     /// End time, in s of the cell's time; infinity for a permanent fault.
     pub until: f64,
     /// Kind of the fault.
-    pub trouble: Trouble,
+    pub kind: FaultKind,
 }
 
 /// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Trouble {
+pub enum FaultKind {
     /// One axis (from 0) fails: it rejects set-points and the arm brakes.
     JointFailure(usize),
     /// The emergency stop is pressed: the arm brakes and rejects all set-points.
@@ -32,10 +32,10 @@ pub enum Trouble {
     Contact(Vector6<f64>),
 }
 
-impl Fault {
+impl ScheduledFault {
     /// True if the fault is active at `time`, in s.
     #[must_use]
-    pub fn is_on(&self, time: f64) -> bool {
+    pub fn is_active(&self, time: f64) -> bool {
         time >= self.from && time < self.until
     }
 }

@@ -4,10 +4,10 @@
 //! every cycle. An object between the fingers blocks them while closing, and the gripper holds it.
 
 use crate::cell::GripperSpec;
-use crate::code::Code;
-use crate::device::{Device, Line, Slot, find, is_actuator, tell, within};
+use crate::device::{Device, PortIndex, PortRow, find_port, is_actuator, is_in_row, read_port};
+use crate::error_code::ErrorCode;
 use core::ops::Range;
-use rpi_device::{PortName, Refusal, ResolveError};
+use rpi_device::{PortQuery, Rejection, ResolveError};
 use rpi_image::Scalar;
 
 /// A gripper of a simulated cell.
@@ -20,31 +20,31 @@ pub(crate) struct Gripper {
     target: f64,
     /// Velocity of the opening in m/s, negative while closing.
     speed: f64,
-    code: Code,
+    code: ErrorCode,
 }
 
-const PORTS: &[Line<Gripper>] = &[
-    Line::sensor("gripper.width", Scalar::Real, |gripper, _, out| {
-        out.real(gripper.width)
+const PORTS: &[PortRow<Gripper>] = &[
+    PortRow::sensor("gripper.width", Scalar::Real, |gripper, _, out| {
+        out.put_real(gripper.width)
     }),
-    Line::sensor("gripper.speed", Scalar::Real, |gripper, _, out| {
-        out.real(gripper.speed)
+    PortRow::sensor("gripper.speed", Scalar::Real, |gripper, _, out| {
+        out.put_real(gripper.speed)
     }),
-    Line::sensor("gripper.force", Scalar::Real, |gripper, _, out| {
-        out.real(gripper.force())
+    PortRow::sensor("gripper.force", Scalar::Real, |gripper, _, out| {
+        out.put_real(gripper.force())
     }),
-    Line::sensor("gripper.holding", Scalar::Bool, |gripper, _, out| {
-        out.bits(u64::from(gripper.holds()))
+    PortRow::sensor("gripper.holding", Scalar::Bool, |gripper, _, out| {
+        out.put_bits(u64::from(gripper.is_holding()))
     }),
-    Line::sensor("gripper.moving", Scalar::Bool, |gripper, _, out| {
-        out.bits(u64::from(gripper.speed != 0.0))
+    PortRow::sensor("gripper.moving", Scalar::Bool, |gripper, _, out| {
+        out.put_bits(u64::from(gripper.speed != 0.0))
     }),
-    Line::actuator("gripper.width", Scalar::Real),
+    PortRow::actuator("gripper.width", Scalar::Real),
 ];
 
 /// Descriptions of the gripper's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
-    PORTS.iter().map(|line| line.head.info())
+    PORTS.iter().map(|line| line.spec.info())
 }
 
 impl Gripper {
@@ -56,34 +56,38 @@ impl Gripper {
             width,
             target: width,
             speed: 0.0,
-            code: Code::OK,
+            code: ErrorCode::OK,
         }
     }
 
     /// Smallest possible opening, in m, given the object.
-    fn narrowest(&self) -> f64 {
+    fn min_width(&self) -> f64 {
         self.spec
             .object
             .map_or(self.spec.lower, |object| object.max(self.spec.lower))
     }
 
     /// True if the gripper holds an object.
-    fn holds(&self) -> bool {
-        self.spec.object.is_some() && self.target < self.width && self.width <= self.narrowest()
+    fn is_holding(&self) -> bool {
+        self.spec.object.is_some() && self.target < self.width && self.width <= self.min_width()
     }
 
     /// Grip force, in N.
     fn force(&self) -> f64 {
-        if self.holds() { self.spec.force } else { 0.0 }
+        if self.is_holding() {
+            self.spec.force
+        } else {
+            0.0
+        }
     }
 
-    fn judge(&self, slot: Slot, value: &[u64]) -> Result<f64, Code> {
+    fn check_set_point(&self, slot: PortIndex, value: &[u64]) -> Result<f64, ErrorCode> {
         let width = value.first().map_or(f64::NAN, |bits| f64::from_bits(*bits));
         match () {
-            () if !is_actuator(PORTS, slot) => Err(Code::BAD_PARAMETER),
-            () if !width.is_finite() => Err(Code::NOT_A_NUMBER),
+            () if !is_actuator(PORTS, slot) => Err(ErrorCode::INVALID_PARAMETER),
+            () if !width.is_finite() => Err(ErrorCode::NOT_A_NUMBER),
             () if width < self.spec.lower - 1e-9 || width > self.spec.upper + 1e-9 => {
-                Err(Code::POSITION)
+                Err(ErrorCode::POSITION)
             }
             () => Ok(width),
         }
@@ -91,38 +95,41 @@ impl Gripper {
 }
 
 impl Device for Gripper {
-    fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
-        find(PORTS.iter().map(|line| &line.head), name, |_| 1)
+    fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
+        find_port(PORTS.iter().map(|line| &line.spec), name, |_| 1)
     }
 
-    fn has(&self, slot: Slot) -> bool {
-        let line = PORTS.get(usize::from(slot.line));
-        within(line.map(|line| &line.head), slot, |_| 1)
+    fn has_port(&self, slot: PortIndex) -> bool {
+        let line = PORTS.get(usize::from(slot.row));
+        is_in_row(line.map(|line| &line.spec), slot, |_| 1)
     }
 
-    fn resources_of(&self, slot: Slot) -> Range<u32> {
+    fn resources_of(&self, slot: PortIndex) -> Range<u32> {
         0..u32::from(is_actuator(PORTS, slot))
     }
 
-    fn read(&self, slot: Slot, value: &mut [u64]) -> bool {
-        tell(PORTS, self, slot, value)
+    fn read(&self, slot: PortIndex, value: &mut [u64]) -> bool {
+        read_port(PORTS, self, slot, value)
     }
 
-    fn check(&mut self, slot: Slot, value: &[u64]) -> Refusal {
-        self.code = self.judge(slot, value).err().unwrap_or(Code::OK);
-        if self.code == Code::OK {
-            Refusal::NONE
+    fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection {
+        self.code = self
+            .check_set_point(slot, value)
+            .err()
+            .unwrap_or(ErrorCode::OK);
+        if self.code == ErrorCode::OK {
+            Rejection::NONE
         } else {
-            Refusal::ILLEGAL_VALUE
+            Rejection::ILLEGAL_VALUE
         }
     }
 
-    fn error(&self, _slot: Slot) -> i64 {
+    fn error(&self, _slot: PortIndex) -> i64 {
         self.code.0
     }
 
-    fn write(&mut self, slot: Slot, value: &[u64]) {
-        self.target = self.judge(slot, value).unwrap_or(self.target);
+    fn write(&mut self, slot: PortIndex, value: &[u64]) {
+        self.target = self.check_set_point(slot, value).unwrap_or(self.target);
     }
 
     fn step(&mut self, _time: f64) {
@@ -131,14 +138,14 @@ impl Device for Gripper {
         let next = self.target.clamp(before - most, before + most);
         // An object blocks closing fingers; it does not push them open.
         self.width = if next < before {
-            next.max(self.narrowest().min(before))
+            next.max(self.min_width().min(before))
         } else {
             next
         };
         self.speed = (self.width - before) / self.tick;
     }
 
-    fn code(&self) -> Code {
+    fn code(&self) -> ErrorCode {
         self.code
     }
 }

@@ -1,48 +1,48 @@
 //! Terminals with digital and analogue inputs and outputs.
 
-use crate::cell::{Change, IoSpec, Signal};
-use crate::device::{Carries, Device, Head, Slot, find, within};
+use crate::cell::{InputChange, IoSpec, TerminalSpec};
+use crate::device::{Device, PortIndex, PortSpec, PortValue, find_port, is_in_row};
 use core::ops::Range;
-use rpi_device::{PortKind, PortName, Refusal, ResolveError};
+use rpi_device::{PortKind, PortQuery, Rejection, ResolveError};
 use rpi_image::Scalar;
 
 /// A terminal block: a digital bank, then an analogue bank.
 #[derive(Clone, Debug)]
 pub(crate) struct Io {
-    banks: [Bank; 2],
+    banks: [TerminalBank; 2],
 }
 
 /// Inputs and outputs of one type, one memory slot each.
 #[derive(Clone, Debug)]
-struct Bank {
-    first: Vec<u64>,
+struct TerminalBank {
+    initial_inputs: Vec<u64>,
     inputs: Vec<u64>,
     outputs: Vec<u64>,
-    script: Vec<Change<u64>>,
+    script: Vec<InputChange<u64>>,
     repeat: f64,
 }
 
 /// A row of the port table.
-struct Line {
-    head: Head,
+struct PortRow {
+    spec: PortSpec,
     bank: usize,
     output: bool,
 }
 
 /// A row for a single terminal, selected by the index.
-const fn one(
+const fn terminal_row(
     name: &'static str,
     kind: PortKind,
     scalar: Scalar,
     bank: usize,
     output: bool,
-) -> Line {
-    let carries = Carries::One(scalar);
-    Line {
-        head: Head {
+) -> PortRow {
+    let carries = PortValue::One(scalar);
+    PortRow {
+        spec: PortSpec {
             name,
             kind,
-            carries,
+            value: carries,
             indexed: true,
         },
         bank,
@@ -51,19 +51,19 @@ const fn one(
 }
 
 /// A row for all terminals.
-const fn all(
+const fn bank_row(
     name: &'static str,
     kind: PortKind,
     scalar: Scalar,
     bank: usize,
     output: bool,
-) -> Line {
-    let carries = Carries::PerTerminal(scalar);
-    Line {
-        head: Head {
+) -> PortRow {
+    let carries = PortValue::PerTerminal(scalar);
+    PortRow {
+        spec: PortSpec {
             name,
             kind,
-            carries,
+            value: carries,
             indexed: false,
         },
         bank,
@@ -71,36 +71,36 @@ const fn all(
     }
 }
 
-const PORTS: &[Line] = &[
-    one("in.bool", PortKind::Sensor, Scalar::Bool, 0, false),
-    one("out.bool", PortKind::Sensor, Scalar::Bool, 0, true),
-    one("out.bool", PortKind::Actuator, Scalar::Bool, 0, true),
-    one("in.real", PortKind::Sensor, Scalar::Real, 1, false),
-    one("out.real", PortKind::Sensor, Scalar::Real, 1, true),
-    one("out.real", PortKind::Actuator, Scalar::Real, 1, true),
+const PORTS: &[PortRow] = &[
+    terminal_row("in.bool", PortKind::Sensor, Scalar::Bool, 0, false),
+    terminal_row("out.bool", PortKind::Sensor, Scalar::Bool, 0, true),
+    terminal_row("out.bool", PortKind::Actuator, Scalar::Bool, 0, true),
+    terminal_row("in.real", PortKind::Sensor, Scalar::Real, 1, false),
+    terminal_row("out.real", PortKind::Sensor, Scalar::Real, 1, true),
+    terminal_row("out.real", PortKind::Actuator, Scalar::Real, 1, true),
     // Ports of the device types of `.rpi`.
-    all("get", PortKind::Sensor, Scalar::Bool, 0, false),
-    all("get", PortKind::Sensor, Scalar::Real, 1, false),
-    all("set", PortKind::Actuator, Scalar::Bool, 0, true),
-    all("set", PortKind::Actuator, Scalar::Real, 1, true),
+    bank_row("get", PortKind::Sensor, Scalar::Bool, 0, false),
+    bank_row("get", PortKind::Sensor, Scalar::Real, 1, false),
+    bank_row("set", PortKind::Actuator, Scalar::Bool, 0, true),
+    bank_row("set", PortKind::Actuator, Scalar::Real, 1, true),
     // Programs access arrays element by element.
-    one("get", PortKind::Sensor, Scalar::Bool, 0, false),
-    one("get", PortKind::Sensor, Scalar::Real, 1, false),
-    one("set", PortKind::Actuator, Scalar::Bool, 0, true),
-    one("set", PortKind::Actuator, Scalar::Real, 1, true),
+    terminal_row("get", PortKind::Sensor, Scalar::Bool, 0, false),
+    terminal_row("get", PortKind::Sensor, Scalar::Real, 1, false),
+    terminal_row("set", PortKind::Actuator, Scalar::Bool, 0, true),
+    terminal_row("set", PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
 /// Descriptions of a terminal block's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
-    PORTS.iter().map(|line| line.head.info())
+    PORTS.iter().map(|line| line.spec.info())
 }
 
 impl Io {
     pub(crate) fn new(spec: &IoSpec) -> Self {
         let mut io = Self {
             banks: [
-                Bank::new(&spec.digital, u64::from),
-                Bank::new(&spec.analogue, f64::to_bits),
+                TerminalBank::new(&spec.digital, u64::from),
+                TerminalBank::new(&spec.analogue, f64::to_bits),
             ],
         };
         io.banks.iter_mut().for_each(|bank| bank.step(0.0));
@@ -108,21 +108,21 @@ impl Io {
     }
 }
 
-impl Bank {
-    fn new<T: Copy>(signal: &Signal<T>, bits: fn(T) -> u64) -> Self {
+impl TerminalBank {
+    fn new<T: Copy>(signal: &TerminalSpec<T>, bits: fn(T) -> u64) -> Self {
         let cells = |values: &[T]| {
             values
                 .iter()
                 .map(|value| bits(*value))
                 .collect::<Vec<u64>>()
         };
-        let change = |change: &Change<T>| Change {
+        let change = |change: &InputChange<T>| InputChange {
             at: change.at,
             input: change.input,
             value: bits(change.value),
         };
         Self {
-            first: cells(&signal.inputs),
+            initial_inputs: cells(&signal.inputs),
             inputs: cells(&signal.inputs),
             outputs: cells(&signal.outputs),
             script: signal.script.iter().map(change).collect(),
@@ -140,7 +140,7 @@ impl Bank {
         if self.script.is_empty() {
             return;
         }
-        self.inputs.copy_from_slice(&self.first);
+        self.inputs.copy_from_slice(&self.initial_inputs);
         for change in self.script.iter().take_while(|change| change.at <= since) {
             self.inputs[change.input] = change.value;
         }
@@ -151,34 +151,34 @@ impl Io {
     /// Number of terminals of a table row.
     fn size(&self, line: usize) -> usize {
         let line = &PORTS[line];
-        self.banks[line.bank].ports(line.output).len()
+        self.banks[line.bank].values(line.output).len()
     }
 
     /// The terminals of a port: all of its bank, or one if the port is indexed.
-    fn terminals(&self, slot: Slot) -> Option<(&'static Line, Range<usize>)> {
-        let line = PORTS.get(usize::from(slot.line))?;
-        let count = self.banks[line.bank].ports(line.output).len();
+    fn terminals(&self, slot: PortIndex) -> Option<(&'static PortRow, Range<usize>)> {
+        let line = PORTS.get(usize::from(slot.row))?;
+        let count = self.banks[line.bank].values(line.output).len();
         let first = usize::from(slot.index);
-        let end = if line.head.indexed { first + 1 } else { count };
+        let end = if line.spec.indexed { first + 1 } else { count };
         (end <= count).then_some((line, first..end))
     }
 }
 
 impl Device for Io {
-    fn resolve(&self, name: &PortName<'_>) -> Result<Slot, ResolveError> {
-        find(PORTS.iter().map(|line| &line.head), name, |line| {
+    fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
+        find_port(PORTS.iter().map(|line| &line.spec), name, |line| {
             self.size(line)
         })
     }
 
-    fn has(&self, slot: Slot) -> bool {
-        let line = PORTS.get(usize::from(slot.line));
-        within(line.map(|line| &line.head), slot, |line| self.size(line))
+    fn has_port(&self, slot: PortIndex) -> bool {
+        let line = PORTS.get(usize::from(slot.row));
+        is_in_row(line.map(|line| &line.spec), slot, |line| self.size(line))
     }
 
-    fn resources_of(&self, slot: Slot) -> Range<u32> {
+    fn resources_of(&self, slot: PortIndex) -> Range<u32> {
         let terminals = self.terminals(slot);
-        let Some((line, own)) = terminals.filter(|(line, _)| line.head.kind == PortKind::Actuator)
+        let Some((line, own)) = terminals.filter(|(line, _)| line.spec.kind == PortKind::Actuator)
         else {
             return 0..0;
         };
@@ -189,11 +189,11 @@ impl Device for Io {
         (before + own.start) as u32..(before + own.end) as u32
     }
 
-    fn read(&self, slot: Slot, value: &mut [u64]) -> bool {
+    fn read(&self, slot: PortIndex, value: &mut [u64]) -> bool {
         let Some((line, own)) = self.terminals(slot) else {
             return false;
         };
-        let ports = &self.banks[line.bank].ports(line.output)[own];
+        let ports = &self.banks[line.bank].values(line.output)[own];
         value
             .iter_mut()
             .zip(ports)
@@ -201,25 +201,25 @@ impl Device for Io {
         true
     }
 
-    fn check(&mut self, slot: Slot, value: &[u64]) -> Refusal {
+    fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection {
         let real = self.terminals(slot).is_some_and(|(line, _)| line.bank == 1);
         let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
         if real && !finite {
-            Refusal::ILLEGAL_VALUE
+            Rejection::ILLEGAL_VALUE
         } else {
-            Refusal::NONE
+            Rejection::NONE
         }
     }
 
-    fn error(&self, _slot: Slot) -> i64 {
+    fn error(&self, _slot: PortIndex) -> i64 {
         0
     }
 
-    fn write(&mut self, slot: Slot, value: &[u64]) {
-        let accepted = self.check(slot, value) == Refusal::NONE;
+    fn write(&mut self, slot: PortIndex, value: &[u64]) {
+        let accepted = self.check(slot, value) == Rejection::NONE;
         let terminals = self
             .terminals(slot)
-            .filter(|(line, _)| line.head.kind == PortKind::Actuator);
+            .filter(|(line, _)| line.spec.kind == PortKind::Actuator);
         if let Some((line, own)) = terminals.filter(|_| accepted) {
             let outputs = &mut self.banks[line.bank].outputs[own];
             outputs
@@ -234,8 +234,8 @@ impl Device for Io {
     }
 }
 
-impl Bank {
-    fn ports(&self, output: bool) -> &[u64] {
+impl TerminalBank {
+    fn values(&self, output: bool) -> &[u64] {
         if output { &self.outputs } else { &self.inputs }
     }
 }

@@ -9,7 +9,7 @@
 
 pub mod arm;
 pub mod cell;
-pub mod code;
+pub mod error_code;
 
 mod bank;
 mod base;
@@ -20,10 +20,10 @@ mod gripper;
 mod io;
 mod noise;
 
-pub use bank::{DeviceStatus, MAX_DEVICES, Part, SimBank};
+pub use bank::{DeviceStatus, MAX_DEVICES, NamedDevice, SimBank};
 pub use cell::{Cell, CellError, CellErrors};
 pub use device::{PortInfo, Report};
-pub use fault::{Fault, Trouble};
+pub use fault::{FaultKind, ScheduledFault};
 
 /// Port descriptions of all device types, for the manual.
 #[must_use]

@@ -12,7 +12,7 @@ impl Noise {
         Self(seed ^ (device as u64).wrapping_mul(0xd1b5_4a32_d192_ed03))
     }
 
-    fn bits(&mut self) -> u64 {
+    fn next_bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.0;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,8 +21,8 @@ impl Noise {
     }
 
     /// Uniformly distributed in (0, 1].
-    fn unit(&mut self) -> f64 {
-        ((self.bits() >> 11) + 1) as f64 / (1_u64 << 53) as f64
+    fn uniform(&mut self) -> f64 {
+        ((self.next_bits() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 
     /// Normally distributed with mean 0 and this standard deviation (Box and Muller 1958). With deviation 0 the
@@ -31,8 +31,8 @@ impl Noise {
         if deviation == 0.0 {
             return 0.0;
         }
-        let radius = libm::sqrt(-2.0 * libm::log(self.unit()));
-        deviation * radius * libm::cos(TAU * self.unit())
+        let radius = libm::sqrt(-2.0 * libm::log(self.uniform()));
+        deviation * radius * libm::cos(TAU * self.uniform())
     }
 }
 

@@ -1,9 +1,9 @@
 //! A simulated arm accepts and rejects set-points as a real controller does, and never stays in motion without control.
 
-use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal};
+use rpi_device::{DeviceBank, PortId, PortKind, PortQuery, Rejection};
 use rpi_image::{Scalar, Type};
-use rpi_sim::code::Code;
-use rpi_sim::{Cell, Fault, Report, SimBank, Trouble};
+use rpi_sim::error_code::ErrorCode;
+use rpi_sim::{Cell, FaultKind, Report, ScheduledFault, SimBank};
 
 const TICK: f64 = 1e-3;
 
@@ -18,7 +18,7 @@ impl Rig {
         let text = format!("[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n{extra}");
         let cell = Cell::parse("cell.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
         let mut bank = SimBank::new(&cell, TICK);
-        let real = Type::One(Scalar::Real);
+        let real = Type::Scalar(Scalar::Real);
         let joints = std::array::from_fn(|axis| {
             port(&mut bank, "joint.position", axis, PortKind::Actuator, real)
         });
@@ -44,7 +44,7 @@ impl Rig {
             name,
             axis,
             PortKind::Sensor,
-            Type::One(Scalar::Real),
+            Type::Scalar(Scalar::Real),
         )
     }
 
@@ -59,19 +59,20 @@ impl Rig {
         self.real(self.positions[axis]).expect("a sample")
     }
 
-    fn check(&mut self, axis: usize, target: f64) -> Refusal {
-        self.bank.check(self.joints[axis], &[target.to_bits()])
+    fn check(&mut self, axis: usize, target: f64) -> Rejection {
+        self.bank
+            .check_set_point(self.joints[axis], &[target.to_bits()])
     }
 
-    fn error(&self, axis: usize) -> Code {
-        Code(self.bank.error(self.joints[axis]))
+    fn error(&self, axis: usize) -> ErrorCode {
+        ErrorCode(self.bank.error_code(self.joints[axis]))
     }
 
     /// Sends a set-point for one axis; the others hold their positions.
     fn set(&mut self, axis: usize, target: f64) {
         assert_eq!(
             self.check(axis, target),
-            Refusal::NONE,
+            Rejection::NONE,
             "{target}: {}",
             self.error(axis)
         );
@@ -91,7 +92,7 @@ impl Rig {
 }
 
 fn port(bank: &mut SimBank, name: &str, index: usize, kind: PortKind, ty: Type) -> PortId {
-    let name = PortName {
+    let name = PortQuery {
         device: "arm",
         port: name,
         index: index as u32,
@@ -136,24 +137,31 @@ fn each_limit_is_kept_to_the_last_part_in_a_million() {
         let step = share * jerk * TICK * TICK * TICK;
         let mut rig = Rig::new("");
         assert_eq!(
-            rig.check(0, step) != Refusal::NONE,
+            rig.check(0, step) != Rejection::NONE,
             refused,
             "jerk at {share}"
         );
-        assert_eq!(rig.error(0), if refused { Code::JERK } else { Code::OK });
+        assert_eq!(
+            rig.error(0),
+            if refused {
+                ErrorCode::JERK
+            } else {
+                ErrorCode::OK
+            }
+        );
 
         let mut rig = Rig::new("enforce = [\"acceleration\"]");
         assert_eq!(
-            rig.check(0, share * 4.0 * TICK * TICK) != Refusal::NONE,
+            rig.check(0, share * 4.0 * TICK * TICK) != Rejection::NONE,
             refused,
             "acceleration at {share}"
         );
         assert_eq!(
             rig.error(0),
             if refused {
-                Code::ACCELERATION
+                ErrorCode::ACCELERATION
             } else {
-                Code::OK
+                ErrorCode::OK
             }
         );
 
@@ -162,25 +170,33 @@ fn each_limit_is_kept_to_the_last_part_in_a_million() {
         rig.set(0, full * 0.5);
         rig.bank.step();
         assert_eq!(
-            rig.check(0, full * (0.5 + share)) != Refusal::NONE,
+            rig.check(0, full * (0.5 + share)) != Rejection::NONE,
             refused,
             "velocity at {share}"
         );
         assert_eq!(
             rig.error(0),
-            if refused { Code::VELOCITY } else { Code::OK }
+            if refused {
+                ErrorCode::VELOCITY
+            } else {
+                ErrorCode::OK
+            }
         );
 
         let end = 170.0_f64.to_radians();
         let mut rig = Rig::new("enforce = [\"position\"]");
         assert_eq!(
-            rig.check(0, end * share) != Refusal::NONE,
+            rig.check(0, end * share) != Rejection::NONE,
             refused,
             "position at {share}"
         );
         assert_eq!(
             rig.error(0),
-            if refused { Code::POSITION } else { Code::OK }
+            if refused {
+                ErrorCode::POSITION
+            } else {
+                ErrorCode::OK
+            }
         );
     }
 }
@@ -189,22 +205,22 @@ fn each_limit_is_kept_to_the_last_part_in_a_million() {
 fn nonsense_and_jumps_are_refused_and_reported_once() {
     let mut rig = Rig::new("");
     for _ in 0..3 {
-        assert!(rig.check(2, f64::NAN).has(Refusal::ILLEGAL_VALUE));
-        assert_eq!(rig.error(2), Code::NOT_A_NUMBER);
+        assert!(rig.check(2, f64::NAN).intersects(Rejection::ILLEGAL_VALUE));
+        assert_eq!(rig.error(2), ErrorCode::NOT_A_NUMBER);
         rig.bank.step();
     }
-    assert!(rig.check(2, 0.5).has(Refusal::ILLEGAL_VALUE));
-    assert_eq!(rig.error(2), Code::DISCONTINUITY);
+    assert!(rig.check(2, 0.5).intersects(Rejection::ILLEGAL_VALUE));
+    assert_eq!(rig.error(2), ErrorCode::DISCONTINUITY);
     let reports = rig.reports();
-    let seen: Vec<(Option<usize>, Code)> = reports
+    let seen: Vec<(Option<usize>, ErrorCode)> = reports
         .iter()
         .map(|report| (report.axis, report.code))
         .collect();
     assert_eq!(
         seen,
         [
-            (Some(2), Code::NOT_A_NUMBER),
-            (Some(2), Code::DISCONTINUITY)
+            (Some(2), ErrorCode::NOT_A_NUMBER),
+            (Some(2), ErrorCode::DISCONTINUITY)
         ]
     );
     assert_eq!(reports[1].value, 500.0);
@@ -212,7 +228,7 @@ fn nonsense_and_jumps_are_refused_and_reported_once() {
     rig.set(2, 0.0);
     assert_eq!(
         rig.error(2),
-        Code::OK,
+        ErrorCode::OK,
         "an accepted set-point makes it well"
     );
 }
@@ -250,7 +266,7 @@ fn come_to_rest(
             "jerk {}",
             (now - before) / TICK
         );
-        if !rig.bank.moving(0) && trail.len() > 4 {
+        if !rig.bank.is_moving(0) && trail.len() > 4 {
             return trail;
         }
     }
@@ -266,21 +282,21 @@ fn left_alone_while_moving_it_brakes_within_its_limits() {
         rig.bank.step();
         trail.push(target);
     }
-    assert!(rig.bank.moving(0) && rig.bank.moving(6) && !rig.bank.moving(7));
+    assert!(rig.bank.is_moving(0) && rig.bank.is_moving(6) && !rig.bank.is_moving(7));
     let trail = come_to_rest(&mut rig, 1, trail, 4.0, 39.3);
-    assert_eq!(rig.error(1), Code::SET_POINT_MISSING);
+    assert_eq!(rig.error(1), ErrorCode::SET_POINT_MISSING);
     assert_eq!(
         rig.reports()
             .iter()
             .map(|report| report.code)
             .collect::<Vec<_>>(),
-        [Code::SET_POINT_MISSING]
+        [ErrorCode::SET_POINT_MISSING]
     );
     let end = *trail.last().expect("positions");
     (0..5).for_each(|_| rig.bank.step());
     assert_eq!(rig.position(1), end, "it stays where it stands");
     rig.set(1, end);
-    assert_eq!(rig.error(1), Code::OK);
+    assert_eq!(rig.error(1), ErrorCode::OK);
 }
 
 #[test]
@@ -290,12 +306,12 @@ fn a_brake_that_runs_over_the_end_of_a_range_is_reported() {
         rig.set(0, target);
         rig.bank.step();
     }
-    while rig.bank.moving(0) {
+    while rig.bank.is_moving(0) {
         rig.bank.step();
     }
     assert!(rig.position(0) > 0.05);
-    let codes: Vec<Code> = rig.reports().iter().map(|report| report.code).collect();
-    assert_eq!(codes, [Code::SET_POINT_MISSING, Code::POSITION]);
+    let codes: Vec<ErrorCode> = rig.reports().iter().map(|report| report.code).collect();
+    assert_eq!(codes, [ErrorCode::SET_POINT_MISSING, ErrorCode::POSITION]);
 }
 
 #[test]
@@ -306,8 +322,8 @@ fn a_stop_on_request_keeps_the_straight_line() {
         rig.all(direction.map(|part| part * at));
     }
     rig.bank.stop(0);
-    assert!(rig.bank.moving(0));
-    while rig.bank.moving(0) {
+    assert!(rig.bank.is_moving(0));
+    while rig.bank.is_moving(0) {
         rig.bank.step();
         let along = rig.position(3);
         for (axis, part) in direction.iter().enumerate() {
@@ -343,7 +359,7 @@ fn set_points_that_join_take_over_from_the_brake() {
     );
     rig.set(0, p + TICK * (v + TICK * a));
     rig.bank.step();
-    assert_eq!(rig.error(0), Code::OK);
+    assert_eq!(rig.error(0), ErrorCode::OK);
     assert!((rig.real(acceleration).expect("one") - a).abs() < 1e-6);
 }
 
@@ -366,15 +382,15 @@ fn who_sets_one_joint_hears_that_the_arm_brakes_for_another() {
     let target = rig_follows(&mut rig, 0);
     rig.set(0, target);
     rig.bank.step();
-    assert_eq!(rig.error(0), Code::BRAKING);
+    assert_eq!(rig.error(0), ErrorCode::BRAKING);
     let target = rig_follows(&mut rig, 0);
-    assert_eq!(rig.check(0, target), Refusal::DEVICE_FAILED);
+    assert_eq!(rig.check(0, target), Rejection::DEVICE_FAILED);
     rig.bank.step();
-    (0..7).for_each(|axis| rig.bank.begin(axis, 1));
+    (0..7).for_each(|axis| rig.bank.begin_command(axis, 1));
     let targets: [f64; 7] = std::array::from_fn(|axis| rig_follows(&mut rig, axis));
     rig.all(targets);
-    let codes: Vec<Code> = (0..7).map(|axis| rig.error(axis)).collect();
-    assert_eq!(codes, [Code::OK; 7]);
+    let codes: Vec<ErrorCode> = (0..7).map(|axis| rig.error(axis)).collect();
+    assert_eq!(codes, [ErrorCode::OK; 7]);
 }
 
 /// The set-point with which an axis continues at its present acceleration.
@@ -391,16 +407,16 @@ fn rig_follows(rig: &mut Rig, axis: usize) -> f64 {
 #[test]
 fn who_begins_sees_no_refusals_of_others() {
     let mut rig = Rig::new("");
-    assert_eq!(rig.check(0, 0.5), Refusal::ILLEGAL_VALUE);
-    assert_eq!(rig.error(0), Code::DISCONTINUITY);
-    rig.bank.begin(0, 1);
-    assert_eq!(rig.error(0), Code::OK);
+    assert_eq!(rig.check(0, 0.5), Rejection::ILLEGAL_VALUE);
+    assert_eq!(rig.error(0), ErrorCode::DISCONTINUITY);
+    rig.bank.begin_command(0, 1);
+    assert_eq!(rig.error(0), ErrorCode::OK);
 }
 
 #[test]
 fn a_command_with_a_longer_period_is_followed_evenly() {
     let mut rig = Rig::new("enforce = [\"velocity\", \"position\"]");
-    (0..7).for_each(|axis| rig.bank.begin(axis, 5));
+    (0..7).for_each(|axis| rig.bank.begin_command(axis, 5));
     let mut before = 0.0;
     for set_point in 1..=20 {
         let target = 0.005 * f64::from(set_point);
@@ -416,7 +432,7 @@ fn a_command_with_a_longer_period_is_followed_evenly() {
     rig.bank.step();
     assert_eq!(
         rig.error(0),
-        Code::SET_POINT_MISSING,
+        ErrorCode::SET_POINT_MISSING,
         "the sixth tick without one is too late"
     );
 }
@@ -434,32 +450,32 @@ fn a_failed_joint_refuses_and_the_arm_brakes() {
     }
     rig.bank.step();
     rig.bank.step();
-    assert_eq!(rig.error(4), Code::JOINT_FAILED);
-    assert_eq!(rig.check(4, 0.0), Refusal::DEVICE_FAILED);
+    assert_eq!(rig.error(4), ErrorCode::JOINT_FAILED);
+    assert_eq!(rig.check(4, 0.0), Rejection::DEVICE_FAILED);
     assert!(
-        rig.position(0) > last && rig.bank.moving(0),
+        rig.position(0) > last && rig.bank.is_moving(0),
         "it brakes, it does not freeze"
     );
     (0..1500).for_each(|_| rig.bank.step());
-    assert!(!rig.bank.moving(0));
+    assert!(!rig.bank.is_moving(0));
     (0..1000).for_each(|_| rig.bank.step());
-    assert_eq!(rig.error(4), Code::OK, "the fault is over");
-    assert_eq!(rig.check(4, 0.0), Refusal::NONE);
+    assert_eq!(rig.error(4), ErrorCode::OK, "the fault is over");
+    assert_eq!(rig.check(4, 0.0), Rejection::NONE);
 }
 
 #[test]
 fn an_emergency_stop_refuses_everything() {
     let mut rig = Rig::new("");
-    let fault = Fault {
+    let fault = ScheduledFault {
         from: 0.0,
         until: 0.5,
-        trouble: Trouble::EmergencyStop,
+        kind: FaultKind::EmergencyStop,
     };
     assert!(rig.bank.inject("arm", fault));
     rig.bank.step();
     for axis in 0..7 {
-        assert_eq!(rig.check(axis, 0.0), Refusal::DEVICE_FAILED);
-        assert_eq!(rig.error(axis), Code::EMERGENCY_STOP);
+        assert_eq!(rig.check(axis, 0.0), Rejection::DEVICE_FAILED);
+        assert_eq!(rig.error(axis), ErrorCode::EMERGENCY_STOP);
     }
     assert!(!rig.bank.inject("leg", fault), "there is no such device");
 }
@@ -482,7 +498,7 @@ fn lost_samples_are_absent_and_lost_set_points_do_not_arrive() {
     assert_eq!(absent, 10);
     rig.set(0, targets.next().expect("enough"));
     rig.bank.step();
-    assert_eq!(rig.error(0), Code::SET_POINT_MISSING);
+    assert_eq!(rig.error(0), ErrorCode::SET_POINT_MISSING);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The devices of a cell through the interface of the core: names, resource numbers, functions, determinism, and no
 //! allocation in a tick.
 
-use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal, ResolveError};
+use rpi_device::{DeviceBank, PortId, PortKind, PortQuery, Rejection, ResolveError};
 use rpi_image::{Scalar, Type};
-use rpi_sim::{Cell, Fault, SimBank, Trouble};
+use rpi_sim::{Cell, FaultKind, ScheduledFault, SimBank};
 
 rpi_testkit::trap_allocations!();
 
@@ -26,9 +26,9 @@ digital = { inputs = [true, false], outputs = 3, repeat = 1, script = [{ at = 0.
 analogue = { inputs = [1.5], outputs = [2.5] }
 ";
 
-const REAL: Type = Type::One(Scalar::Real);
-const BOOL: Type = Type::One(Scalar::Bool);
-const POSE: Type = Type::One(Scalar::Pose);
+const REAL: Type = Type::Scalar(Scalar::Real);
+const BOOL: Type = Type::Scalar(Scalar::Bool);
+const POSE: Type = Type::Scalar(Scalar::Pose);
 const JOINTS: Type = Type::Array(Scalar::Real, 7);
 
 fn bank() -> SimBank {
@@ -44,7 +44,7 @@ fn find(
     kind: PortKind,
     ty: Type,
 ) -> Result<PortId, ResolveError> {
-    bank.resolve(&PortName {
+    bank.resolve(&PortQuery {
         device,
         port,
         index,
@@ -83,7 +83,7 @@ fn names_that_do_not_resolve_say_why() {
             0,
             PortKind::Actuator,
             REAL,
-            ResolveError::NoDevice,
+            ResolveError::UnknownDevice,
         ),
         (
             "left",
@@ -91,7 +91,7 @@ fn names_that_do_not_resolve_say_why() {
             0,
             PortKind::Sensor,
             REAL,
-            ResolveError::NoPort,
+            ResolveError::UnknownPort,
         ),
         (
             "left",
@@ -99,7 +99,7 @@ fn names_that_do_not_resolve_say_why() {
             0,
             PortKind::Sensor,
             REAL,
-            ResolveError::NoPort,
+            ResolveError::UnknownPort,
         ),
         (
             "left",
@@ -107,7 +107,7 @@ fn names_that_do_not_resolve_say_why() {
             7,
             PortKind::Actuator,
             REAL,
-            ResolveError::NoIndex,
+            ResolveError::IndexOutOfRange,
         ),
         (
             "left",
@@ -131,7 +131,7 @@ fn names_that_do_not_resolve_say_why() {
             0,
             PortKind::Sensor,
             REAL,
-            ResolveError::NoIndex,
+            ResolveError::IndexOutOfRange,
         ),
         (
             "left",
@@ -139,7 +139,7 @@ fn names_that_do_not_resolve_say_why() {
             0,
             PortKind::Sensor,
             REAL,
-            ResolveError::NoPort,
+            ResolveError::UnknownPort,
         ),
         (
             "io",
@@ -147,7 +147,7 @@ fn names_that_do_not_resolve_say_why() {
             2,
             PortKind::Sensor,
             BOOL,
-            ResolveError::NoIndex,
+            ResolveError::IndexOutOfRange,
         ),
         (
             "io",
@@ -155,7 +155,7 @@ fn names_that_do_not_resolve_say_why() {
             0,
             PortKind::Actuator,
             BOOL,
-            ResolveError::NoPort,
+            ResolveError::UnknownPort,
         ),
     ];
     for (device, port, index, kind, ty, why) in cases {
@@ -206,7 +206,7 @@ fn the_tool_can_be_set_as_a_pose_and_stands_where_it_was_told() {
         actuator(&mut bank, "left", "tcp", 0, POSE),
         sensor(&mut bank, "left", "pose", 0, POSE),
     );
-    let twist = sensor(&mut bank, "left", "twist", 0, Type::One(Scalar::Twist));
+    let twist = sensor(&mut bank, "left", "twist", 0, Type::Scalar(Scalar::Twist));
     let start = reals(&mut bank, pose, 7);
     let (mut velocity, mut acceleration) = (0.0, 0.0_f64);
     let mut target = start.clone();
@@ -215,10 +215,10 @@ fn the_tool_can_be_set_as_a_pose_and_stands_where_it_was_told() {
         velocity += 1e-3 * acceleration;
         target[0] += 1e-3 * velocity;
         assert_eq!(
-            bank.check(tcp, &bits(&target)),
-            Refusal::NONE,
+            bank.check_set_point(tcp, &bits(&target)),
+            Rejection::NONE,
             "{}",
-            bank.error(tcp)
+            bank.error_code(tcp)
         );
         bank.write(tcp, &bits(&target));
         bank.step();
@@ -243,13 +243,19 @@ fn a_pose_that_cannot_be_reached_is_refused() {
     let mut bank = bank();
     let tcp = actuator(&mut bank, "left", "tcp.position", 0, POSE);
     let far = bits(&[3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-    assert_eq!(bank.check(tcp, &far), Refusal::ILLEGAL_VALUE);
-    assert_eq!(bank.error(tcp), rpi_sim::code::Code::OUT_OF_REACH.0);
+    assert_eq!(bank.check_set_point(tcp, &far), Rejection::ILLEGAL_VALUE);
     assert_eq!(
-        bank.check(tcp, &bits(&[f64::NAN; 7])),
-        Refusal::ILLEGAL_VALUE
+        bank.error_code(tcp),
+        rpi_sim::error_code::ErrorCode::OUT_OF_REACH.0
     );
-    assert_eq!(bank.error(tcp), rpi_sim::code::Code::NOT_A_NUMBER.0);
+    assert_eq!(
+        bank.check_set_point(tcp, &bits(&[f64::NAN; 7])),
+        Rejection::ILLEGAL_VALUE
+    );
+    assert_eq!(
+        bank.error_code(tcp),
+        rpi_sim::error_code::ErrorCode::NOT_A_NUMBER.0
+    );
     let mut reports = Vec::new();
     bank.reports(|device, report| reports.push((device.to_owned(), report.code.to_string())));
     let told: Vec<(&str, &str)> = reports
@@ -359,7 +365,10 @@ fn terminals_follow_their_script_and_keep_their_outputs() {
     assert_eq!(reals(&mut bank, shown, 1), [2.5]);
     bank.write(set, &bits(&[-4.0]));
     assert_eq!(reals(&mut bank, shown, 1), [-4.0]);
-    assert_eq!(bank.check(set, &bits(&[f64::NAN])), Refusal::ILLEGAL_VALUE);
+    assert_eq!(
+        bank.check_set_point(set, &bits(&[f64::NAN])),
+        Rejection::ILLEGAL_VALUE
+    );
     bank.write(set, &bits(&[f64::NAN]));
     assert_eq!(reals(&mut bank, shown, 1), [-4.0]);
 }
@@ -386,8 +395,8 @@ fn all_terminals_can_be_read_and_set_at_once() {
     assert_eq!(bits(&outputs), [1, 1, 0], "the third is not among the two");
     let analogue = actuator(&mut bank, "io", "set", 0, all(Scalar::Real, 1));
     assert_eq!(
-        bank.check(analogue, &bits(&[f64::NAN])),
-        Refusal::ILLEGAL_VALUE
+        bank.check_set_point(analogue, &bits(&[f64::NAN])),
+        Rejection::ILLEGAL_VALUE
     );
     let too_many = find(
         &mut bank,
@@ -405,26 +414,29 @@ fn a_tool_and_a_way_of_control_are_checked() {
     let mut bank = bank();
     let tool = actuator(&mut bank, "left", "tool", 3, Type::Array(Scalar::Real, 7));
     assert_eq!(
-        bank.check(tool, &bits(&[2.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0])),
-        Refusal::NONE
+        bank.check_set_point(tool, &bits(&[2.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0])),
+        Rejection::NONE
     );
     assert_eq!(
-        bank.check(tool, &bits(&[-2.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0])),
-        Refusal::ILLEGAL_VALUE
+        bank.check_set_point(tool, &bits(&[-2.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0])),
+        Rejection::ILLEGAL_VALUE
     );
     assert_eq!(
-        bank.check(tool, &bits(&[f64::NAN; 7])),
-        Refusal::ILLEGAL_VALUE
+        bank.check_set_point(tool, &bits(&[f64::NAN; 7])),
+        Rejection::ILLEGAL_VALUE
     );
     let strategy = actuator(
         &mut bank,
         "left",
         "control_strategy",
         0,
-        Type::One(Scalar::Int),
+        Type::Scalar(Scalar::Int),
     );
-    assert_eq!(bank.check(strategy, &[20]), Refusal::NONE);
-    assert_eq!(bank.check(strategy, &[21]), Refusal::ILLEGAL_VALUE);
+    assert_eq!(bank.check_set_point(strategy, &[20]), Rejection::NONE);
+    assert_eq!(
+        bank.check_set_point(strategy, &[21]),
+        Rejection::ILLEGAL_VALUE
+    );
 }
 
 /// A random scenario of one minute: valid and invalid set-points, faults, stops. Returns every bit that was read.
@@ -434,25 +446,34 @@ fn wild(bank: &mut SimBank) -> Vec<u64> {
         (sensor(bank, "left", "joints", 0, JOINTS), 7),
         (sensor(bank, "left", "position", 0, JOINTS), 7),
         (
-            sensor(bank, "left", "measured_twist", 0, Type::One(Scalar::Twist)),
+            sensor(
+                bank,
+                "left",
+                "measured_twist",
+                0,
+                Type::Scalar(Scalar::Twist),
+            ),
             6,
         ),
-        (sensor(bank, "left", "code", 0, Type::One(Scalar::Int)), 1),
+        (
+            sensor(bank, "left", "code", 0, Type::Scalar(Scalar::Int)),
+            1,
+        ),
     ];
     bank.inject(
         "left",
-        Fault {
+        ScheduledFault {
             from: 1.0,
             until: 1.5,
-            trouble: Trouble::Noise(1e-4),
+            kind: FaultKind::Noise(1e-4),
         },
     );
     bank.inject(
         "left",
-        Fault {
+        ScheduledFault {
             from: 2.0,
             until: 2.2,
-            trouble: Trouble::JointFailure(1),
+            kind: FaultKind::JointFailure(1),
         },
     );
     let mut seen = vec![0_u64; 21 * 3_000];
@@ -466,7 +487,8 @@ fn wild(bank: &mut SimBank) -> Vec<u64> {
                 speed * 0.999
             };
             at += if tick % 700 < 650 { speed } else { 0.1 };
-            if bank.check(joint, &[at.to_bits()]) == Refusal::NONE && tick % 900 != 899 {
+            if bank.check_set_point(joint, &[at.to_bits()]) == Rejection::NONE && tick % 900 != 899
+            {
                 bank.write(joint, &[at.to_bits()]);
             }
             bank.step();
@@ -497,24 +519,24 @@ fn every_port_number_is_answered_without_a_panic() {
         let port = PortId(number & !0x3f_0000);
         let mut value = [0; 16];
         bank.read(port, &mut value);
-        bank.check(port, &value);
+        bank.check_set_point(port, &value);
         bank.write(port, &value);
         bank.call(port, &value, &mut [0; 16]);
-        bank.error(port);
+        bank.error_code(port);
     }
     for port in [PortId(0x7fff), PortId(u32::MAX)] {
         assert!(!bank.read(port, &mut [0]));
-        assert_eq!(bank.check(port, &[0]), Refusal::DEVICE_FAILED);
+        assert_eq!(bank.check_set_point(port, &[0]), Rejection::DEVICE_FAILED);
         bank.write(port, &[0]);
         assert!(!bank.call(port, &[], &mut []));
         assert!(bank.resources(port).is_empty());
-        assert_eq!(bank.error(port), 0);
+        assert_eq!(bank.error_code(port), 0);
     }
     let tcp = actuator(&mut bank, "left", "tcp", 0, POSE);
     bank.write(tcp, &[]);
-    assert_eq!(bank.check(tcp, &[]), Refusal::ILLEGAL_VALUE);
+    assert_eq!(bank.check_set_point(tcp, &[]), Rejection::ILLEGAL_VALUE);
     bank.stop(u32::MAX);
-    assert!(!bank.moving(u32::MAX));
+    assert!(!bank.is_moving(u32::MAX));
 }
 
 #[test]
@@ -533,8 +555,8 @@ fn devices_come_and_go_between_two_ticks() {
     let mut bank = bank();
     let tcp = actuator(&mut bank, "left", "tcp", 0, POSE);
     let left = bank.swap(0, None);
-    assert_eq!(left.as_ref().map(rpi_sim::Part::name), Some("left"));
-    assert_eq!(bank.check(tcp, &[0; 7]), Refusal::DEVICE_FAILED);
+    assert_eq!(left.as_ref().map(rpi_sim::NamedDevice::name), Some("left"));
+    assert_eq!(bank.check_set_point(tcp, &[0; 7]), Rejection::DEVICE_FAILED);
     bank.step();
     assert!(bank.swap(0, left).is_none());
     assert_eq!(actuator(&mut bank, "left", "tcp", 0, POSE), tcp);
@@ -558,21 +580,21 @@ fn arms_of_six_axes_and_without_a_closed_form_work_too() {
             vec![0.0; axes as usize]
         );
         let here = reals(&mut bank, pose, 7);
-        let refusal = bank.check(tcp, &bits(&here));
+        let refusal = bank.check_set_point(tcp, &bits(&here));
         assert_eq!(
             refusal,
             if device == "ur" {
-                Refusal::NONE
+                Rejection::NONE
             } else {
-                Refusal::ILLEGAL_VALUE
+                Rejection::ILLEGAL_VALUE
             },
             "{}",
-            bank.error(tcp)
+            bank.error_code(tcp)
         );
         let joint = actuator(&mut bank, device, "joint.position", axes - 1, REAL);
         let last = actuator(&mut bank, device, "joint.position", 0, REAL);
-        assert_eq!(bank.check(joint, &bits(&[0.0])), Refusal::NONE);
-        assert_eq!(bank.check(last, &bits(&[1e-10])), Refusal::NONE);
+        assert_eq!(bank.check_set_point(joint, &bits(&[0.0])), Rejection::NONE);
+        assert_eq!(bank.check_set_point(last, &bits(&[1e-10])), Rejection::NONE);
         assert!(
             find(
                 &mut bank,

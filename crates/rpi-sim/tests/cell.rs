@@ -1,7 +1,7 @@
 //! Cell descriptions: valid contents, and the messages for errors.
 
-use rpi_sim::cell::{ArmSpec, Kind};
-use rpi_sim::{Cell, Trouble};
+use rpi_sim::cell::{ArmSpec, DeviceKind};
+use rpi_sim::{Cell, FaultKind};
 
 fn good(text: &str) -> Cell {
     Cell::parse("cell.toml", text).unwrap_or_else(|errors| panic!("{errors}"))
@@ -15,7 +15,7 @@ fn faults(text: &str) -> String {
 
 fn arm(cell: &Cell, name: &str) -> ArmSpec {
     match &cell.device(name).expect("a device").kind {
-        Kind::Arm(arm) => arm.clone(),
+        DeviceKind::Arm(arm) => arm.clone(),
         other => panic!("an arm, not {other:?}"),
     }
 }
@@ -99,9 +99,13 @@ fn everything_that_may_be_said_is_understood() {
     assert_eq!(left.limits[2].velocity, 1.0);
     assert!((left.limits[0].jerk - 600_f64.to_radians()).abs() < 1e-12);
     assert_eq!((left.lag, left.latency, left.noise), (0.005, 0.002, 1e-5));
-    assert_eq!(left.faults[0].trouble, Trouble::JointFailure(3));
-    assert!(left.faults[0].is_on(1.6) && !left.faults[0].is_on(1.75) && left.faults[1].is_on(1e9));
-    let Kind::Io(valves) = &cell.devices[1].kind else {
+    assert_eq!(left.faults[0].kind, FaultKind::JointFailure(3));
+    assert!(
+        left.faults[0].is_active(1.6)
+            && !left.faults[0].is_active(1.75)
+            && left.faults[1].is_active(1e9)
+    );
+    let DeviceKind::Io(valves) = &cell.devices[1].kind else {
         panic!("valves are terminals")
     };
     assert_eq!(valves.digital.outputs.len(), 8);

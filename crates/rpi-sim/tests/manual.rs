@@ -3,7 +3,7 @@
 use rpi_device::PortKind;
 use rpi_kin::ArmModel;
 use rpi_sim::Cell;
-use rpi_sim::code::CODES;
+use rpi_sim::error_code::ERROR_CODES;
 
 fn manual() -> String {
     let path = rpi_testkit::workspace_root().join("docs/src/devices.md");
@@ -37,7 +37,7 @@ fn every_port_is_told_with_its_type() {
         let index = if port.indexed { "yes" } else { "" };
         must_have(
             &manual,
-            &format!("| `{}` | {kind} | {} | {index} |", port.name, port.carries),
+            &format!("| `{}` | {kind} | {} | {index} |", port.name, port.ty),
         );
     }
 }
@@ -45,11 +45,11 @@ fn every_port_is_told_with_its_type() {
 #[test]
 fn every_error_code_is_told() {
     let manual = manual();
-    for (number, line) in CODES.iter().enumerate() {
+    for (number, line) in ERROR_CODES.iter().enumerate() {
         assert_eq!(line.code.0, number as i64, "ascending, without a gap");
         must_have(
             &manual,
-            &format!("| {number} | {} | {} |", line.word, line.meaning),
+            &format!("| {number} | {} | {} |", line.name, line.description),
         );
     }
 }
@@ -72,7 +72,7 @@ fn limits(model: &ArmModel) -> String {
             "none".to_owned()
         }
     };
-    let mut table = format!("**`{}`**, {}.", model.id, model.title);
+    let mut table = format!("**`{}`**, {}.", model.id, model.display_name);
     table += &format!(" Source: {}.\n\n", model.source);
     table += "| axis | range, deg | velocity, deg/s | acceleration, deg/s² | jerk, deg/s³ |\n|---|---|---|---|---|\n";
     for (axis, limits) in model.limits.iter().enumerate() {

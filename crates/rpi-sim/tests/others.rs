@@ -1,8 +1,8 @@
 //! Mobile bases, grippers, force sensors and linear units.
 
-use rpi_device::{DeviceBank, PortId, PortKind, PortName, Refusal};
+use rpi_device::{DeviceBank, PortId, PortKind, PortQuery, Rejection};
 use rpi_image::{Scalar, Type};
-use rpi_sim::code::Code;
+use rpi_sim::error_code::ErrorCode;
 use rpi_sim::{Cell, SimBank};
 
 const TICK: f64 = 0.01;
@@ -13,12 +13,12 @@ fn bank(text: &str) -> SimBank {
 }
 
 fn port(bank: &mut SimBank, port: &str, index: u32, kind: PortKind, scalar: Scalar) -> PortId {
-    let name = PortName {
+    let name = PortQuery {
         device: "it",
         port,
         index,
         kind,
-        ty: Type::One(scalar),
+        ty: Type::Scalar(scalar),
     };
     bank.resolve(&name)
         .unwrap_or_else(|error| panic!("{port}: {error:?}"))
@@ -47,10 +47,10 @@ fn drive(bank: &mut SimBank, forwards: f64, turning: f64, ticks: u32) {
         let share = (f64::from(tick) / 100.0).min(1.0);
         let wanted = twist(forwards * share, turning * share);
         assert_eq!(
-            bank.check(velocity, &wanted),
-            Refusal::NONE,
+            bank.check_set_point(velocity, &wanted),
+            Rejection::NONE,
             "{}",
-            bank.error(velocity)
+            bank.error_code(velocity)
         );
         bank.write(velocity, &wanted);
         bank.step();
@@ -90,7 +90,7 @@ fn a_platform_left_alone_slows_down_on_its_arc() {
         sensor(&mut bank, "base.measured_velocity", Scalar::Twist),
     );
     let mut before = 0.5;
-    while bank.moving(0) {
+    while bank.is_moving(0) {
         bank.step();
         let [forwards, _, _, _, _, turning] = reals::<6>(&mut bank, velocity);
         assert!(
@@ -102,8 +102,8 @@ fn a_platform_left_alone_slows_down_on_its_arc() {
     }
     let pose: [f64; 7] = reals(&mut bank, position);
     assert!((libm::hypot(pose[0], pose[1] - 0.5) - 0.5).abs() < 1e-9);
-    let told: Vec<Code> = bank.status().map(|status| status.code).collect();
-    assert_eq!(told, [Code::SET_POINT_MISSING]);
+    let told: Vec<ErrorCode> = bank.status().map(|status| status.code).collect();
+    assert_eq!(told, [ErrorCode::SET_POINT_MISSING]);
 }
 
 #[test]
@@ -119,17 +119,20 @@ fn a_platform_refuses_what_it_cannot_drive() {
     let mut aside = twist(0.0, 0.0);
     aside[1] = 0.1_f64.to_bits();
     let cases = [
-        (twist(f64::NAN, 0.0), Code::NOT_A_NUMBER),
-        (twist(1.1, 0.0), Code::VELOCITY),
-        (twist(0.5, 0.0), Code::ACCELERATION),
-        (aside, Code::NOT_DRIVABLE),
+        (twist(f64::NAN, 0.0), ErrorCode::NOT_A_NUMBER),
+        (twist(1.1, 0.0), ErrorCode::VELOCITY),
+        (twist(0.5, 0.0), ErrorCode::ACCELERATION),
+        (aside, ErrorCode::NOT_DRIVABLE),
     ];
     for (wanted, code) in cases {
-        assert_eq!(bank.check(velocity, &wanted), Refusal::ILLEGAL_VALUE);
-        assert_eq!(bank.error(velocity), code.0);
+        assert_eq!(
+            bank.check_set_point(velocity, &wanted),
+            Rejection::ILLEGAL_VALUE
+        );
+        assert_eq!(bank.error_code(velocity), code.0);
         bank.write(velocity, &wanted);
         bank.step();
-        assert!(!bank.moving(0));
+        assert!(!bank.is_moving(0));
     }
     let mut reports = 0;
     bank.reports(|_, _| reports += 1);
@@ -171,10 +174,10 @@ fn a_gripper_closes_until_it_holds_something() {
     assert_eq!(reals::<1>(&mut bank, width)[0], 0.08);
     assert_eq!(reals::<1>(&mut bank, force)[0], 0.0);
     assert_eq!(
-        bank.check(target, &[0.09_f64.to_bits()]),
-        Refusal::ILLEGAL_VALUE
+        bank.check_set_point(target, &[0.09_f64.to_bits()]),
+        Rejection::ILLEGAL_VALUE
     );
-    assert_eq!(bank.error(target), Code::POSITION.0);
+    assert_eq!(bank.error_code(target), ErrorCode::POSITION.0);
 }
 
 #[test]
@@ -218,11 +221,11 @@ fn a_linear_unit_is_an_arm_of_one_axis() {
         [0.0, 0.0, 0.204, 0.0, 0.0, 0.0, 1.0]
     );
     assert_eq!(
-        bank.check(joint, &[0.21_f64.to_bits()]),
-        Refusal::ILLEGAL_VALUE
+        bank.check_set_point(joint, &[0.21_f64.to_bits()]),
+        Rejection::ILLEGAL_VALUE
     );
-    assert_eq!(bank.error(joint), Code::VELOCITY.0);
-    while bank.moving(0) {
+    assert_eq!(bank.error_code(joint), ErrorCode::VELOCITY.0);
+    while bank.is_moving(0) {
         bank.step();
     }
     assert!(reals::<7>(&mut bank, pose)[2] > 0.204, "it braked");

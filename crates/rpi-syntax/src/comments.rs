@@ -51,7 +51,7 @@ impl Comments {
         let mut lines = Vec::new();
         for comment in self.all[..end].iter().rev() {
             let gap = &text[comment.span.end as usize..next as usize];
-            if comment.kind != CommentKind::Doc || !is_one_break(gap) {
+            if comment.kind != CommentKind::Doc || !is_single_line_break(gap) {
                 break;
             }
             lines.push(doc_line(text, comment.span));
@@ -70,7 +70,7 @@ impl Comments {
 }
 
 /// Returns whether the text is white space with at most one line break.
-fn is_one_break(gap: &str) -> bool {
+fn is_single_line_break(gap: &str) -> bool {
     gap.trim().is_empty() && gap.matches('\n').count() <= 1
 }
 

@@ -1,56 +1,61 @@
 //! State shared by the grammar actions while a file is parsed.
 
-use crate::Mode;
+use crate::Dialect;
 use crate::ast::{Doc, Ident, Name};
 use crate::comments::{Comment, Comments};
-use crate::lexer::{Lexed, Lexeme};
+use crate::guessed_names::GuessedNames;
+use crate::lexer::{LexOutput, Lexeme};
 use crate::name::Interner;
-use crate::phrase;
-use crate::seeming::Seeming;
-use rpi_diag::{Code, FileId, Finding, Span};
+use crate::validation;
+use rpi_diag::{Code, Diagnostic, FileId, Span};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
 /// Maximum number of errors per file with recovery. Beyond it, only the first error of each declaration is reported.
-const PATIENCE: usize = 10_000;
+const MAX_RECOVERIES: usize = 10_000;
 
 /// Text being parsed, with the diagnostics found so far.
-pub(crate) struct Context<'t> {
+pub(crate) struct ParseContext<'t> {
     pub(crate) file: FileId,
     pub(crate) text: &'t str,
-    pub(crate) mode: Mode,
+    pub(crate) dialect: Dialect,
     names: Interner,
-    pub(crate) seeming: Seeming<'t>,
+    pub(crate) guessed_names: GuessedNames<'t>,
     comments: &'t Comments,
     lexemes: &'t [Lexeme],
     /// Text that replaces a literal of another language, by its byte range.
-    read_as: &'t BTreeMap<(u32, u32), String>,
+    replaced_text: &'t BTreeMap<(u32, u32), String>,
     has_docs: bool,
-    findings: RefCell<Vec<Finding>>,
+    diagnostics: RefCell<Vec<Diagnostic>>,
     /// Number of errors that may still be recovered from.
-    patience: Cell<usize>,
+    recoveries_left: Cell<usize>,
     /// Statements of other languages that have been reported. Foreign operators inside them are not reported again.
-    foreign: RefCell<Vec<Span>>,
+    foreign_statements: RefCell<Vec<Span>>,
     /// Names that a phrase with a syntax error seems to define, by its start offset.
-    broken: RefCell<BTreeMap<u32, Vec<Ident>>>,
+    error_names: RefCell<BTreeMap<u32, Vec<Ident>>>,
 }
 
-impl<'t> Context<'t> {
-    pub(crate) fn new(file: FileId, text: &'t str, mode: Mode, lexed: &'t Lexed) -> Context<'t> {
-        Context {
+impl<'t> ParseContext<'t> {
+    pub(crate) fn new(
+        file: FileId,
+        text: &'t str,
+        mode: Dialect,
+        lexed: &'t LexOutput,
+    ) -> ParseContext<'t> {
+        ParseContext {
             file,
             text,
-            mode,
+            dialect: mode,
             names: Interner::default(),
-            seeming: Seeming::new(text),
+            guessed_names: GuessedNames::new(text),
             comments: &lexed.comments,
             lexemes: &lexed.lexemes,
-            read_as: &lexed.read_as,
+            replaced_text: &lexed.replaced_text,
             has_docs: lexed.comments.has_docs(),
-            findings: RefCell::default(),
-            patience: Cell::new(PATIENCE),
-            foreign: RefCell::default(),
-            broken: RefCell::default(),
+            diagnostics: RefCell::default(),
+            recoveries_left: Cell::new(MAX_RECOVERIES),
+            foreign_statements: RefCell::default(),
+            error_names: RefCell::default(),
         }
     }
 
@@ -89,12 +94,12 @@ impl<'t> Context<'t> {
 
     /// Returns the name or number at a byte range. A literal of another language is replaced by its RPI form.
     pub(crate) fn name(&self, start: u32, end: u32) -> Name {
-        let other = match self.read_as.is_empty() {
+        let other = match self.replaced_text.is_empty() {
             true => None,
-            false => self.read_as.get(&(start, end)),
+            false => self.replaced_text.get(&(start, end)),
         };
         self.names
-            .name(other.map_or(self.slice(start, end), String::as_str))
+            .intern(other.map_or(self.slice(start, end), String::as_str))
     }
 
     pub(crate) fn ident(&self, start: u32, end: u32) -> Ident {
@@ -106,7 +111,7 @@ impl<'t> Context<'t> {
 
     /// Interns a text that does not occur verbatim in the source.
     pub(crate) fn intern(&self, text: &str) -> Name {
-        self.names.name(text)
+        self.names.intern(text)
     }
 
     /// Returns the comments that begin in `start..end`.
@@ -122,43 +127,43 @@ impl<'t> Context<'t> {
         }
     }
 
-    pub(crate) fn report(&self, finding: Finding) {
-        self.findings.borrow_mut().push(finding);
+    pub(crate) fn report(&self, diagnostic: Diagnostic) {
+        self.diagnostics.borrow_mut().push(diagnostic);
     }
 
     /// Returns the diagnostics so far and clears them.
-    pub(crate) fn take_findings(&self) -> Vec<Finding> {
-        self.findings.take()
+    pub(crate) fn take_diagnostics(&self) -> Vec<Diagnostic> {
+        self.diagnostics.take()
     }
 
     /// Returns whether recovery from one more error is allowed, and counts it. Each recovery parses a declaration
     /// again.
-    pub(crate) fn may_mend(&self) -> bool {
-        let left = self.patience.get().checked_sub(1);
-        self.patience.set(left.unwrap_or(0));
+    pub(crate) fn may_recover(&self) -> bool {
+        let left = self.recoveries_left.get().checked_sub(1);
+        self.recoveries_left.set(left.unwrap_or(0));
         left.is_some()
     }
 
     /// Suppresses diagnostics about foreign operators in a statement of another language.
-    pub(crate) fn swallow_signs(&self, statement: Span) {
-        self.foreign.borrow_mut().push(statement);
+    pub(crate) fn suppress_foreign_operators(&self, statement: Span) {
+        self.foreign_statements.borrow_mut().push(statement);
     }
 
     /// Returns the statements of other languages that have been reported, in text order.
-    pub(crate) fn foreign_statements(self) -> Vec<Span> {
-        let mut foreign = self.foreign.into_inner();
+    pub(crate) fn into_foreign_statements(self) -> Vec<Span> {
+        let mut foreign = self.foreign_statements.into_inner();
         foreign.sort_unstable_by_key(|statement| statement.start);
         foreign
     }
 
     /// Records the names that the phrase with a syntax error at `start` seems to define.
-    pub(crate) fn set_broken(&self, start: u32, names: Vec<Ident>) {
-        self.broken.borrow_mut().insert(start, names);
+    pub(crate) fn set_error_names(&self, start: u32, names: Vec<Ident>) {
+        self.error_names.borrow_mut().insert(start, names);
     }
 
     /// Returns the names that the phrase with a syntax error at `start` seems to define.
-    pub(crate) fn broken_names(&self, start: u32) -> Vec<Ident> {
-        self.broken
+    pub(crate) fn error_names(&self, start: u32) -> Vec<Ident> {
+        self.error_names
             .borrow()
             .get(&start)
             .cloned()
@@ -167,30 +172,32 @@ impl<'t> Context<'t> {
 
     /// Reports chained comparisons: `a < b < c`. `middle` is the operand between them if both may be meant. Further
     /// comparisons of the same chain extend the diagnostic.
-    pub(crate) fn comparisons_in_a_row(&self, signs: [Span; 2], middle: Option<Span>) {
+    pub(crate) fn report_chained_comparison(&self, signs: [Span; 2], middle: Option<Span>) {
         let text = middle.map(|span| (span, self.slice(span.start, span.end)));
-        let mut findings = self.findings.borrow_mut();
-        let same = |last: &mut Finding| {
+        let mut diagnostics = self.diagnostics.borrow_mut();
+        let same = |last: &mut Diagnostic| {
             last.code == Code::RPI0009 && last.labels.iter().any(|label| label.span == signs[0])
         };
-        match findings.pop_if(same) {
-            Some(last) => findings.push(phrase::further_comparison(last, signs[1], text)),
-            None => findings.push(phrase::comparisons_in_a_row(signs, text)),
+        match diagnostics.pop_if(same) {
+            Some(last) => {
+                diagnostics.push(validation::extend_chained_comparison(last, signs[1], text))
+            }
+            None => diagnostics.push(validation::chained_comparison(signs, text)),
         }
     }
 
     /// Warns about `-x ** y` in RPI files. `base` is the negated operand, `power` the exponent.
-    pub(crate) fn note_signed_base(&self, base: Span, power: Span) {
-        if self.mode == Mode::Rpi {
+    pub(crate) fn warn_sign_before_power(&self, base: Span, power: Span) {
+        if self.dialect == Dialect::Rpi {
             let text = self.slice(base.start, power.end);
-            self.report(phrase::sign_before_power(base, power, text));
+            self.report(validation::sign_before_power(base, power, text));
         }
     }
 
     /// Warns about `x when c` as an operand in Lustre files: Kind 2 parses it differently.
-    pub(crate) fn note_sampled_part(&self, part: Span) {
-        if self.mode == Mode::Lustre {
-            self.report(phrase::when_binds_tightly(part));
+    pub(crate) fn warn_sampled_operand(&self, part: Span) {
+        if self.dialect == Dialect::Lustre {
+            self.report(validation::when_precedence(part));
         }
     }
 }

@@ -6,7 +6,7 @@
 use crate::token::Token;
 
 /// Grammar names of the tokens without a fixed spelling, with their descriptions.
-const CLASSES: &[(&str, Token, &str)] = &[
+const TOKEN_CLASSES: &[(&str, Token, &str)] = &[
     ("NAME", Token::Ident, "a name"),
     ("PATH", Token::Path, "a qualified name"),
     ("INT", Token::Int, "an integer"),
@@ -18,116 +18,116 @@ const CLASSES: &[(&str, Token, &str)] = &[
 ];
 
 /// Returns the token with this name in the grammar: `"let"` or `NAME`.
-pub(crate) fn token(name: &str) -> Option<Token> {
+pub(crate) fn token_from_grammar_name(name: &str) -> Option<Token> {
     match name.starts_with('"') {
-        true => Token::of_spelling(name.trim_matches('"')),
+        true => Token::from_spelling(name.trim_matches('"')),
         false => {
-            let class = CLASSES.iter().find(|(class, ..)| *class == name);
+            let class = TOKEN_CLASSES.iter().find(|(class, ..)| *class == name);
             class.map(|(_, token, _)| *token)
         }
     }
 }
 
 /// Set of tokens with a common term.
-struct Group {
-    words: &'static str,
+struct TokenGroup {
+    term: &'static str,
     /// The group applies if all of these tokens are expected.
-    needs: &'static [Token],
+    required: &'static [Token],
     /// Tokens that the term then replaces.
-    covers: &'static [Token],
+    covered: &'static [Token],
 }
 
 use Token::*;
 
 /// Groups, larger sets first: the first tokens of an expression include those of a name.
-const GROUPS: &[Group] = &[
-    Group {
-        words: "an argument",
-        needs: &[Int, Not, Const, Node, BoolType],
-        covers: &[
+const GROUPS: &[TokenGroup] = &[
+    TokenGroup {
+        term: "an argument",
+        required: &[Int, Not, Const, Node, BoolType],
+        covered: &[
             LBrace, When, In, Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash,
             Nor, Merge, Not, Minus, Pre, Current, Last, If, With, IntType, RealType, BoolType,
             Const, Node, Function, Type, Arrow, Plus, Star, Slash, Div, Mod, Pow, Hat, Bar,
             Coalesce, Implies, Or, Xor, And, Eq, Ne, Lt, Le, Gt, Ge, Fby,
         ],
     },
-    Group {
-        words: "an expression",
-        needs: &[Int, Not, LParen],
-        covers: &[
+    TokenGroup {
+        term: "an expression",
+        required: &[Int, Not, LParen],
+        covered: &[
             LBrace, When, Int, Real, Str, True, False, Ident, Path, LParen, LBracket, Hash, Nor,
             Merge, Not, Minus, Pre, Current, Last, If, With, IntType, RealType,
         ],
     },
-    Group {
-        words: "an equation",
-        needs: &[Assert, Automaton],
-        covers: &[
+    TokenGroup {
+        term: "an equation",
+        required: &[Assert, Automaton],
+        covered: &[
             Assert, Automaton, Check, Property, Export, Fail, Finish, Fragment, Ident, Path,
             LParen, Yield,
         ],
     },
-    Group {
-        words: "a step",
-        needs: &[Repeat, Start],
-        covers: &[Parallel, Repeat, Start, Ident, Path],
+    TokenGroup {
+        term: "a step",
+        required: &[Repeat, Start],
+        covered: &[Parallel, Repeat, Start, Ident, Path],
     },
-    Group {
-        words: "a type",
-        needs: &[BoolType, IntType],
-        covers: &[
+    TokenGroup {
+        term: "a type",
+        required: &[BoolType, IntType],
+        covered: &[
             BoolType, IntType, RealType, Ident, Path, Enum, Struct, LBrace, LBracket,
         ],
     },
-    Group {
-        words: "a contract clause",
-        needs: &[Assume, Guarantee],
-        covers: &[Assume, Guarantee, Var, Const, ModeWord],
+    TokenGroup {
+        term: "a contract clause",
+        required: &[Assume, Guarantee],
+        covered: &[Assume, Guarantee, Var, Const, ModeWord],
     },
-    Group {
-        words: "an operator",
-        needs: &[Arrow, Plus],
-        covers: &[
+    TokenGroup {
+        term: "an operator",
+        required: &[Arrow, Plus],
+        covered: &[
             In, Arrow, Plus, Minus, Star, Slash, Div, Mod, Pow, Hat, Bar, Coalesce, Implies, Or,
             Xor, And, Eq, Ne, Lt, Le, Gt, Ge, Fby, When, Dot, LBracket, LBrace, LParen, LStatic,
             Percent,
         ],
     },
-    Group {
-        words: "a transition or the next state",
-        needs: &[Unless, State],
-        covers: &[Unless, Until, Initial, State, End],
+    TokenGroup {
+        term: "a transition or the next state",
+        required: &[Unless, State],
+        covered: &[Unless, Until, Initial, State, End],
     },
-    Group {
-        words: "the body",
-        needs: &[Let, Var],
-        covers: &[Let, Var, Const, Con, Semi],
+    TokenGroup {
+        term: "the body",
+        required: &[Let, Var],
+        covered: &[Let, Var, Const, Con, Semi],
     },
-    Group {
-        words: "a parameter",
-        needs: &[Ident, Const, Node, Type],
-        covers: &[Ident, Const, Node, Function, Type],
+    TokenGroup {
+        term: "a parameter",
+        required: &[Ident, Const, Node, Type],
+        covered: &[Ident, Const, Node, Function, Type],
     },
-    Group {
-        words: "a port",
-        needs: &[Ident, Const, LParen],
-        covers: &[Ident, Const, LParen],
+    TokenGroup {
+        term: "a port",
+        required: &[Ident, Const, LParen],
+        covered: &[Ident, Const, LParen],
     },
-    Group {
-        words: "a name",
-        needs: &[Ident, LParen],
-        covers: &[Ident, LParen],
+    TokenGroup {
+        term: "a name",
+        required: &[Ident, LParen],
+        covered: &[Ident, LParen],
     },
 ];
 
 /// Tokens that are rarely missing. They are listed only if no other token is expected.
-const RARELY_MEANT: &[Token] = &[
+const RARELY_MISSING: &[Token] = &[
     Hat, Question, LStatic, Label, Percent, Slash, Star, Plus, Minus, Div, Mod, Dot, Comma,
     LBracket, When, Budget, Con, Initial, At, Import, Lt,
 ];
 
 /// Purpose of an expected name, by the token before it.
-const NAMES: &[(Token, &str)] = &[
+const NAME_PURPOSES: &[(Token, &str)] = &[
     (Finish, "a result name"),
     (Yield, "a result name"),
     (Fail, "a result name"),
@@ -159,32 +159,32 @@ const NAMES: &[(Token, &str)] = &[
 ];
 
 /// Maximum number of alternatives in a message.
-const LISTED: usize = 4;
+const MAX_LISTED: usize = 4;
 
 /// Returns a description of the expected tokens: "`;` or an operator". `before` is the token before the error.
-pub(crate) fn in_words(expected: &[Token], before: Option<Token>) -> String {
-    let meant = |token: &Token| *token != Broken && !is_of_kind2(*token);
+pub(crate) fn describe(expected: &[Token], before: Option<Token>) -> String {
+    let meant = |token: &Token| *token != Broken && !is_kind2_only(*token);
     let mut left: Vec<Token> = expected.iter().copied().filter(meant).collect();
     let mut words = Vec::new();
     for group in GROUPS {
-        if group.needs.iter().all(|token| left.contains(token)) {
-            left.retain(|token| !group.covers.contains(token));
-            words.push(group.words.to_owned());
+        if group.required.iter().all(|token| left.contains(token)) {
+            left.retain(|token| !group.covered.contains(token));
+            words.push(group.term.to_owned());
         }
     }
-    let meant = |token: &Token| !RARELY_MEANT.contains(token);
+    let meant = |token: &Token| !RARELY_MISSING.contains(token);
     if !words.is_empty() || left.iter().any(meant) {
         left.retain(meant);
     }
     let single = left
         .iter()
-        .map(|token| one(*token, before))
+        .map(|token| describe_token(*token, before))
         .collect::<Vec<_>>();
-    listed(single.into_iter().chain(words))
+    join_alternatives(single.into_iter().chain(words))
 }
 
 /// Returns whether the token occurs in Kind 2 programs only. Such tokens are never suggested.
-fn is_of_kind2(token: Token) -> bool {
+fn is_kind2_only(token: Token) -> bool {
     let word = token.keyword().is_some_and(|word| !word.in_rpi);
     word || matches!(
         token,
@@ -206,9 +206,9 @@ fn is_of_kind2(token: Token) -> bool {
     )
 }
 
-fn one(token: Token, before: Option<Token>) -> String {
-    let class = CLASSES.iter().find(|(_, class, _)| *class == token);
-    let purpose = NAMES.iter().find(|(word, _)| Some(*word) == before);
+fn describe_token(token: Token, before: Option<Token>) -> String {
+    let class = TOKEN_CLASSES.iter().find(|(_, class, _)| *class == token);
+    let purpose = NAME_PURPOSES.iter().find(|(word, _)| Some(*word) == before);
     match (token, class, purpose) {
         (Ident | Path, _, Some((_, purpose))) => (*purpose).to_owned(),
         (_, Some((_, _, words)), _) => (*words).to_owned(),
@@ -216,11 +216,11 @@ fn one(token: Token, before: Option<Token>) -> String {
     }
 }
 
-fn listed(words: impl Iterator<Item = String>) -> String {
+fn join_alternatives(words: impl Iterator<Item = String>) -> String {
     let mut words: Vec<String> = words.collect();
     words.dedup();
-    if words.len() > LISTED {
-        words.truncate(LISTED - 1);
+    if words.len() > MAX_LISTED {
+        words.truncate(MAX_LISTED - 1);
         words.push("another token".to_owned());
     }
     match words.pop() {
@@ -231,7 +231,7 @@ fn listed(words: impl Iterator<Item = String>) -> String {
 }
 
 /// Returns a help text for the rejected token.
-pub(crate) fn hint(here: Option<Token>) -> Option<&'static str> {
+pub(crate) fn help_text(here: Option<Token>) -> Option<&'static str> {
     match here {
         Some(LBrace) => Some("a body is written between `let` and `tel`"),
         Some(Colon) => {

@@ -7,70 +7,70 @@
 //! This crate handles syntax only: it resolves no names, types or units, and opens no files. Its interface exposes no
 //! type of the parser generator or of the lexer.
 
+mod actions;
+mod actions_blocks;
+mod actions_expr;
 pub mod ast;
-mod blocks;
-mod chain;
 mod comments;
 mod context;
-mod declared;
 mod dump;
 mod expected;
-mod explain;
+mod foreign;
+mod foreign_literal;
 mod grammar;
-mod habits;
+mod guessed_declarations;
+mod guessed_names;
+mod keywords;
+mod kind2_blocks;
 mod lexer;
-mod lexical;
-mod make;
-mod make_blocks;
-mod make_expr;
-mod mend;
+mod lexical_errors;
 mod name;
 mod nesting;
-mod numeral;
 pub mod ops;
-mod outside;
 mod parse;
-mod phrase;
-mod pieces;
+mod precedence;
 mod print;
-mod reserved;
-mod seeming;
-mod sizes;
+mod recover;
+mod reserved_words;
+mod size_ports;
+mod source_tokens;
 mod split;
 mod stack;
-mod structure;
-mod text;
+mod stray_tokens;
+mod string_literal;
+mod syntax_errors;
 mod token;
+mod token_tree;
 mod unclosed;
-mod units;
-mod words;
+mod unit_suffix;
+mod validation;
 
 pub use comments::{Comment, CommentKind, Comments};
 pub use dump::{Parens, dump_ast, dump_tokens};
 pub use name::Name;
 pub use parse::parse;
-pub use pieces::{Piece, PieceKind, pieces};
-pub use print::{format, head, print};
-pub use stack::with_stack;
-pub use token::{KEYWORDS, Keyword, Place, is_name, signs};
+pub use print::{format, header, print};
+pub use source_tokens::{SourceToken, SourceTokenKind, source_tokens};
+pub use stack::with_large_stack;
+pub use token::{KEYWORDS, Keyword, KeywordContext, is_name, symbols};
 
-use rpi_diag::Finding;
+use rpi_diag::Diagnostic;
 
 /// Dialect of a source file: selects the keywords and the meaning of `%`. See [`Mode::of_path`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Mode {
+pub enum Dialect {
     /// `.rpi` files: the whole language.
     Rpi,
     /// `.lus` files: Lustre. Robotics keywords are plain names, and `%` is the remainder operator.
     Lustre,
 }
 
-impl Mode {
+impl Dialect {
     /// Returns the mode of a file by its extension: Lustre for `.lus`, else RPI.
-    pub fn of_path(path: &str) -> Mode {
+    pub fn from_path(path: &str) -> Dialect {
         match path.ends_with(".lus") {
-            true => Mode::Lustre,
-            false => Mode::Rpi,
+            true => Dialect::Lustre,
+            false => Dialect::Rpi,
         }
     }
 }
@@ -83,5 +83,5 @@ pub struct Parse {
     /// Comments of the text.
     pub comments: Comments,
     /// Diagnostics in text order.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
 }

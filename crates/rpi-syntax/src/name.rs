@@ -82,14 +82,14 @@ impl fmt::Debug for Name {
 }
 
 /// Builder of the hasher for short strings.
-pub(crate) type NameHash = BuildHasherDefault<NameHasher>;
+pub(crate) type BuildNameHasher = BuildHasherDefault<NameHasher>;
 
 /// String interner: equal names from one text share their memory.
 #[derive(Default)]
-pub(crate) struct Interner(RefCell<HashSet<Name, NameHash>>);
+pub(crate) struct Interner(RefCell<HashSet<Name, BuildNameHasher>>);
 
 impl Interner {
-    pub(crate) fn name(&self, text: &str) -> Name {
+    pub(crate) fn intern(&self, text: &str) -> Name {
         let mut names = self.0.borrow_mut();
         if let Some(name) = names.get(text) {
             return name.clone();
@@ -105,7 +105,7 @@ impl Interner {
 pub(crate) struct NameHasher(u64);
 
 impl NameHasher {
-    fn add(&mut self, word: u64) {
+    fn add_word(&mut self, word: u64) {
         // 2^64 divided by the golden ratio (Fibonacci hashing, Knuth, TAOCP 3, 6.4).
         const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
         self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(ODD);
@@ -116,15 +116,15 @@ impl Hasher for NameHasher {
     fn write(&mut self, bytes: &[u8]) {
         let (words, rest) = bytes.as_chunks::<8>();
         for word in words {
-            self.add(u64::from_le_bytes(*word));
+            self.add_word(u64::from_le_bytes(*word));
         }
         let mut last = [0; 8];
         last[..rest.len()].copy_from_slice(rest);
-        self.add(u64::from_le_bytes(last));
+        self.add_word(u64::from_le_bytes(last));
     }
 
     fn write_u8(&mut self, byte: u8) {
-        self.add(byte.into());
+        self.add_word(byte.into());
     }
 
     fn finish(&self) -> u64 {
@@ -140,9 +140,9 @@ mod tests {
     #[test]
     fn equal_names_share_their_memory() {
         let names = Interner::default();
-        let (a, b) = (names.name("arm"), names.name("arm"));
+        let (a, b) = (names.intern("arm"), names.intern("arm"));
         assert!(Arc::ptr_eq(&a.0, &b.0));
-        assert_ne!(a, names.name("leg"));
+        assert_ne!(a, names.intern("leg"));
     }
 
     #[test]

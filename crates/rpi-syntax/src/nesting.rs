@@ -3,10 +3,10 @@
 //! Works on tokens, before a tree is built. The depth of the content of a bracket is at most the number of operators in
 //! one element, plus the depth of the deepest bracket in that element.
 
-use crate::context::Context;
+use crate::context::ParseContext;
 use crate::lexer::Lexeme;
 use crate::token::Token;
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Diagnostic};
 
 /// Maximum accepted nesting depth. Every walk over a tree may recurse this deep: see
 /// [`with_stack`](crate::with_stack).
@@ -14,7 +14,7 @@ pub(crate) const MAX_DEPTH: u32 = 5_000;
 
 /// Open bracket or body.
 #[derive(Clone, Copy, Default)]
-struct Level {
+struct OpenLevel {
     /// Number of operators in the current element.
     operators: u32,
     /// Depth of the deepest bracket in the current element.
@@ -23,69 +23,72 @@ struct Level {
     deepest: u32,
 }
 
-impl Level {
+impl OpenLevel {
     fn depth(self) -> u32 {
         self.deepest.max(self.operators + self.inner)
     }
 
     fn next_element(&mut self) {
-        *self = Level {
+        *self = OpenLevel {
             deepest: self.depth(),
-            ..Level::default()
+            ..OpenLevel::default()
         };
     }
 }
 
 /// Returns a diagnostic (RPI0011) if the declaration is nested too deeply.
-pub(crate) fn too_deep(cx: &Context<'_>, lexemes: &[Lexeme]) -> Option<Finding> {
+pub(crate) fn too_deep(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option<Diagnostic> {
     // Each level takes at least one token, so a short declaration cannot be too deep.
     if lexemes.len() <= MAX_DEPTH as usize {
         return None;
     }
-    let mut levels = vec![Level::default()];
+    let mut levels = vec![OpenLevel::default()];
     for lexeme in lexemes {
-        step(&mut levels, lexeme.token);
+        count_token(&mut levels, lexeme.token);
         let here = levels
             .last()
             .map_or(0, |level| level.operators + level.inner);
         if here + levels.len() as u32 > MAX_DEPTH {
             let span = cx.span(lexeme.start, lexeme.end);
-            return Some(finding().at(span, format!("more than {MAX_DEPTH} levels deep here")));
+            return Some(
+                too_deep_diagnostic()
+                    .primary(span, format!("more than {MAX_DEPTH} levels deep here")),
+            );
         }
     }
     None
 }
 
-fn step(levels: &mut Vec<Level>, token: Token) {
+fn count_token(levels: &mut Vec<OpenLevel>, token: Token) {
     use Token::{
         Automaton, Comma, End, LBrace, LBracket, LParen, LStatic, Let, RBrace, RBracket, RParen,
         RStatic, Semi, Tel,
     };
     match token {
-        LParen | LBracket | LBrace | LStatic | Let | Automaton => levels.push(Level::default()),
+        LParen | LBracket | LBrace | LStatic | Let | Automaton => levels.push(OpenLevel::default()),
         RBracket => {
-            close(levels);
+            close_level(levels);
             // `a[i][j]` is nested in the tree, although the brackets are side by side.
-            top(levels).operators += 1;
+            current_level(levels).operators += 1;
         }
-        RParen | RBrace | RStatic | Tel | End => close(levels),
-        Comma | Semi => top(levels).next_element(),
-        token => top(levels).operators += u32::from(is_operator(token)),
+        RParen | RBrace | RStatic | Tel | End => close_level(levels),
+        Comma | Semi => current_level(levels).next_element(),
+        token => current_level(levels).operators += u32::from(is_operator(token)),
     }
 }
 
-fn top(levels: &mut Vec<Level>) -> &mut Level {
+fn current_level(levels: &mut Vec<OpenLevel>) -> &mut OpenLevel {
     if levels.is_empty() {
-        levels.push(Level::default());
+        levels.push(OpenLevel::default());
     }
     let last = levels.len() - 1;
     &mut levels[last]
 }
 
 /// Closes a bracket and adds its depth to the enclosing element.
-fn close(levels: &mut Vec<Level>) {
+fn close_level(levels: &mut Vec<OpenLevel>) {
     let closed = levels.pop().unwrap_or_default();
-    let outer = top(levels);
+    let outer = current_level(levels);
     outer.inner = outer.inner.max(closed.depth() + 1);
 }
 
@@ -150,7 +153,7 @@ fn is_operator(token: Token) -> bool {
     )
 }
 
-fn finding() -> Finding {
-    Finding::new(Code::RPI0011, "the nesting is too deep")
+fn too_deep_diagnostic() -> Diagnostic {
+    Diagnostic::new(Code::RPI0011, "the nesting is too deep")
         .help("define parts of it by separate equations: `part = ...;`")
 }

@@ -5,7 +5,7 @@
 
 /// Associativity of a binary operator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Grouping {
+pub enum Associativity {
     /// Left-associative: `a - b - c` is `(a - b) - c`.
     Left,
     /// Right-associative: `a -> b -> c` is `a -> (b -> c)`.
@@ -15,26 +15,26 @@ pub enum Grouping {
 }
 
 /// Precedence level of an operator. A higher level binds more strongly.
-pub type Level = u8;
+pub type Precedence = u8;
 
 /// Precedence level of `if c then x else` and `with c then x else`. The last branch extends as far right as possible.
-pub const LEVEL_IF: Level = 1;
+pub const PRECEDENCE_IF: Precedence = 1;
 /// Precedence level of `x when c`.
-pub const LEVEL_WHEN: Level = 13;
+pub const PRECEDENCE_WHEN: Precedence = 13;
 /// Precedence level of expressions that need no parentheses: names, literals, calls, `x.f`, `x[i]`.
-pub const LEVEL_PRIMARY: Level = 17;
+pub const PRECEDENCE_PRIMARY: Precedence = 17;
 
 /// Row of the table of binary operators.
 #[derive(Debug)]
-pub struct BinaryRow {
+pub struct BinaryOpInfo {
     /// Operator.
     pub op: BinaryOp,
     /// Spelling in source text.
     pub spelling: &'static str,
     /// Precedence level.
-    pub level: Level,
+    pub precedence: Precedence,
     /// Associativity.
-    pub grouping: Grouping,
+    pub associativity: Associativity,
     /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,
     /// Short description for the language reference and editors.
@@ -43,13 +43,13 @@ pub struct BinaryRow {
 
 /// Row of the table of unary operators. All are prefix operators.
 #[derive(Debug)]
-pub struct UnaryRow {
+pub struct UnaryOpInfo {
     /// Operator.
     pub op: UnaryOp,
     /// Spelling in source text.
     pub spelling: &'static str,
     /// Precedence level.
-    pub level: Level,
+    pub precedence: Precedence,
     /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,
     /// Short description for the language reference and editors.
@@ -74,11 +74,11 @@ macro_rules! binary_ops {
         }
 
         /// All binary operators, weakest first, in the order of [`BinaryOp`].
-        pub const BINARY: &[BinaryRow] = &[$(BinaryRow {
+        pub const BINARY: &[BinaryOpInfo] = &[$(BinaryOpInfo {
             op: BinaryOp::$op,
             spelling: $spelling,
-            level: $level,
-            grouping: Grouping::$grouping,
+            precedence: $level,
+            associativity: Associativity::$grouping,
             only_lustre: only_lustre!($($mode)?),
             doc: $doc,
         },)*];
@@ -94,10 +94,10 @@ macro_rules! unary_ops {
         }
 
         /// All unary operators, weakest first, in the order of [`UnaryOp`].
-        pub const UNARY: &[UnaryRow] = &[$(UnaryRow {
+        pub const UNARY: &[UnaryOpInfo] = &[$(UnaryOpInfo {
             op: UnaryOp::$op,
             spelling: $spelling,
-            level: $level,
+            precedence: $level,
             only_lustre: only_lustre!($($mode)?),
             doc: $doc,
         },)*];
@@ -148,7 +148,7 @@ unary_ops! {
 
 impl BinaryOp {
     /// Returns whether the operator is an order comparison: `<`, `<=`, `>` or `>=`.
-    pub(crate) fn is_order(self) -> bool {
+    pub(crate) fn is_ordering(self) -> bool {
         matches!(
             self,
             BinaryOp::Lt | BinaryOp::Le | BinaryOp::Gt | BinaryOp::Ge
@@ -157,21 +157,21 @@ impl BinaryOp {
 
     /// Spelling in source text.
     pub fn spelling(self) -> &'static str {
-        self.row().spelling
+        self.info().spelling
     }
 
     /// Precedence level.
-    pub fn level(self) -> Level {
-        self.row().level
+    pub fn precedence(self) -> Precedence {
+        self.info().precedence
     }
 
     /// Associativity.
-    pub fn grouping(self) -> Grouping {
-        self.row().grouping
+    pub fn associativity(self) -> Associativity {
+        self.info().associativity
     }
 
     // The rows are in the order of the variants; a test checks this.
-    fn row(self) -> &'static BinaryRow {
+    fn info(self) -> &'static BinaryOpInfo {
         &BINARY[self as usize]
     }
 }
@@ -179,15 +179,15 @@ impl BinaryOp {
 impl UnaryOp {
     /// Spelling in source text.
     pub fn spelling(self) -> &'static str {
-        self.row().spelling
+        self.info().spelling
     }
 
     /// Precedence level.
-    pub fn level(self) -> Level {
-        self.row().level
+    pub fn precedence(self) -> Precedence {
+        self.info().precedence
     }
 
-    fn row(self) -> &'static UnaryRow {
+    fn info(self) -> &'static UnaryOpInfo {
         &UNARY[self as usize]
     }
 }
@@ -209,9 +209,9 @@ mod tests {
     #[test]
     fn equal_levels_group_alike_and_stand_together() {
         for pair in BINARY.windows(2) {
-            assert!(pair[0].level <= pair[1].level);
-            if pair[0].level == pair[1].level {
-                assert_eq!(pair[0].grouping, pair[1].grouping);
+            assert!(pair[0].precedence <= pair[1].precedence);
+            if pair[0].precedence == pair[1].precedence {
+                assert_eq!(pair[0].associativity, pair[1].associativity);
             }
         }
     }

@@ -1,58 +1,61 @@
 //! Parser driver: lexes a file, splits it into declarations and parses each of them.
 
 use crate::ast::{File, Item};
-use crate::context::Context;
-use crate::habits::NAMED;
-use crate::lexer::{Lexed, Lexeme, lex_skipping};
-use crate::lexical;
-use crate::split::{Chunk, Head, split};
-use crate::{Mode, Parse, mend, nesting, outside, with_stack};
-use rpi_diag::{Code, FileId, Finding, Severity, Span};
+use crate::context::ParseContext;
+use crate::foreign::NAMED_ARGUMENT;
+use crate::lexer::{LexOutput, Lexeme, lex_skipping};
+use crate::lexical_errors;
+use crate::split::{Chunk, ChunkKind, split};
+use crate::{Dialect, Parse, nesting, recover, stray_tokens, with_large_stack};
+use rpi_diag::{Code, Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeSet;
 
 /// Parses a whole file. Never fails and never panics: every text has a tree.
 ///
 /// Text with a syntax error becomes a `Broken` node with the names that it seems to define. There is one diagnostic for
 /// each independent error.
-pub fn parse(file: FileId, text: &str, mode: Mode) -> Parse {
+pub fn parse(file: FileId, text: &str, mode: Dialect) -> Parse {
     parse_with_tokens(file, text, mode).0
 }
 
 /// Parses a whole file like [`parse`] and also returns its tokens.
-pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Mode) -> (Parse, Vec<Lexeme>) {
-    let (lexed, items, found) = with_stack(|| understood(file, text, mode));
-    let mut findings = once_for_each_call(text, lexed.findings);
-    let gaps = Gaps::new(text, &findings);
+pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Dialect) -> (Parse, Vec<Lexeme>) {
+    let (lexed, items, found) = with_large_stack(|| parse_with_claims(file, text, mode));
+    let mut diagnostics = merge_per_call(text, lexed.diagnostics);
+    let gaps = LexicalGaps::new(text, &diagnostics);
     let found = found.into_iter();
-    findings.extend(found.filter(|finding| !gaps.explain(finding)));
-    findings.sort_by_key(|finding| finding.span());
-    findings.dedup();
+    diagnostics.extend(found.filter(|diagnostic| !gaps.explains(diagnostic)));
+    diagnostics.sort_by_key(|diagnostic| diagnostic.span());
+    diagnostics.dedup();
     let parse = Parse {
-        file: File { items, mode },
+        file: File {
+            items,
+            dialect: mode,
+        },
         comments: lexed.comments,
-        findings,
+        diagnostics: diagnostics,
     };
     (parse, lexed.lexemes)
 }
 
 /// Merges the diagnostics about arguments named with a foreign operator: one per call, with the places of all of them.
-fn once_for_each_call(text: &str, findings: Vec<Finding>) -> Vec<Finding> {
-    let mut kept: Vec<Finding> = Vec::with_capacity(findings.len());
-    for finding in findings {
-        let span = finding.span();
-        let is_named = |other: &Finding| other.message == NAMED;
+fn merge_per_call(text: &str, diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<Diagnostic> = Vec::with_capacity(diagnostics.len());
+    for diagnostic in diagnostics {
+        let span = diagnostic.span();
+        let is_named = |other: &Diagnostic| other.message == NAMED_ARGUMENT;
         let same = kept.last_mut().filter(|last| {
             let end = last.labels.last().map_or(0, |label| label.span.end);
             let between = text.get(end as usize..span.start as usize);
             let is_one = between.is_some_and(|text| !text.contains([';', ')']));
-            is_named(last) && is_named(&finding) && is_one
+            is_named(last) && is_named(&diagnostic) && is_one
         });
         let Some(last) = same else {
-            kept.push(finding);
+            kept.push(diagnostic);
             continue;
         };
-        *last = last.clone().also(span, "and here");
-        let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
+        *last = last.clone().secondary(span, "and here");
+        let edits = diagnostic.fixes.into_iter().flat_map(|fix| fix.edits);
         if let Some(fix) = last.fixes.first_mut() {
             fix.edits.extend(edits);
         }
@@ -64,19 +67,23 @@ fn once_for_each_call(text: &str, findings: Vec<Finding>) -> Vec<Finding> {
 const MAX_ATTEMPTS: usize = 4;
 
 /// Lexes and parses a file, with the contracts and properties in comments. Those with errors are treated as comments.
-fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Finding>) {
+fn parse_with_claims(
+    file: FileId,
+    text: &str,
+    mode: Dialect,
+) -> (LexOutput, Vec<Item>, Vec<Diagnostic>) {
     let (mut skipped, mut attempt) = (BTreeSet::new(), 0);
     loop {
         let mut lexed = lex_skipping(file, text, mode, &skipped);
-        let (items, found, foreign) = items(file, text, mode, &lexed);
+        let (items, found, foreign) = parse_items(file, text, mode, &lexed);
         if !foreign.is_empty() {
             let is_sign = |code| matches!(code, Code::RPI0002 | Code::RPI0013 | Code::RPI0016);
-            let is_told = |sign: &Finding| is_sign(sign.code) && lies_in(&foreign, sign);
-            lexed.findings.retain(|sign| !is_told(sign));
+            let is_told = |sign: &Diagnostic| is_sign(sign.code) && is_within(&foreign, sign);
+            lexed.diagnostics.retain(|sign| !is_told(sign));
         }
-        let faults = lexed.findings.iter().chain(&found);
+        let faults = lexed.diagnostics.iter().chain(&found);
         let faults = faults.filter(|f| f.severity() == Severity::Error);
-        let faults: Vec<Span> = faults.map(Finding::span).collect();
+        let faults: Vec<Span> = faults.map(Diagnostic::span).collect();
         attempt += 1;
         let is_strange = |claim: &&Span| match attempt < MAX_ATTEMPTS {
             true => {
@@ -84,7 +91,7 @@ fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Fi
             }
             false => !faults.is_empty(),
         };
-        let strange = lexed.claims.iter().filter(is_strange);
+        let strange = lexed.lexed_comments.iter().filter(is_strange);
         let strange: Vec<u32> = strange.map(|claim| claim.start).collect();
         if strange.is_empty() {
             return (lexed, items, found);
@@ -94,35 +101,37 @@ fn understood(file: FileId, text: &str, mode: Mode) -> (Lexed, Vec<Item>, Vec<Fi
 }
 
 /// Returns whether a diagnostic lies in one of the spans, which are in text order.
-fn lies_in(places: &[Span], finding: &Finding) -> bool {
-    let at = finding.span();
+fn is_within(places: &[Span], diagnostic: &Diagnostic) -> bool {
+    let at = diagnostic.span();
     let after = places.partition_point(|place| place.start <= at.start);
     let place = after.checked_sub(1).map(|i| places[i]);
     place.is_some_and(|place| at.end <= place.end)
 }
 
 /// Parts of the text that form no complete token: unknown characters, unterminated comments and strings.
-struct Gaps<'t> {
+struct LexicalGaps<'t> {
     text: &'t str,
     /// Spans of the gaps, in text order.
     spans: Vec<Span>,
 }
 
-impl Gaps<'_> {
-    fn new<'t>(text: &'t str, findings: &[Finding]) -> Gaps<'t> {
+impl LexicalGaps<'_> {
+    fn new<'t>(text: &'t str, diagnostics: &[Diagnostic]) -> LexicalGaps<'t> {
         let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003 | Code::RPI0005);
-        let found = findings.iter().filter(|finding| unread(finding.code));
-        let spans = found.map(Finding::span).collect();
-        Gaps { text, spans }
+        let found = diagnostics
+            .iter()
+            .filter(|diagnostic| unread(diagnostic.code));
+        let spans = found.map(Diagnostic::span).collect();
+        LexicalGaps { text, spans }
     }
 
     /// Returns whether a label of the diagnostic lies next to a gap, whose own diagnostic explains the error.
-    fn explain(&self, finding: &Finding) -> bool {
-        let mut places = finding.labels.iter().map(|label| label.span);
-        !self.spans.is_empty() && places.any(|place| self.beside(place))
+    fn explains(&self, diagnostic: &Diagnostic) -> bool {
+        let mut places = diagnostic.labels.iter().map(|label| label.span);
+        !self.spans.is_empty() && places.any(|place| self.is_beside_gap(place))
     }
 
-    fn beside(&self, place: Span) -> bool {
+    fn is_beside_gap(&self, place: Span) -> bool {
         let after = self.spans.partition_point(|gap| gap.start < place.end);
         let next = self.spans.get(after);
         let previous = after.checked_sub(1).map(|i| self.spans[i]);
@@ -137,71 +146,75 @@ impl Gaps<'_> {
 }
 
 /// Maximum number of errors reported for one file.
-const MAX_FAULTS: usize = 10_000;
+const MAX_ERRORS: usize = 10_000;
 
-fn items(
+fn parse_items(
     file: FileId,
     text: &str,
-    mode: Mode,
-    lexed: &Lexed,
-) -> (Vec<Item>, Vec<Finding>, Vec<Span>) {
-    let cx = Context::new(file, text, mode, lexed);
-    let mut findings = Vec::new();
+    mode: Dialect,
+    lexed: &LexOutput,
+) -> (Vec<Item>, Vec<Diagnostic>, Vec<Span>) {
+    let cx = ParseContext::new(file, text, mode, lexed);
+    let mut diagnostics = Vec::new();
     let mut items = Vec::new();
     for chunk in split(text, &lexed.lexemes, mode) {
-        if findings.len() > MAX_FAULTS {
+        if diagnostics.len() > MAX_ERRORS {
             let next = lexed.lexemes[chunk.range.start];
-            findings.push(lexical::too_many_faults(cx.span(next.start, next.end)));
+            diagnostics.push(lexical_errors::too_many_errors(
+                cx.span(next.start, next.end),
+            ));
             break;
         }
-        items.extend(item(&cx, &chunk, lexed, &mut findings));
+        items.extend(parse_item(&cx, &chunk, lexed, &mut diagnostics));
     }
-    (items, findings, cx.foreign_statements())
+    (items, diagnostics, cx.into_foreign_statements())
 }
 
-fn item(
-    cx: &Context<'_>,
+fn parse_item(
+    cx: &ParseContext<'_>,
     chunk: &Chunk,
-    lexed: &Lexed,
-    findings: &mut Vec<Finding>,
+    lexed: &LexOutput,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<Item> {
     let lexemes = &lexed.lexemes[chunk.range.clone()];
     if let Some(deep) = nesting::too_deep(cx, lexemes) {
-        findings.push(deep);
-        return Some(mend::broken_item(cx, lexemes));
+        diagnostics.push(deep);
+        return Some(recover::broken_item(cx, lexemes));
     }
-    match chunk.head {
-        Head::Declaration => Some(mend::item(cx, lexemes, findings)),
-        Head::Misspelt(Some(word)) => {
-            findings.extend(outside::misspelt(cx, lexemes[0], word));
+    match chunk.kind {
+        ChunkKind::Declaration => Some(recover::parse_item(cx, lexemes, diagnostics)),
+        ChunkKind::Misspelt(Some(word)) => {
+            diagnostics.extend(stray_tokens::misspelt_keyword(cx, lexemes[0], word));
             let mut lexemes = lexemes.to_vec();
-            let is_foreign = outside::foreign(cx.slice(lexemes[0].start, lexemes[0].end)).is_some();
+            let is_foreign =
+                stray_tokens::corresponding_keyword(cx.slice(lexemes[0].start, lexemes[0].end))
+                    .is_some();
             lexemes[0].token = word;
-            let told = findings.len();
-            let item = mend::item(cx, &lexemes, findings);
-            if is_foreign && findings.len() > told {
+            let told = diagnostics.len();
+            let item = recover::parse_item(cx, &lexemes, diagnostics);
+            if is_foreign && diagnostics.len() > told {
                 // The rest of the declaration is in the other language, too: replacing the keyword does not fix it.
-                findings.truncate(told);
+                diagnostics.truncate(told);
                 let last = lexemes[lexemes.len() - 1];
-                cx.swallow_signs(cx.span(lexemes[0].start, last.end));
-                findings
+                cx.suppress_foreign_operators(cx.span(lexemes[0].start, last.end));
+                diagnostics
                     .last_mut()
                     .into_iter()
                     .for_each(|f| f.fixes.clear());
-                return Some(mend::broken_item(cx, &lexemes));
+                return Some(recover::broken_item(cx, &lexemes));
             }
             Some(item)
         }
-        Head::Stray if outside::is_bare_type(lexemes) => {
-            Some(outside::bare_type(cx, lexemes, findings))
-        }
-        Head::Misspelt(None) | Head::Stray => {
+        ChunkKind::Stray if stray_tokens::is_type_without_keyword(lexemes) => Some(
+            stray_tokens::parse_type_without_keyword(cx, lexemes, diagnostics),
+        ),
+        ChunkKind::Misspelt(None) | ChunkKind::Stray => {
             let before = chunk.range.start.checked_sub(1).map(|i| lexed.lexemes[i]);
-            findings.push(outside::stray(cx, before, lexemes));
-            outside::declared(cx, lexemes)
+            diagnostics.push(stray_tokens::stray_tokens(cx, before, lexemes));
+            stray_tokens::c_declaration(cx, lexemes)
         }
-        Head::Package => {
-            findings.push(outside::package(cx, lexemes[0]));
+        ChunkKind::Package => {
+            diagnostics.push(stray_tokens::unsupported_package(cx, lexemes[0]));
             None
         }
     }

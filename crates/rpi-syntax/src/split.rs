@@ -3,10 +3,10 @@
 //! A declaration begins at its keyword where no body or bracket is open. A keyword of a declaration that is never
 //! nested begins one even if a `tel` or closing bracket is missing before it.
 
-use crate::Mode;
+use crate::Dialect;
 use crate::lexer::Lexeme;
-use crate::outside::{foreign, is_bare_type};
-use crate::token::{KEYWORDS, Keyword, Place, Token};
+use crate::stray_tokens::{corresponding_keyword, is_type_without_keyword};
+use crate::token::{KEYWORDS, Keyword, KeywordContext, Token};
 use rpi_diag::suggest;
 use std::ops::Range;
 
@@ -16,12 +16,12 @@ pub(crate) struct Chunk {
     /// Range of token indices.
     pub(crate) range: Range<usize>,
     /// Classification of the first token.
-    pub(crate) head: Head,
+    pub(crate) kind: ChunkKind,
 }
 
 /// Classification of the first token of a [`Chunk`].
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Head {
+pub(crate) enum ChunkKind {
     /// Keyword of a declaration.
     Declaration,
     /// Name in place of such a keyword, and the keyword that it resembles.
@@ -33,20 +33,20 @@ pub(crate) enum Head {
 }
 
 /// Splits the tokens of a file into chunks. Every token is in exactly one chunk.
-pub(crate) fn split(text: &str, lexemes: &[Lexeme], mode: Mode) -> Vec<Chunk> {
+pub(crate) fn split(text: &str, lexemes: &[Lexeme], mode: Dialect) -> Vec<Chunk> {
     let mut splitter = Splitter {
         text,
         lexemes,
-        mode,
+        dialect: mode,
         chunks: Vec::new(),
-        lets: 0,
-        brackets: 0,
-        statics: 0,
+        open_lets: 0,
+        open_brackets: 0,
+        open_statics: 0,
         in_contract: false,
-        complete: true,
+        is_complete: true,
     };
     for at in 0..lexemes.len() {
-        splitter.token(at);
+        splitter.push_token(at);
     }
     splitter.chunks
 }
@@ -54,86 +54,88 @@ pub(crate) fn split(text: &str, lexemes: &[Lexeme], mode: Mode) -> Vec<Chunk> {
 struct Splitter<'t> {
     text: &'t str,
     lexemes: &'t [Lexeme],
-    mode: Mode,
+    dialect: Dialect,
     chunks: Vec<Chunk>,
     /// Number of open `let` in the current chunk.
-    lets: u32,
+    open_lets: u32,
     /// Number of open brackets in the current body.
-    brackets: u32,
+    open_brackets: u32,
     /// Number of open `<<` among them.
-    statics: u32,
+    open_statics: u32,
     /// Whether a contract is open in the current chunk.
     in_contract: bool,
     /// Whether the body of the current chunk is closed, or there is no chunk yet.
-    complete: bool,
+    is_complete: bool,
 }
 
 impl Splitter<'_> {
-    fn token(&mut self, at: usize) {
-        match self.head(at) {
-            Some(head) => self.begin(at, head),
-            None => self.extend(at),
+    fn push_token(&mut self, at: usize) {
+        match self.chunk_kind(at) {
+            Some(head) => self.begin_chunk(at, head),
+            None => self.extend_chunk(at),
         }
-        self.follow(at);
+        self.count_open(at);
     }
 
     /// Returns the classification of the token if it begins a chunk.
-    fn head(&self, at: usize) -> Option<Head> {
+    fn chunk_kind(&self, at: usize) -> Option<ChunkKind> {
         if self.in_package() {
             return None;
         }
         if self.begins_declaration(at) {
-            return Some(Head::Declaration);
+            return Some(ChunkKind::Declaration);
         }
         if self.begins_package(at) {
-            return Some(Head::Package);
+            return Some(ChunkKind::Package);
         }
-        if self.begins_unknown(at) || self.is_unsettled(at) {
-            return Some(Head::Misspelt(self.meant(at)));
+        if self.begins_unknown_declaration(at) || self.is_unresolved_keyword(at) {
+            return Some(ChunkKind::Misspelt(self.intended_keyword(at)));
         }
         if self.may_have_ended(at.checked_sub(1).and_then(|i| self.token_at(i)))
-            && is_bare_type(&self.lexemes[at..])
+            && is_type_without_keyword(&self.lexemes[at..])
         {
-            return Some(Head::Stray);
+            return Some(ChunkKind::Stray);
         }
         let closes = matches!(self.token_at(at), Some(Token::Semi | Token::Dot));
-        (self.complete && (self.chunks.is_empty() || !closes)).then_some(Head::Stray)
+        (self.is_complete && (self.chunks.is_empty() || !closes)).then_some(ChunkKind::Stray)
     }
 
-    fn begin(&mut self, at: usize, head: Head) {
+    fn begin_chunk(&mut self, at: usize, head: ChunkKind) {
         // Adjacent tokens outside of declarations form one chunk, so that they cause one error.
-        let outside = |head: &Head| matches!(head, Head::Stray | Head::Misspelt(None));
-        let joins = head == Head::Stray && !is_bare_type(&self.lexemes[at..]);
-        if joins && self.chunks.last().is_some_and(|chunk| outside(&chunk.head)) {
-            return self.extend(at);
+        let outside =
+            |head: &ChunkKind| matches!(head, ChunkKind::Stray | ChunkKind::Misspelt(None));
+        let joins = head == ChunkKind::Stray && !is_type_without_keyword(&self.lexemes[at..]);
+        if joins && self.chunks.last().is_some_and(|chunk| outside(&chunk.kind)) {
+            return self.extend_chunk(at);
         }
-        self.complete = outside(&head);
-        (self.lets, self.brackets, self.statics) = (0, 0, 0);
+        self.is_complete = outside(&head);
+        (self.open_lets, self.open_brackets, self.open_statics) = (0, 0, 0);
         self.in_contract = false;
         let range = at..at + 1;
-        self.chunks.push(Chunk { range, head });
+        self.chunks.push(Chunk { range, kind: head });
     }
 
     fn in_package(&self) -> bool {
         self.chunks
             .last()
-            .is_some_and(|chunk| chunk.head == Head::Package)
+            .is_some_and(|chunk| chunk.kind == ChunkKind::Package)
     }
 
     fn begins_package(&self, at: usize) -> bool {
-        let word =
-            self.complete && self.mode == Mode::Lustre && self.token_at(at) == Some(Token::Ident);
-        word && matches!(self.written(at), "package" | "model")
+        let word = self.is_complete
+            && self.dialect == Dialect::Lustre
+            && self.token_at(at) == Some(Token::Ident);
+        word && matches!(self.source_text(at), "package" | "model")
     }
 
-    fn extend(&mut self, at: usize) {
+    fn extend_chunk(&mut self, at: usize) {
         if let Some(chunk) = self.chunks.last_mut() {
             chunk.range.end = at + 1;
         }
     }
 
     /// Updates the counts of open bodies and brackets.
-    fn follow(&mut self, at: usize) {
+    fn count_open(&mut self, at: usize) {
         use Token::{
             Con, LBrace, LBracket, LParen, LStatic, Let, Noc, RBrace, RBracket, RParen, RStatic,
             Tel,
@@ -141,55 +143,62 @@ impl Splitter<'_> {
         match self.lexemes[at].token {
             Con | Noc => self.in_contract = self.lexemes[at].token == Con,
             Let => {
-                (self.lets, self.brackets, self.statics) = (self.lets + 1, 0, 0);
+                (self.open_lets, self.open_brackets, self.open_statics) =
+                    (self.open_lets + 1, 0, 0);
                 self.in_contract = false;
             }
             Tel => {
-                self.complete |= self.lets <= 1;
-                (self.lets, self.brackets) = (self.lets.saturating_sub(1), 0);
-                self.statics = 0;
+                self.is_complete |= self.open_lets <= 1;
+                (self.open_lets, self.open_brackets) = (self.open_lets.saturating_sub(1), 0);
+                self.open_statics = 0;
             }
-            LStatic => (self.brackets, self.statics) = (self.brackets + 1, self.statics + 1),
-            RStatic if self.statics > 0 => {
-                (self.brackets, self.statics) = (self.brackets.saturating_sub(1), self.statics - 1);
+            LStatic => {
+                (self.open_brackets, self.open_statics) =
+                    (self.open_brackets + 1, self.open_statics + 1)
             }
-            LParen | LBracket | LBrace => self.brackets += 1,
-            RParen | RBracket | RBrace | RStatic => self.brackets = self.brackets.saturating_sub(1),
+            RStatic if self.open_statics > 0 => {
+                (self.open_brackets, self.open_statics) =
+                    (self.open_brackets.saturating_sub(1), self.open_statics - 1);
+            }
+            LParen | LBracket | LBrace => self.open_brackets += 1,
+            RParen | RBracket | RBrace | RStatic => {
+                self.open_brackets = self.open_brackets.saturating_sub(1)
+            }
             _ => {}
         }
     }
 
     fn begins_declaration(&self, at: usize) -> bool {
         let token = self.lexemes[at].token;
-        let outside = self.brackets == 0 || self.begins_line(at);
+        let outside = self.open_brackets == 0 || self.begins_line(at);
         begins_declaration(token)
             && outside
-            && !self.is_static(at)
-            && !self.continues_prefix(at)
-            && !self.is_meant_as_name(at)
+            && !self.begins_static_param(at)
+            && !self.follows_modifier(at)
+            && !self.is_used_as_name(at)
             && match token {
                 // Inside a body, `fragment` begins a local fragment.
-                Token::Fragment => self.lets == 0,
-                Token::Const => self.lets == 0 && !self.is_local(at),
+                Token::Fragment => self.open_lets == 0,
+                Token::Const => self.open_lets == 0 && !self.is_local_const(at),
                 _ => true,
             }
     }
 
     /// Returns whether a keyword is used as a name: `var node: int`, `y = type + 1`.
-    fn is_meant_as_name(&self, at: usize) -> bool {
+    fn is_used_as_name(&self, at: usize) -> bool {
         let next = self.token_at(at + 1);
-        !self.complete && next.is_some_and(follows_name)
+        !self.is_complete && next.is_some_and(follows_name)
     }
 
     /// Returns whether a keyword begins a static parameter or argument: `<<const n: int; node f (...) returns (...)>>`.
-    fn is_static(&self, at: usize) -> bool {
+    fn begins_static_param(&self, at: usize) -> bool {
         use Token::{Comma, LStatic, Semi};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
-        self.statics > 0 && matches!(before, Some(LStatic | Comma | Semi))
+        self.open_statics > 0 && matches!(before, Some(LStatic | Comma | Semi))
     }
 
     /// Returns whether the token follows a modifier: `unsafe`, `extern`, `opaque` or `transparent`.
-    fn continues_prefix(&self, at: usize) -> bool {
+    fn follows_modifier(&self, at: usize) -> bool {
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         matches!(
             before,
@@ -198,8 +207,8 @@ impl Splitter<'_> {
     }
 
     /// Returns whether a `const` is a local of the current declaration, whose body has not begun.
-    fn is_local(&self, at: usize) -> bool {
-        let chunk = self.chunks.last().filter(|_| !self.complete);
+    fn is_local_const(&self, at: usize) -> bool {
+        let chunk = self.chunks.last().filter(|_| !self.is_complete);
         let head = chunk.and_then(|chunk| self.token_at(chunk.range.start));
         if !head.is_some_and(takes_locals) {
             return false;
@@ -211,12 +220,13 @@ impl Splitter<'_> {
     }
 
     /// Returns whether two names in a row begin a declaration with a misspelt or foreign keyword: `comand MoveToC`.
-    fn begins_unknown(&self, at: usize) -> bool {
+    fn begins_unknown_declaration(&self, at: usize) -> bool {
         use Token::{Dot, Ident, Path, Semi, Str, Tel};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         let ends = matches!(before, None | Some(Semi | Tel | Dot | Str)) || self.begins_line(at);
-        let is_foreign = self.begins_line(at) && foreign(self.written(at)).is_some();
-        ends && (self.complete || is_foreign || self.may_have_ended(before))
+        let is_foreign =
+            self.begins_line(at) && corresponding_keyword(self.source_text(at)).is_some();
+        ends && (self.is_complete || is_foreign || self.may_have_ended(before))
             && self.token_at(at) == Some(Ident)
             && matches!(self.token_at(at + 1), Some(Ident | Path | Str))
     }
@@ -229,41 +239,44 @@ impl Splitter<'_> {
             .last()
             .and_then(|chunk| self.token_at(chunk.range.start));
         let flat = matches!(head, Some(Const | Frame | Include | Primitive | Type | Use));
-        flat && self.brackets == 0 && before == Some(Token::Semi)
+        flat && self.open_brackets == 0 && before == Some(Token::Semi)
     }
 
     /// Returns whether the token is a contextual keyword that was taken for a name because no name follows:
     /// `command (arm: Arm)`.
-    fn is_unsettled(&self, at: usize) -> bool {
-        let is_name = self.complete && self.token_at(at) == Some(Token::Ident);
-        is_name && self.words().any(|word| word.text == self.written(at))
+    fn is_unresolved_keyword(&self, at: usize) -> bool {
+        let is_name = self.is_complete && self.token_at(at) == Some(Token::Ident);
+        is_name
+            && self
+                .declaration_keywords()
+                .any(|word| word.text == self.source_text(at))
     }
 
     /// Returns the keyword of a declaration that the name is, or resembles.
-    fn meant(&self, at: usize) -> Option<Token> {
-        let texts = self.words().map(|word| word.text);
-        let written = self.written(at);
-        let meant = match self.words().any(|word| word.text == written) {
+    fn intended_keyword(&self, at: usize) -> Option<Token> {
+        let texts = self.declaration_keywords().map(|word| word.text);
+        let written = self.source_text(at);
+        let meant = match self.declaration_keywords().any(|word| word.text == written) {
             true => written.to_owned(),
-            false => match foreign(written) {
+            false => match corresponding_keyword(written) {
                 Some(meant) => return Some(meant),
                 None => suggest(written, texts)?,
             },
         };
-        self.words()
+        self.declaration_keywords()
             .find(|word| word.text == meant)
             .map(|word| word.token)
     }
 
     /// Returns the keywords that begin declarations in this mode.
-    fn words(&self) -> impl Iterator<Item = &'static Keyword> {
-        let mode = self.mode;
+    fn declaration_keywords(&self) -> impl Iterator<Item = &'static Keyword> {
+        let mode = self.dialect;
         KEYWORDS
             .iter()
             .filter(move |word| begins_declaration(word.token) && word.is_in(mode))
     }
 
-    fn written(&self, at: usize) -> &str {
+    fn source_text(&self, at: usize) -> &str {
         let Lexeme { start, end, .. } = self.lexemes[at];
         &self.text[start as usize..end as usize]
     }
@@ -283,7 +296,7 @@ pub(crate) fn begins_declaration(token: Token) -> bool {
     use Token::{Const, Extern, Function, Include, Node, Type, Unsafe};
     match token.keyword() {
         Some(word) => {
-            word.place == Place::Declaration
+            word.context == KeywordContext::Declaration
                 || matches!(
                     token,
                     Const | Extern | Function | Include | Node | Type | Unsafe

@@ -3,8 +3,8 @@
 //! A row of the keyword table is the only declaration of a keyword: its spelling, its modes, the context in which it is
 //! a keyword and not a name, and its description. The lexer, the documentation, editors and completion use the table.
 
-use crate::Mode;
-use crate::name::NameHash;
+use crate::Dialect;
+use crate::name::BuildNameHasher;
 use logos::Logos;
 use std::collections::HashMap;
 use std::sync::OnceLock;
@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 ///
 /// A contextual keyword is always a name after `.` and before `=`, `:`, `,` and `)`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Place {
+pub enum KeywordContext {
     /// Everywhere: the word is reserved and cannot be a name.
     Reserved,
     /// At the start of a declaration, and directly before a name.
@@ -25,11 +25,11 @@ pub enum Place {
     /// Where an operator is possible: after a name, a literal or a closing bracket.
     AfterOperand,
     /// Before a name, or where an operator is possible.
-    Either,
+    BeforeNameOrAfterOperand,
     /// Where an operator is possible, or at the start of a statement.
-    Clause,
+    AfterOperandOrStatement,
     /// After `|`, `unless` or `until`.
-    Alternative,
+    TransitionAlternative,
     /// Before a name, if an operator is possible or `|` precedes.
     Branch,
     /// Before a bracket with variable declarations: `(x: int`, `{ x: int`.
@@ -40,7 +40,7 @@ pub enum Place {
     Prefix,
     /// Before a name, before another operand if no operand precedes, and before a value in parentheses followed by
     /// cases.
-    Matched,
+    MatchExpr,
 }
 
 /// Row of the keyword table.
@@ -53,7 +53,7 @@ pub struct Keyword {
     /// Whether the word is a keyword in `.rpi` files.
     pub in_rpi: bool,
     /// Context in which the word is a keyword.
-    pub place: Place,
+    pub context: KeywordContext,
     /// Short description for the language reference and editors.
     pub doc: &'static str,
     /// Token of the keyword.
@@ -62,18 +62,18 @@ pub struct Keyword {
 
 impl Keyword {
     /// Returns whether the word is a keyword in files of this mode.
-    pub fn is_in(&self, mode: Mode) -> bool {
+    pub fn is_in(&self, mode: Dialect) -> bool {
         match mode {
-            Mode::Rpi => self.in_rpi,
-            Mode::Lustre => self.in_lustre,
+            Dialect::Rpi => self.in_rpi,
+            Dialect::Lustre => self.in_lustre,
         }
     }
 
     /// Returns whether the word can never be a name in files of this mode.
-    pub fn is_reserved_in(&self, mode: Mode) -> bool {
-        let reserved = match self.place {
-            Place::Reserved => true,
-            Place::Prefix => mode == Mode::Lustre,
+    pub fn is_reserved_in(&self, mode: Dialect) -> bool {
+        let reserved = match self.context {
+            KeywordContext::Reserved => true,
+            KeywordContext::Prefix => mode == Dialect::Lustre,
             _ => false,
         };
         self.is_in(mode) && reserved
@@ -123,8 +123,8 @@ macro_rules! tokens {
             /// `//`: the lexer decides whether a comment begins here.
             #[token("//")]
             SlashComment,
-            #[token("(*", |lexer| to_end(lexer, "*)"))]
-            #[token("/*", |lexer| to_end(lexer, "*/"))]
+            #[token("(*", |lexer| skip_block_comment(lexer, "*)"))]
+            #[token("/*", |lexer| skip_block_comment(lexer, "*/"))]
             BlockComment,
             /// Unterminated block comment.
             OpenComment,
@@ -168,7 +168,7 @@ macro_rules! tokens {
             text: $text,
             in_lustre: tokens!(@in_lustre $mode),
             in_rpi: tokens!(@in_rpi $mode),
-            place: Place::$place,
+            context: KeywordContext::$place,
             doc: $doc,
             token: Token::$word,
         },)*];
@@ -183,7 +183,7 @@ macro_rules! tokens {
 }
 
 /// Returns the spellings of all symbols: operators, brackets and punctuation.
-pub fn signs() -> impl Iterator<Item = &'static str> {
+pub fn symbols() -> impl Iterator<Item = &'static str> {
     SIGNS.iter().map(|(_, text)| *text)
 }
 
@@ -227,7 +227,7 @@ tokens! {
         Activate  "activate"  Both BeforeName   "runs a node when a condition holds";
         Assume    "assume"    Both Statement    "a condition that the caller must ensure";
         Check     "check"     Both Statement    "a condition to be proved";
-        Con       "con"       Both Clause       "begins a contract";
+        Con       "con"       Both AfterOperandOrStatement       "begins a contract";
         Contract  "contract"  Both Declaration  "declares a contract for nodes to import";
         Default   "default"   Both AfterOperand "the value before the first activation";
         Ensure    "ensure"    Both Statement    "a guarantee in a mode of a contract";
@@ -238,10 +238,10 @@ tokens! {
         Include   "include"   Both BeforeName   "includes another file";
         Initial   "initial"   Both BeforeName   "the state in which an automaton starts";
         ModeWord  "mode"      Both Statement    "a mode of a contract";
-        Noc       "noc"       Both Clause       "ends a contract";
+        Noc       "noc"       Both AfterOperandOrStatement       "ends a contract";
         Of        "of"        Both AfterOperand "introduces the base type of a subrange";
         Require   "require"   Both Statement    "the condition of a mode of a contract";
-        Restart   "restart"   Both Either       "resets a node or fragment to its initial state";
+        Restart   "restart"   Both BeforeNameOrAfterOperand       "resets a node or fragment to its initial state";
         Step      "step"      Both AfterOperand "the step of a slice";
 
         Command   "command"   Rpi  Declaration  "declares a command";
@@ -275,18 +275,18 @@ tokens! {
         On        "on"        Rpi  Branch       "a branch on a result";
         Times     "times"     Rpi  AfterOperand "follows the count of `repeat`";
 
-        End       "end"       Rpi  Clause       "ends an automaton; as the next step: ends the task or its branch";
-        Unless    "unless"    Rpi  Clause       "a strong transition";
-        Until     "until"     Rpi  Clause       "a weak transition";
+        End       "end"       Rpi  AfterOperandOrStatement       "ends an automaton; as the next step: ends the task or its branch";
+        Unless    "unless"    Rpi  AfterOperandOrStatement       "a strong transition";
+        Until     "until"     Rpi  AfterOperandOrStatement       "a weak transition";
 
-        Otherwise "otherwise" Rpi  Alternative  "a transition taken if no previous one is";
+        Otherwise "otherwise" Rpi  TransitionAlternative  "a transition taken if no previous one is";
 
         AnyOf       "any"         Lustre Binder       "a non-deterministic value that satisfies a condition";
         Choose      "choose"      Lustre Binder       "a value that satisfies a condition and depends only on its flows";
         Datatype    "datatype"    Lustre Declaration  "declares an algebraic data type";
         Exists      "exists"      Lustre Binder       "existential quantifier";
         Forall      "forall"      Lustre Binder       "universal quantifier";
-        Match       "match"       Lustre Matched      "a case distinction over the constructors of a datatype";
+        Match       "match"       Lustre MatchExpr      "a case distinction over the constructors of a datatype";
         Opaque      "opaque"      Lustre Declaration  "a node of which callers see only the contract";
         Provided    "provided"    Lustre AfterOperand "the condition under which a property must hold";
         ShiftLeft   "lsh"         Lustre AfterOperand "machine integers: shift left";
@@ -324,8 +324,8 @@ impl Token {
     }
 
     /// Returns the keyword or symbol with this spelling.
-    pub(crate) fn of_spelling(text: &str) -> Option<Token> {
-        static SPELLED: OnceLock<HashMap<&str, Token, NameHash>> = OnceLock::new();
+    pub(crate) fn from_spelling(text: &str) -> Option<Token> {
+        static SPELLED: OnceLock<HashMap<&str, Token, BuildNameHasher>> = OnceLock::new();
         let spelled = SPELLED.get_or_init(|| {
             let signs = SIGNS.iter().map(|(token, sign)| (*sign, *token));
             let words = KEYWORDS.iter().map(|word| (word.text, word.token));
@@ -347,7 +347,7 @@ impl Token {
 /// Returns whether a text is a valid plain name in files of this mode. Importers must check the names they create.
 ///
 /// Contextual keywords are valid names, but generated names should avoid them: see [`KEYWORDS`].
-pub fn is_name(text: &str, mode: Mode) -> bool {
+pub fn is_name(text: &str, mode: Dialect) -> bool {
     let mut lexer = Token::lexer(text);
     let whole = lexer.next().is_some_and(|token| {
         let word = token.ok().and_then(Token::keyword);
@@ -357,7 +357,7 @@ pub fn is_name(text: &str, mode: Mode) -> bool {
 }
 
 /// Consumes the rest of a block comment, up to the marker `end`.
-fn to_end(lexer: &mut logos::Lexer<'_, Token>, end: &str) -> Token {
+fn skip_block_comment(lexer: &mut logos::Lexer<'_, Token>, end: &str) -> Token {
     match lexer.remainder().find(end) {
         Some(at) => {
             lexer.bump(at + end.len());
@@ -390,10 +390,10 @@ mod tests {
     #[test]
     fn names_are_told_from_words_and_signs() {
         for name in ["x", "_", "at_b'", "state", "cancel"] {
-            assert!(is_name(name, Mode::Rpi), "{name}");
+            assert!(is_name(name, Dialect::Rpi), "{name}");
         }
         for other in ["", "3", "x y", "type", "a.b", "A::b", "-", " x", "x ", "ä"] {
-            assert!(!is_name(other, Mode::Rpi), "{other}");
+            assert!(!is_name(other, Dialect::Rpi), "{other}");
         }
     }
 

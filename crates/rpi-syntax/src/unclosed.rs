@@ -4,42 +4,45 @@
 //! statement that is not allowed inside (a result of a command), and the indentation: a line indented no deeper than
 //! the statement that owns the body is not part of it.
 
-use crate::explain::{Found, after};
 use crate::lexer::Lexeme;
+use crate::syntax_errors::{ErrorContext, end_of_span};
 use crate::token::Token;
-use rpi_diag::{Code, Finding, Fix};
+use rpi_diag::{Code, Diagnostic, Fix};
 use std::collections::BTreeMap;
 
 /// Nested body without `tel`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Unclosed {
+pub(crate) struct UnclosedBody {
     /// Index of its `let`.
-    open: usize,
+    let_index: usize,
     /// Index of the token before which `tel` is expected.
-    pub(crate) before: usize,
+    pub(crate) next_index: usize,
 }
 
 /// Returns the first nested body that continues where it cannot.
-pub(crate) fn unclosed(found: &Found<'_, '_>) -> Option<Unclosed> {
+pub(crate) fn find_unclosed_body(found: &ErrorContext<'_, '_>) -> Option<UnclosedBody> {
     // Indentation of the statements that own a body, by the index of its `let`.
     let mut indents = BTreeMap::new();
     (1..found.lexemes.len()).find_map(|before| {
-        let open = inner_body(found, before)?;
+        let open = nested_body_at(found, before)?;
         let token = found.lexemes[before].token;
         let ends_command = matches!(token, Token::Finish | Token::Yield | Token::Fail);
         let is_out = |here: usize| {
             let owner = indents
                 .entry(open)
-                .or_insert_with(|| indent_of(found, open));
+                .or_insert_with(|| owner_indent(found, open));
             here < *owner || here == *owner && token != Token::Tel
         };
         let here = found.cx.indent(found.lexemes[before].start);
-        (ends_command || here.is_some_and(is_out)).then_some(Unclosed { open, before })
+        (ends_command || here.is_some_and(is_out)).then_some(UnclosedBody {
+            let_index: open,
+            next_index: before,
+        })
     })
 }
 
 /// Returns the `let` of the nested body in which a statement begins at this token, or which ends at it.
-fn inner_body(found: &Found<'_, '_>, at: usize) -> Option<usize> {
+fn nested_body_at(found: &ErrorContext<'_, '_>, at: usize) -> Option<usize> {
     let ends_statement = matches!(
         found.lexemes[at - 1].token,
         Token::Semi | Token::Tel | Token::End
@@ -54,30 +57,30 @@ fn inner_body(found: &Found<'_, '_>, at: usize) -> Option<usize> {
 }
 
 /// Returns the indentation of the statement that owns the body.
-fn indent_of(found: &Found<'_, '_>, open: usize) -> usize {
+fn owner_indent(found: &ErrorContext<'_, '_>, open: usize) -> usize {
     let first = found.lexemes[found.structure.phrase(open).start];
     found.cx.indent_of_line(first.start).len()
 }
 
 /// Creates the diagnostic for an unclosed body (RPI0004), with a fix that inserts `tel`.
-pub(crate) fn finding(found: &Found<'_, '_>, unclosed: Unclosed) -> Finding {
-    let Lexeme { start, end, .. } = found.lexemes[unclosed.open];
+pub(crate) fn unclosed_body(found: &ErrorContext<'_, '_>, unclosed: UnclosedBody) -> Diagnostic {
+    let Lexeme { start, end, .. } = found.lexemes[unclosed.let_index];
     let (last, next) = (
-        found.lexemes[unclosed.before - 1],
-        found.lexemes[unclosed.before],
+        found.lexemes[unclosed.next_index - 1],
+        found.lexemes[unclosed.next_index],
     );
     let is_one_line = !found.cx.slice(start, last.end).contains('\n');
     let tel = match is_one_line {
         true => " tel".to_owned(),
         false => format!("\n{}tel", found.cx.indent_of_line(start)),
     };
-    let behind = after(found.cx.span(last.start, last.end));
-    Finding::new(Code::RPI0004, "this body is not closed")
-        .at(
+    let behind = end_of_span(found.cx.span(last.start, last.end));
+    Diagnostic::new(Code::RPI0004, "this body is not closed")
+        .primary(
             found.cx.span(start, end),
             "this `let` has no matching `tel`",
         )
-        .also(
+        .secondary(
             found.cx.span(next.start, next.end),
             "expected `tel` before this",
         )

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 pub use assert_no_alloc::AllocDisabler;
 
 /// System allocator with the trap and a counter: `allocated()` returns the number of allocated bytes.
-pub type Memory = cap::Cap<AllocDisabler>;
+pub type TrappedAllocator = cap::Cap<AllocDisabler>;
 
 /// Installs the allocator that [`no_alloc`] checks, as the static `MEMORY`. Use it once per test binary, at the top
 /// level.
@@ -16,7 +16,8 @@ pub type Memory = cap::Cap<AllocDisabler>;
 macro_rules! trap_allocations {
     () => {
         #[global_allocator]
-        static MEMORY: $crate::Memory = $crate::Memory::new($crate::AllocDisabler, usize::MAX);
+        static MEMORY: $crate::TrappedAllocator =
+            $crate::TrappedAllocator::new($crate::AllocDisabler, usize::MAX);
     };
 }
 

@@ -4,17 +4,17 @@
 //! without a dependency cycle.
 
 mod alloc;
-mod gz;
+mod expected_output;
+mod external_data;
+mod gzip;
 mod lsp;
-mod messages;
 mod process;
-mod shared;
 mod workspace;
 
-pub use alloc::{AllocDisabler, Memory, alloc_allowed, no_alloc};
-pub use gz::read_maybe_gz;
+pub use alloc::{AllocDisabler, TrappedAllocator, alloc_allowed, no_alloc};
+pub use expected_output::{compare_tool_output, compare_with_expected};
+pub use external_data::{external_data_dir, external_data_path, report_skip};
+pub use gzip::read_maybe_gz;
 pub use lsp::LspClient;
-pub use messages::{differs, tool_differs};
-pub use process::{own_process, resident};
-pub use shared::{report_skip, shared_dir, shared_path};
+pub use process::{resident_memory_kb, run_test_in_process};
 pub use workspace::{files_below, workspace_root};

@@ -10,7 +10,7 @@ pub struct LspClient {
     output: Box<dyn Write + Send>,
     last_id: i64,
     /// Notifications and requests of the server that arrived while waiting for another message.
-    aside: Vec<Value>,
+    queued: Vec<Value>,
 }
 
 impl LspClient {
@@ -23,12 +23,12 @@ impl LspClient {
             input: Box::new(BufReader::new(input)),
             output: Box::new(output),
             last_id: 0,
-            aside: Vec::new(),
+            queued: Vec::new(),
         }
     }
 
     /// Writes bytes unchanged.
-    pub fn raw(&mut self, bytes: &[u8]) {
+    pub fn write_raw(&mut self, bytes: &[u8]) {
         self.output.write_all(bytes).expect("the server reads");
         self.output.flush().expect("the server reads");
     }
@@ -36,7 +36,7 @@ impl LspClient {
     fn send(&mut self, mut message: Value) {
         message["jsonrpc"] = json!("2.0");
         let text = message.to_string();
-        self.raw(format!("Content-Length: {}\r\n\r\n{text}", text.len()).as_bytes());
+        self.write_raw(format!("Content-Length: {}\r\n\r\n{text}", text.len()).as_bytes());
     }
 
     /// Returns the next message of the server, or `None` if the server has closed the stream.
@@ -59,7 +59,7 @@ impl LspClient {
     }
 
     /// Sends a request and waits for its response, which has a `result` or an `error`.
-    pub fn ask(&mut self, method: &str, params: Value) -> Value {
+    pub fn request(&mut self, method: &str, params: Value) -> Value {
         self.last_id += 1;
         let id = self.last_id;
         self.send(json!({ "id": id, "method": method, "params": params }));
@@ -67,34 +67,34 @@ impl LspClient {
             let message = self.receive().expect("an answer before the server leaves");
             match message.get("method") {
                 None if message["id"] == id => return message,
-                _ => self.aside.push(message),
+                _ => self.queued.push(message),
             }
         }
     }
 
     /// Sends a request that must succeed and returns its result.
     pub fn result(&mut self, method: &str, params: Value) -> Value {
-        let answer = self.ask(method, params);
+        let answer = self.request(method, params);
         assert!(answer.get("error").is_none(), "{method}: {answer}");
         answer["result"].clone()
     }
 
     /// Sends a notification.
-    pub fn tell(&mut self, method: &str, params: Value) {
+    pub fn notify(&mut self, method: &str, params: Value) {
         self.send(json!({ "method": method, "params": params }));
     }
 
     /// Waits for the next notification or request of the server with this method and returns its parameters.
     pub fn await_method(&mut self, method: &str) -> Value {
-        let found = self.aside.iter().position(|m| m["method"] == method);
+        let found = self.queued.iter().position(|m| m["method"] == method);
         if let Some(at) = found {
-            return self.aside.remove(at)["params"].clone();
+            return self.queued.remove(at)["params"].clone();
         }
         loop {
             let message = self.receive().expect("a message before the server leaves");
             match message["method"] == method {
                 true => return message["params"].clone(),
-                false => self.aside.push(message),
+                false => self.queued.push(message),
             }
         }
     }
@@ -116,27 +116,27 @@ impl LspClient {
     pub fn initialize(&mut self, capabilities: Value) -> Value {
         let params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities });
         let result = self.result("initialize", params);
-        self.tell("initialized", json!({}));
+        self.notify("initialized", json!({}));
         result
     }
 
     /// Opens a text as version 1.
     pub fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "rpi", "version": 1, "text": text });
-        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+        self.notify("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
     /// Changes a text by one content change of the protocol.
     pub fn change(&mut self, uri: &str, version: i64, change: Value) {
         let document = json!({ "uri": uri, "version": version });
         let params = json!({ "textDocument": document, "contentChanges": [change] });
-        self.tell("textDocument/didChange", params);
+        self.notify("textDocument/didChange", params);
     }
 
     /// Ends the session: `shutdown`, `exit`, and reading until the server closes the stream.
-    pub fn leave(&mut self) {
+    pub fn shutdown(&mut self) {
         assert_eq!(self.result("shutdown", Value::Null), Value::Null);
-        self.tell("exit", Value::Null);
+        self.notify("exit", Value::Null);
         while self.receive().is_some() {}
     }
 }

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 /// # Panics
 ///
 /// If the program cannot be started.
-pub fn own_process(test: &str, variable: &str, case: &str) -> Output {
+pub fn run_test_in_process(test: &str, variable: &str, case: &str) -> Output {
     let program = std::env::current_exe().expect("the path of this test program");
     Command::new(program)
         .args([test, "--exact", "--nocapture", "--test-threads=1"])
@@ -20,7 +20,7 @@ pub fn own_process(test: &str, variable: &str, case: &str) -> Output {
 /// Returns a memory figure of this process in kB: `VmRSS:` is the current resident memory, `VmHWM:` its maximum.
 /// Returns 0 on systems without `/proc`.
 #[must_use]
-pub fn resident(figure: &str) -> u64 {
+pub fn resident_memory_kb(figure: &str) -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(figure));
     let number = line.and_then(|line| line.split_whitespace().next());

@@ -3,8 +3,8 @@
 //! This crate depends on no other crate, so that the runtime can word its messages without the diagnostics of the
 //! compiler.
 
-mod count;
+mod pluralise;
 mod suggest;
 
-pub use count::{counted, times};
+pub use pluralise::{times, with_noun};
 pub use suggest::suggest;

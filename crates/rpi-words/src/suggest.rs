@@ -4,7 +4,7 @@
 /// less than the length of the name. Ties are broken alphabetically, so that the result does not depend on the order of
 /// the candidates.
 pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    let mut wanted = Wanted::new(name);
+    let mut wanted = NameMatcher::new(name);
     let mut best: Option<(usize, &str)> = None;
     for candidate in candidates.filter(|candidate| *candidate != name) {
         let found = wanted.distance(candidate).map(|far| (far, candidate));
@@ -14,7 +14,7 @@ pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
 }
 
 /// Name to compare candidates with, and the distance tables, which all comparisons reuse.
-struct Wanted {
+struct NameMatcher {
     name: Vec<char>,
     /// Largest accepted distance.
     limit: usize,
@@ -23,11 +23,11 @@ struct Wanted {
     rows: [Vec<usize>; 3],
 }
 
-impl Wanted {
-    fn new(name: &str) -> Wanted {
+impl NameMatcher {
+    fn new(name: &str) -> NameMatcher {
         let name: Vec<char> = lower(name).collect();
         let limit = ((name.len() + 1) / 3).min(name.len().saturating_sub(1));
-        Wanted {
+        NameMatcher {
             name,
             limit,
             other: Vec::new(),
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn distances() {
         let within = |limit: usize, a: &str, b: &str| {
-            let mut wanted = Wanted::new(a);
+            let mut wanted = NameMatcher::new(a);
             wanted.limit = limit;
             wanted.distance(b)
         };

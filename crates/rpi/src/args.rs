@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use clap_complete::Shell;
-use rpi_driver::Claims;
-use rpi_runtime::realtime::{OnOverrun, OverrunPolicy, RealTime, Wanted};
-use rpi_runtime::run::Setting;
+use rpi_driver::ClaimPolicy;
+use rpi_runtime::realtime::{CommandOverrunPolicy, OverrunPolicy, RealTime, SchedulingOptions};
+use rpi_runtime::run::InputSetting;
 use rpi_serve::OnLoss;
 
-use crate::share::ShareArgs;
+use crate::budget_args::BudgetArgs;
 
 /// Version of the tool and of the image format that it reads and writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
@@ -21,12 +21,12 @@ const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
 pub(crate) struct Cli {
     /// Subcommand.
     #[command(subcommand)]
-    pub(crate) task: Task,
+    pub(crate) task: CliCommand,
 }
 
 /// Subcommands.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Task {
+pub(crate) enum CliCommand {
     /// Run a program, a net or an image with a cell, or a node with a table of inputs.
     ///
     /// With --inputs or --step, a node of a program (.rpi, .lus) runs alone, with one row of the table per cycle.
@@ -84,17 +84,17 @@ pub(crate) struct Target {
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
     /// Period of the cycle; default: that of the image, else 1ms.
-    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: Option<u64>,
     /// Stop after this number of cycles.
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = value_parser!(u64).range(1..))]
     pub(crate) cycles: Option<u64>,
     /// Stop after this time (of the cell).
-    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) time: Option<u64>,
     /// Set an input before the start; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub(crate) settings: Vec<Setting>,
+    pub(crate) settings: Vec<InputSetting>,
 }
 
 /// Options of `rpi run`.
@@ -112,17 +112,17 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
     #[command(flatten)]
-    pub(crate) share: ShareArgs,
+    pub(crate) share: BudgetArgs,
     /// Handling of assertions and contracts: leave out, report violations with cycle and values, or end the run by a
     /// fault.
     #[arg(long, value_name = "HOW", default_value = "report")]
-    pub(crate) contracts: Contracts,
+    pub(crate) contracts: ContractsMode,
     /// Time from the start of a command until the next one is ready.
-    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
     /// Policy for a takeover with a jump of position, velocity or acceleration.
     #[arg(long, value_name = "POLICY", default_value = "refuse")]
-    pub(crate) on_jump: OnJump,
+    pub(crate) on_jump: DiscontinuityPolicy,
     /// Record the run. A file .mcap gets everything, for viewers and `rpi replay`. Other files get exports and devices
     /// as rows of cycle, flow, value: JSON lines for .jsonl, else comma-separated.
     #[arg(long, value_name = "FILE")]
@@ -151,9 +151,9 @@ pub(crate) struct ClockArgs {
     /// Policy for the command that took the longest in such a cycle: `count`, `abort:N/M` (it ends at the Nth of its M
     /// cycles) or `stop:N/M` (everything is stopped).
     #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
-    pub(crate) on_command_overrun: OnOverrun,
+    pub(crate) on_command_overrun: CommandOverrunPolicy,
     /// SCHED_FIFO priority of the cycle thread, 1 to 99.
-    #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
+    #[arg(long, value_name = "N", default_value_t = SchedulingOptions::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
     pub(crate) priority: u8,
     /// Core of the cycle thread; default: the last one.
     #[arg(long, value_name = "N", requires = "real_time")]
@@ -167,20 +167,20 @@ impl ClockArgs {
     /// Returns the real-time settings.
     pub(crate) fn real_time(&self) -> RealTime {
         RealTime {
-            wanted: Wanted {
+            resources: SchedulingOptions {
                 priority: self.priority,
                 core: self.core,
             },
             overrun: self.on_overrun,
-            commands: self.on_command_overrun,
-            fence: self.fence,
+            command_overrun: self.on_command_overrun,
+            syscall_filter: self.fence,
         }
     }
 }
 
 /// Policy for a command whose first set-points do not continue those of its predecessor.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum OnJump {
+pub(crate) enum DiscontinuityPolicy {
     /// End the command with a fault before it moves anything; the device stops.
     Refuse,
     /// Stop everything.
@@ -189,19 +189,19 @@ pub(crate) enum OnJump {
     Allow,
 }
 
-impl From<OnJump> for rpi_core::Continuity {
-    fn from(policy: OnJump) -> Self {
+impl From<DiscontinuityPolicy> for rpi_core::Continuity {
+    fn from(policy: DiscontinuityPolicy) -> Self {
         match policy {
-            OnJump::Refuse => Self::Refuse,
-            OnJump::Stop => Self::Stop,
-            OnJump::Allow => Self::Allow,
+            DiscontinuityPolicy::Refuse => Self::Reject,
+            DiscontinuityPolicy::Stop => Self::AbortAll,
+            DiscontinuityPolicy::Allow => Self::Allow,
         }
     }
 }
 
 /// Handling of assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub(crate) enum Contracts {
+pub(crate) enum ContractsMode {
     /// Leave them out; they cost nothing.
     Off,
     /// Report violations and continue the run.
@@ -210,12 +210,12 @@ pub(crate) enum Contracts {
     Fault,
 }
 
-impl From<Contracts> for Claims {
-    fn from(contracts: Contracts) -> Claims {
+impl From<ContractsMode> for ClaimPolicy {
+    fn from(contracts: ContractsMode) -> ClaimPolicy {
         match contracts {
-            Contracts::Off => Claims::Off,
-            Contracts::Report => Claims::Report,
-            Contracts::Fault => Claims::ReportedFault,
+            ContractsMode::Off => ClaimPolicy::Off,
+            ContractsMode::Report => ClaimPolicy::Report,
+            ContractsMode::Fault => ClaimPolicy::ReportAndFault,
         }
     }
 }
@@ -245,13 +245,13 @@ pub(crate) struct ServeArgs {
     #[arg(long)]
     pub(crate) insecure: bool,
     /// Length of a cycle; periods of commands are whole multiples of it.
-    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "1ms")]
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "1ms")]
     pub(crate) period: u64,
     /// Policy for the commands of a disconnected client, unless the client specifies one.
     #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
     pub(crate) on_loss: OnLoss,
     #[command(flatten)]
-    pub(crate) share: ShareArgs,
+    pub(crate) share: BudgetArgs,
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
     /// Record everything until the server is interrupted (SIGINT, SIGTERM, SIGHUP), to a file .mcap for viewers and
@@ -261,7 +261,7 @@ pub(crate) struct ServeArgs {
     /// Policy for a takeover with a jump of position, velocity or acceleration. Default: `refuse` for programs, `allow`
     /// for nets, as the reference system has no such check.
     #[arg(long, value_name = "POLICY")]
-    pub(crate) on_jump: Option<OnJump>,
+    pub(crate) on_jump: Option<DiscontinuityPolicy>,
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -271,7 +271,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 fn on_loss(name: &str) -> Result<OnLoss, String> {
-    OnLoss::by_name(name).ok_or_else(|| {
+    OnLoss::from_name(name).ok_or_else(|| {
         let known = OnLoss::ALL.map(|(name, _)| name);
         format!("expected one of {}", known.join(", "))
     })
@@ -306,7 +306,7 @@ pub(crate) struct NodeArgs {
 
 impl NodeArgs {
     /// Returns whether a node is to be run.
-    pub(crate) fn is_asked_for(&self) -> bool {
+    pub(crate) fn is_present(&self) -> bool {
         let by_itself = self.step || self.locals || self.random.is_some();
         by_itself || self.node.is_some() || self.inputs.is_some()
     }
@@ -345,7 +345,7 @@ pub(crate) struct ReplayArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
     /// Period at which the trace was recorded.
-    #[arg(long, default_value = "25ms", value_parser = rpi_driver::parse_period)]
+    #[arg(long, default_value = "25ms", value_parser = rpi_driver::parse_duration)]
     pub(crate) period: u64,
     /// Tolerance of the comparison, absolute up to 1 and relative beyond.
     #[arg(long, default_value_t = 1e-9, value_parser = tolerance)]
@@ -359,13 +359,13 @@ pub(crate) struct ReplayArgs {
 #[derive(Args, Debug)]
 pub(crate) struct LatencyArgs {
     /// Period at which the thread is woken.
-    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "1ms")]
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "1ms")]
     pub(crate) period: u64,
     /// Duration of the measurement.
-    #[arg(long, value_parser = rpi_driver::parse_period, value_name = "TIME", default_value = "10s")]
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "10s")]
     pub(crate) time: u64,
     /// SCHED_FIFO priority, 1 to 99.
-    #[arg(long, value_name = "N", default_value_t = Wanted::default().priority, value_parser = value_parser!(u8).range(1..100))]
+    #[arg(long, value_name = "N", default_value_t = SchedulingOptions::default().priority, value_parser = value_parser!(u8).range(1..100))]
     pub(crate) priority: u8,
     /// Core of the thread; default: the last one.
     #[arg(long, value_name = "N")]

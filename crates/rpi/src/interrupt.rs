@@ -33,16 +33,16 @@ impl Interrupt {
             signal_hook::consts::SIGQUIT,
             Arc::clone(&interrupt.emergency),
         )?;
-        interrupt.end_by(SIGINT)?;
-        interrupt.end_by(SIGTERM)?;
+        interrupt.register(SIGINT)?;
+        interrupt.register(SIGTERM)?;
         #[cfg(unix)]
         if !is_ignored(signal_hook::consts::SIGHUP) {
-            interrupt.end_by(signal_hook::consts::SIGHUP)?;
+            interrupt.register(signal_hook::consts::SIGHUP)?;
         }
         Ok(interrupt)
     }
 
-    fn end_by(&self, signal: i32) -> io::Result<()> {
+    fn register(&self, signal: i32) -> io::Result<()> {
         // The order matters: when `raised` is set, `signal` is already valid.
         let number = usize::try_from(signal).unwrap_or_default();
         flag::register_usize(signal, Arc::clone(&self.signal), number)?;

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use rpi_core::Continuity;
-use rpi_driver::Claims;
-use rpi_runtime::latency::{Load, measure, verdict};
-use rpi_runtime::realtime::{Pace, RealTime, Wanted};
-use rpi_runtime::run::{self, Job, Limits};
+use rpi_driver::ClaimPolicy;
+use rpi_runtime::latency::{CycleTiming, measure, verdict};
+use rpi_runtime::realtime::{RealTime, SchedulingOptions, TimeBase};
+use rpi_runtime::run::{self, Limits, RunOptions};
 
 use crate::args::{LatencyArgs, Target};
 use crate::exit::{Exit, Outcome};
@@ -18,25 +18,25 @@ use crate::target;
 pub(crate) fn latency(args: &LatencyArgs) -> Outcome {
     let load = args.program.as_ref().map(|_| load(args)).transpose()?;
     let count = (args.time / args.period).max(1);
-    let verdict = verdict(measure(wanted(args), args.period, count)?, load);
-    output::put(&match args.json {
+    let verdict = verdict(measure(thread_settings(args), args.period, count)?, load);
+    output::print(&match args.json {
         true => format!("{}\n", verdict.to_json()),
         false => verdict.to_string(),
     })?;
     Ok(Exit::Good)
 }
 
-fn wanted(args: &LatencyArgs) -> Wanted {
-    Wanted {
+fn thread_settings(args: &LatencyArgs) -> SchedulingOptions {
+    SchedulingOptions {
         priority: args.priority,
         core: args.core,
     }
 }
 
 /// Runs the program in real time and returns the statistics of its cycles.
-fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
+fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
     let path = args.program.clone().unwrap_or_default();
-    let compiled = program::load(&path, Claims::Off)?;
+    let compiled = program::load(&path, ClaimPolicy::Off)?;
     let target = Target {
         cell: args.cell.clone(),
         command: args.command.clone(),
@@ -45,19 +45,19 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
         time: Some(args.time),
         settings: Vec::new(),
     };
-    let script = target::script(&compiled, &target, target::to_run)?;
+    let script = target::task_bundle(&compiled, &target, target::lower_for_run)?;
     let (cell, _) = target::cell(&path, &target, &script)?;
-    let outcome = run::run(Job {
+    let outcome = run::run(RunOptions {
         images: &script.images,
         plans: std::slice::from_ref(&script.plan),
         cell: &cell,
-        pace: Pace::Real,
+        time_base: TimeBase::Real,
         real_time: RealTime {
-            wanted: wanted(args),
+            resources: thread_settings(args),
             ..RealTime::default()
         },
         continuity: Continuity::default(),
-        share: None,
+        budget: None,
         limits: Limits {
             ticks: target::ticks(&target, args.period),
             planning_ns: 0,
@@ -70,7 +70,7 @@ fn load(args: &LatencyArgs) -> Result<Load, Box<dyn std::error::Error>> {
         progress: None,
     })?;
     let figures = outcome.figures;
-    Ok(Load {
+    Ok(CycleTiming {
         name: path.display().to_string(),
         cycle: figures.tick,
         late: figures.lateness.unwrap_or_default(),

@@ -4,42 +4,42 @@
 //! running.
 
 mod args;
+mod budget_args;
 mod exit;
 mod interrupt;
 mod latency;
-mod made_up;
 mod node;
 mod output;
 mod program;
 mod random;
+mod random_inputs;
 mod replay;
 mod run;
 mod serve;
-mod share;
 mod shell;
 mod target;
 mod trace;
 
 use std::process::ExitCode;
 
-use args::{Cli, Task};
+use args::{Cli, CliCommand};
 use clap::Parser;
 use exit::Exit;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.task {
-        Task::Run(args) if args.node.is_asked_for() => node::run(&args),
-        Task::Run(args) => run::run(&args),
-        Task::Serve(args) => serve::serve(&args),
-        Task::Trace(args) => trace::trace(&args),
-        Task::Replay(args) => replay::replay(&args),
-        Task::Latency(args) => latency::latency(&args),
-        Task::Completions { shell } => shell::completions(shell),
-        Task::Man { folder } => shell::man(&folder),
+        CliCommand::Run(args) if args.node.is_present() => node::run(&args),
+        CliCommand::Run(args) => run::run(&args),
+        CliCommand::Serve(args) => serve::serve(&args),
+        CliCommand::Trace(args) => trace::trace(&args),
+        CliCommand::Replay(args) => replay::replay(&args),
+        CliCommand::Latency(args) => latency::latency(&args),
+        CliCommand::Completions { shell } => shell::completions(shell),
+        CliCommand::Man { folder } => shell::man(&folder),
     };
     done.unwrap_or_else(|error| {
-        rpi_diag::tell_line!("error: {error}");
+        rpi_diag::println_stderr!("error: {error}");
         Exit::BadInput
     })
     .into()

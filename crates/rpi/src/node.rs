@@ -6,60 +6,63 @@ use std::io::{BufRead, BufReader, BufWriter, Write, stdin, stdout};
 use std::path::Path;
 
 use rpi_diag::{Severity, SourceMap, Style, render};
-use rpi_driver::{Claims, Input, Kind, NodeCompiled};
+use rpi_driver::{ClaimPolicy, CompiledNode, Input, InputKind};
 use rpi_net::Column;
-use rpi_replay::node::{NodeRun, Reader, Row, header, line};
+use rpi_replay::node_runner::{ColumnValues, NodeRun, TableReader, header_line, row_line};
 
-use crate::args::{Contracts, NodeArgs, RunArgs};
+use crate::args::{ContractsMode, NodeArgs, RunArgs};
 use crate::exit::{Exit, Outcome};
-use crate::made_up::Trial;
 use crate::output::create;
-use crate::random::Random;
+use crate::random::InputGenerator;
+use crate::random_inputs::InputSearch;
 use crate::target::PERIOD;
 
 /// Compiles the node and runs it row by row.
 pub(crate) fn run(args: &RunArgs) -> Outcome {
-    only_for_nodes(args)?;
+    check_options(args)?;
     let input = rpi_driver::read(&args.program)?;
     let name = args.node.node.as_deref();
     let compiled = rpi_driver::compile_node(&input, name, args.contracts.into(), args.node.locals)?;
-    let style = Style::of(&std::io::stderr());
-    rpi_diag::tell!("{}", render(&compiled.findings, &compiled.sources, style));
-    let NodeCompiled { sources, node, .. } = compiled;
+    let style = Style::for_stream(&std::io::stderr());
+    rpi_diag::print_stderr!(
+        "{}",
+        render(&compiled.diagnostics, &compiled.sources, style)
+    );
+    let CompiledNode { sources, node, .. } = compiled;
     let Some(mut node) = node else {
         return Err(format!("{} does not compile", args.program.display()).into());
     };
     if args.node.numbers {
         let outputs = node.outputs.iter_mut().chain(&mut node.locals);
-        outputs.for_each(|column| column.values.clear());
+        outputs.for_each(|column| column.enum_values.clear());
     }
-    let image = rpi_driver::lower_to_run(&node.net, args.target.period.unwrap_or(PERIOD))?;
+    let image = rpi_driver::lower_for_execution(&node.net, args.target.period.unwrap_or(PERIOD))?;
     let shown: Vec<Column> = node.outputs.into_iter().chain(node.locals).collect();
-    let mut session = Session {
+    let mut session = NodeSession {
         run: NodeRun::load(image, &node.inputs, &shown, &node.net.claims)?,
         shown,
         out: output(&args.program, &args.node)?,
         sources,
         style,
-        holds: input.kind == Kind::Lustre,
-        last: Row::new(),
+        holds_last: input.kind == InputKind::Lustre,
+        last: ColumnValues::new(),
     };
     session.header()?;
     let exit = match (&args.node.inputs, args.node.step) {
         (Some(path), _) => session.table(path, &node.inputs, args.target.cycles),
         (None, true) => session.steps(&node.inputs),
         (None, false) => {
-            let rows = made_up(args, &input, &node.inputs)?;
+            let rows = generate_inputs(args, &input, &node.inputs)?;
             session.rows(&rows)
         }
     };
     session.out.flush()?;
-    rpi_diag::tell!("{}", session.run.summary());
+    rpi_diag::print_stderr!("{}", session.run.summary());
     exit
 }
 
 /// Returns an error if an option is present that does not apply to a single node.
-fn only_for_nodes(args: &RunArgs) -> Result<(), String> {
+fn check_options(args: &RunArgs) -> Result<(), String> {
     let target = &args.target;
     let given = [
         ("--cell", target.cell.is_some()),
@@ -95,40 +98,43 @@ fn output(program: &Path, args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Err
 }
 
 /// A running node with the destination of its outputs.
-struct Session {
+struct NodeSession {
     run: NodeRun,
     shown: Vec<Column>,
     out: Box<dyn Write>,
     sources: SourceMap,
     style: Style,
     /// Whether an absent flow is shown with its latest value.
-    holds: bool,
-    last: Row,
+    holds_last: bool,
+    last: ColumnValues,
 }
 
-impl Session {
+impl NodeSession {
     fn header(&mut self) -> std::io::Result<()> {
-        writeln!(self.out, "{}", header(self.shown.iter()))
+        writeln!(self.out, "{}", header_line(self.shown.iter()))
     }
 
     /// Runs one cycle. Returns false if it had an error.
     fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> std::io::Result<bool> {
         let cycle = self.run.cycle(given);
         if let Some(row) = cycle.row {
-            let row = self.kept(row);
+            let row = self.hold_absent(row);
             let columns: Vec<&Column> = self.shown.iter().collect();
-            writeln!(self.out, "{}", line(&columns, &row))?;
+            writeln!(self.out, "{}", row_line(&columns, &row))?;
         }
-        if !cycle.findings.is_empty() {
-            rpi_diag::tell!("{}", render(&cycle.findings, &self.sources, self.style));
+        if !cycle.diagnostics.is_empty() {
+            rpi_diag::print_stderr!("{}", render(&cycle.diagnostics, &self.sources, self.style));
         }
-        let mut severities = cycle.findings.iter().map(|finding| finding.severity());
+        let mut severities = cycle
+            .diagnostics
+            .iter()
+            .map(|diagnostic| diagnostic.severity());
         Ok(!severities.any(|severity| severity == Severity::Error))
     }
 
     /// Replaces absent values by the latest ones, as Lustre tools do for a sampled flow between its ticks.
-    fn kept(&mut self, row: Row) -> Row {
-        if !self.holds {
+    fn hold_absent(&mut self, row: ColumnValues) -> ColumnValues {
+        if !self.holds_last {
             return row;
         }
         self.last.resize(row.len(), None);
@@ -143,21 +149,21 @@ impl Session {
         let source: Box<dyn BufRead> = match path == Path::new("-") {
             true => Box::new(stdin().lock()),
             false => Box::new(BufReader::new(
-                File::open(path).map_err(|e| rpi_driver::unreadable(path, &e))?,
+                File::open(path).map_err(|e| rpi_driver::read_error(path, &e))?,
             )),
         };
         let mut lines = source.lines();
         let first = lines.next().transpose();
-        let first = first.map_err(|e| rpi_driver::unreadable(path, &e))?;
+        let first = first.map_err(|e| rpi_driver::read_error(path, &e))?;
         let first = first.unwrap_or_default();
-        let reader = Reader::new(columns, &first).map_err(|e| format!("{name}:{e}"))?;
+        let reader = TableReader::new(columns, &first).map_err(|e| format!("{name}:{e}"))?;
         let mut left = most.unwrap_or(u64::MAX);
         for (number, line) in (2..).zip(lines) {
             if left == 0 {
                 break;
             }
             let line = line.map_err(|e| format!("{name}:{number}: {e}"))?;
-            if line.trim().is_empty() && !columns.is_empty() && !reader.takes_empty_lines() {
+            if line.trim().is_empty() && !columns.is_empty() && !reader.accepts_empty_lines() {
                 continue;
             }
             left -= 1;
@@ -171,22 +177,22 @@ impl Session {
 
     /// Reads the inputs of each cycle from standard input until its end.
     fn steps(&mut self, columns: &[Column]) -> Outcome {
-        let names = header(columns.iter());
-        let reader = Reader::new(columns, &names).map_err(|e| e.to_string())?;
-        match reader.takes_empty_lines() {
-            true => rpi_diag::tell_line!("input: {names}; an empty line for an absent value"),
-            false => rpi_diag::tell_line!(
+        let names = header_line(columns.iter());
+        let reader = TableReader::new(columns, &names).map_err(|e| e.to_string())?;
+        match reader.accepts_empty_lines() {
+            true => rpi_diag::println_stderr!("input: {names}; an empty line for an absent value"),
+            false => rpi_diag::println_stderr!(
                 "inputs, separated by commas: {names}; an empty line repeats the last row"
             ),
         }
-        let mut given: Option<Row> = columns.is_empty().then(Vec::new);
+        let mut given: Option<ColumnValues> = columns.is_empty().then(Vec::new);
         for (number, line) in (1..).zip(stdin().lock().lines()) {
             let line = line.map_err(|e| format!("line {number} of the input: {e}"))?;
-            if !line.trim().is_empty() || reader.takes_empty_lines() {
+            if !line.trim().is_empty() || reader.accepts_empty_lines() {
                 match reader.row(number, &line) {
                     Ok(row) => given = Some(row),
                     Err(error) => {
-                        rpi_diag::tell_line!("{}", error.message);
+                        rpi_diag::println_stderr!("{}", error.message);
                         continue;
                     }
                 }
@@ -200,7 +206,7 @@ impl Session {
         Ok(Exit::Good)
     }
 
-    fn rows(&mut self, rows: &[Row]) -> Outcome {
+    fn rows(&mut self, rows: &[ColumnValues]) -> Outcome {
         for row in rows {
             if !self.cycle(row)? {
                 return Ok(Exit::Fault);
@@ -211,7 +217,11 @@ impl Session {
 }
 
 /// Returns the input rows: random ones that satisfy the assumptions, or empty ones for a node without in-ports.
-fn made_up(args: &RunArgs, input: &Input, columns: &[Column]) -> Result<Vec<Row>, Box<dyn Error>> {
+fn generate_inputs(
+    args: &RunArgs,
+    input: &Input,
+    columns: &[Column],
+) -> Result<Vec<ColumnValues>, Box<dyn Error>> {
     if let (Some(column), None) = (columns.first(), args.node.random) {
         let key = &column.key;
         return Err(format!(
@@ -224,16 +234,16 @@ fn made_up(args: &RunArgs, input: &Input, columns: &[Column]) -> Result<Vec<Row>
         .cycles
         .ok_or("the number of cycles is missing; add --cycles N")?;
     let Some(seed) = args.node.random else {
-        return Ok(vec![Row::new(); usize::try_from(cycles)?]);
+        return Ok(vec![ColumnValues::new(); usize::try_from(cycles)?]);
     };
     let claims = match args.contracts {
-        Contracts::Off => Claims::Off,
-        Contracts::Report | Contracts::Fault => Claims::Report,
+        ContractsMode::Off => ClaimPolicy::Off,
+        ContractsMode::Report | ContractsMode::Fault => ClaimPolicy::Report,
     };
     let name = args.node.node.as_deref();
     let compiled = rpi_driver::compile_node(input, name, claims, false)?;
     let node = compiled.node.ok_or("the node does not compile")?;
-    let image = rpi_driver::lower_to_run(&node.net, args.target.period.unwrap_or(PERIOD))?;
-    let trial = Trial::new(image, columns, &node.net.claims);
-    Ok(trial.rows(&mut Random::new(seed), cycles)?)
+    let image = rpi_driver::lower_for_execution(&node.net, args.target.period.unwrap_or(PERIOD))?;
+    let trial = InputSearch::new(image, columns, &node.net.claims);
+    Ok(trial.rows(&mut InputGenerator::new(seed), cycles)?)
 }

@@ -3,17 +3,20 @@
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{Asked, Compiled, Task, Unset};
+use rpi_driver::{CompileOptions, Compiled, Task, UnboundCommand};
 use rpi_net::Net;
 
 /// Compiles a file and prints its diagnostics. Returns an error if there are errors.
 pub(crate) fn load(
     path: &Path,
-    asked: impl Into<Asked>,
+    asked: impl Into<CompileOptions>,
 ) -> Result<Compiled, Box<dyn std::error::Error>> {
     let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, asked)?;
-    let style = Style::of(&std::io::stderr());
-    rpi_diag::tell!("{}", render(&compiled.findings, &compiled.sources, style));
+    let style = Style::for_stream(&std::io::stderr());
+    rpi_diag::print_stderr!(
+        "{}",
+        render(&compiled.diagnostics, &compiled.sources, style)
+    );
     if compiled.has_errors() {
         return Err(format!("{} does not compile", path.display()).into());
     }
@@ -21,18 +24,18 @@ pub(crate) fn load(
 }
 
 /// Returns the command with this name, or the only command. `tasks` are other valid names for the error message.
-pub(crate) fn choose<'a>(
+pub(crate) fn select_command<'a>(
     compiled: &'a Compiled,
     tasks: &[Task],
     name: Option<&str>,
 ) -> Result<&'a Net, String> {
     let nets = compiled.nets();
-    let unset = compiled.unset.iter().find(|unset| match name {
+    let unset = compiled.unbound.iter().find(|unset| match name {
         Some(name) => unset.command == name,
         None => nets.is_empty(),
     });
     if let Some(unset) = unset {
-        return Err(no_arguments(unset));
+        return Err(missing_arguments(unset));
     }
     let commands = nets.iter().map(|n| n.name.as_str());
     let names = || {
@@ -64,7 +67,7 @@ pub(crate) fn choose<'a>(
 }
 
 /// Returns the error message for a command with open parameters.
-fn no_arguments(unset: &Unset) -> String {
+fn missing_arguments(unset: &UnboundCommand) -> String {
     let params = unset.params.iter();
     let [quoted, declared] = [("`", "`"), ("const ", " = ...;")].map(|(before, after)| {
         let each = params

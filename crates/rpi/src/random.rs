@@ -4,12 +4,12 @@ use rpi_image::{Scalar, Type, Value};
 use rpi_net::Column;
 
 /// Pseudo-random number generator (Marsaglia, Xorshift RNGs, 2003).
-pub(crate) struct Random(u64);
+pub(crate) struct InputGenerator(u64);
 
-impl Random {
-    pub(crate) fn new(seed: u64) -> Random {
+impl InputGenerator {
+    pub(crate) fn new(seed: u64) -> InputGenerator {
         // Xorshift needs a state other than 0.
-        Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+        InputGenerator(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
     fn next(&mut self) -> u64 {
@@ -20,20 +20,20 @@ impl Random {
     }
 
     /// Returns true with probability 3/4: the value of the previous cycle is kept.
-    pub(crate) fn keeps(&mut self) -> bool {
+    pub(crate) fn keeps_previous(&mut self) -> bool {
         !self.next().is_multiple_of(4)
     }
 
     /// Returns a random value of a column as memory slots. An optional column is absent with probability 1/4.
-    pub(crate) fn given(&mut self, column: &Column) -> Option<Vec<u64>> {
+    pub(crate) fn value(&mut self, column: &Column) -> Option<Vec<u64>> {
         match column.optional && self.next().is_multiple_of(4) {
             true => None,
-            false => Some(self.cells(column)),
+            false => Some(self.slots(column)),
         }
     }
 
     /// Returns an integer of a subrange: a small one or one near an end.
-    fn within(&mut self, [least, most]: [i64; 2]) -> i64 {
+    fn integer_in(&mut self, [least, most]: [i64; 2]) -> i64 {
         let step = i64::try_from(self.next() % 5).unwrap_or(0);
         let (begin, step) = match self.next() % 3 {
             0 if least > i64::MIN => (least, step),
@@ -45,16 +45,16 @@ impl Random {
 
     /// Returns a random value as memory slots: small integers or those near an end of the subrange, enum values, reals
     /// from -5 to 5.
-    fn cells(&mut self, column: &Column) -> Vec<u64> {
-        match column.ty {
+    fn slots(&mut self, column: &Column) -> Vec<u64> {
+        match column.scalar {
             Scalar::Bool => vec![self.next() % 2],
-            Scalar::Int => match (column.range, column.values.len() as u64) {
-                (Some(range), _) => vec![self.within(range).cast_unsigned()],
+            Scalar::Int => match (column.range, column.enum_values.len() as u64) {
+                (Some(range), _) => vec![self.integer_in(range).cast_unsigned()],
                 (None, 0) => vec![self.next() % 5],
                 (None, values) => vec![self.next() % values],
             },
             Scalar::Real => vec![((self.next() % 1000) as f64 / 100.0 - 5.0).to_bits()],
-            other => Value::neutral(Type::One(other)).cells().to_vec(),
+            other => Value::neutral(Type::Scalar(other)).slots().to_vec(),
         }
     }
 }

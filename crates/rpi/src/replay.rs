@@ -2,22 +2,22 @@
 
 use std::path::PathBuf;
 
-use rpi_driver::Claims;
-use rpi_record::recording::{Recording, rerun};
+use rpi_driver::ClaimPolicy;
+use rpi_record::mcap::{self, Recording};
 use rpi_record::trace::Trace;
-use rpi_replay::replay::Options;
+use rpi_replay::trace_compare::Options;
 
 use crate::args::ReplayArgs;
 use crate::exit::{Exit, Outcome};
 use crate::output;
 use crate::program;
-use crate::run::is_recording;
+use crate::run::is_mcap;
 
 /// Replays and prints the report.
 pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
-    if is_recording(&args.net) {
+    if is_mcap(&args.net) {
         return match args.trace.is_empty() && args.command.is_none() {
-            true => again(args),
+            true => replay_recording(args),
             false => Err(
                 "--trace and --command are for nets; a recording is compared with itself".into(),
             ),
@@ -28,16 +28,16 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
             "no trace to compare with; add --trace FILE, or replay a recording (.mcap)".into(),
         );
     }
-    let compiled = program::load(&args.net, Claims::Off)?;
-    let net = program::choose(&compiled, &[], args.command.as_deref())?;
-    let trace = joined(&args.trace)?;
+    let compiled = program::load(&args.net, ClaimPolicy::Off)?;
+    let net = program::select_command(&compiled, &[], args.command.as_deref())?;
+    let trace = read_joined(&args.trace)?;
     let options = Options {
         period_ns: args.period,
         tolerance: args.tolerance,
         ..Options::default()
     };
-    let report = rpi_replay::replay::replay(net, &trace, &options)?;
-    output::put(&match args.json {
+    let report = rpi_replay::trace_compare::replay(net, &trace, &options)?;
+    output::print(&match args.json {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
     })?;
@@ -45,12 +45,12 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
 }
 
 /// Replays a recording.
-fn again(args: &ReplayArgs) -> Outcome {
+fn replay_recording(args: &ReplayArgs) -> Outcome {
     let name = args.net.display();
     let bytes = std::fs::read(&args.net).map_err(|e| format!("{name}: {e}"))?;
     let recording = Recording::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
-    let report = rerun(&recording).map_err(|e| format!("{name}: {e}"))?;
-    output::put(&match args.json {
+    let report = mcap::replay(&recording).map_err(|e| format!("{name}: {e}"))?;
+    output::print(&match args.json {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
     })?;
@@ -64,10 +64,10 @@ fn verdict(agrees: bool) -> Exit {
     }
 }
 
-fn joined(paths: &[PathBuf]) -> Result<Trace, rpi_record::trace::ReadError> {
+fn read_joined(paths: &[PathBuf]) -> Result<Trace, rpi_record::trace::FileReadError> {
     let mut joined = Trace::default();
     for path in paths {
-        joined = joined.merged(&Trace::read(path)?);
+        joined = joined.merged_with(&Trace::read(path)?);
     }
     Ok(joined)
 }

@@ -7,17 +7,18 @@ use std::path::Path;
 use std::time::Duration;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{Asked, Compiled, Program};
-use rpi_record::record::{Digest, Form, Rows};
-use rpi_record::recording::{Origin, Wanted as Recording};
-use rpi_replay::claims::ClaimSink;
+use rpi_driver::{CompileOptions, Compiled, Program};
+use rpi_record::mcap::{RecordingOptions as Recording, RunSources};
+use rpi_record::sample_output::{DigestSink, SampleFormat, SampleWriter};
 use rpi_replay::faults::Faults;
-use rpi_replay::motion::Motion;
+use rpi_replay::monitor::ClaimMonitorSink;
+use rpi_replay::motion::MotionSink;
 use rpi_replay::plot;
 use rpi_runtime::control::Budget;
-use rpi_runtime::realtime::Pace;
+use rpi_runtime::realtime::TimeBase;
 use rpi_runtime::run::{
-    self, CommandEnd, Failure, Job, Limits, Outcome, Several, Share, Sink, StartRecording, Status,
+    self, CommandEnd, Limits, Outcome, RunBudget, RunError, RunOptions, Sink, SinkList,
+    StartRecording, Status,
 };
 
 use rpi_net::Net;
@@ -28,31 +29,31 @@ use crate::interrupt::Interrupt;
 use crate::output;
 use crate::program;
 use crate::target;
-use rpi_serve::Script;
+use rpi_serve::TaskBundle;
 
 /// Runs, records and prints the summary.
 pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let compiled = compile(args)?;
-    let script = target::script(&compiled, &args.target, target::to_run)?;
-    target::has_all(&compiled, &args.target, &script)?;
+    let script = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
+    target::ensure_inputs_set(&compiled, &args.target, &script)?;
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
         return Err("--record and --plot must name different files".into());
     }
     let mut rows = record
-        .filter(|path| !is_recording(path))
-        .map(|path| recording(path, args))
+        .filter(|path| !is_mcap(path))
+        .map(|path| rows_file(path, args))
         .transpose()?;
     let mut picture = plot.map(|path| create(path, args)).transpose()?;
-    let mut motion = args.plot.as_ref().map(|_| Motion::default());
-    let mut several = Several::default();
+    let mut motion = args.plot.as_ref().map(|_| MotionSink::default());
+    let mut several = SinkList::default();
     several
         .0
         .extend(rows.as_mut().map(|rows| rows as &mut dyn Sink));
     several
         .0
         .extend(motion.as_mut().map(|motion| motion as &mut dyn Sink));
-    let mut digest = args.digest.then(Digest::default);
+    let mut digest = args.digest.then(DigestSink::default);
     several
         .0
         .extend(digest.as_mut().map(|digest| digest as &mut dyn Sink));
@@ -60,15 +61,18 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     several.0.push(&mut claims);
     let interrupt = Interrupt::listen()?;
     let mut outcome = execute(args, &script, &interrupt, &mut several)?;
-    outcome.digest = digest.map(|digest| digest.digits());
+    outcome.digest = digest.map(|digest| digest.to_hex());
     let mut faults = Faults::of(&outcome);
-    let (mut findings, summary) = claims.told(&mut outcome, &mut faults);
+    let (mut diagnostics, summary) = claims.into_diagnostics(&mut outcome, &mut faults);
     // The text that an image was compiled from is not known, so faults have no location.
     if !matches!(compiled.program, Program::Image(_)) {
-        findings.extend(faults.locate(&mut outcome, &compiled.sources));
+        diagnostics.extend(faults.locate(&mut outcome, &compiled.sources));
     }
-    let style = Style::of(&std::io::stderr());
-    rpi_diag::tell!("{}{summary}", render(&findings, &compiled.sources, style));
+    let style = Style::for_stream(&std::io::stderr());
+    rpi_diag::print_stderr!(
+        "{}{summary}",
+        render(&diagnostics, &compiled.sources, style)
+    );
     let file = record.unwrap_or(Path::new("")).display();
     let recorded = match (rows, &outcome.unrecorded) {
         (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}")),
@@ -79,7 +83,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         (Some(motion), Some(picture)) => draw(args, &motion, &outcome, picture),
         _ => Ok(()),
     };
-    output::put(&match args.json {
+    output::print(&match args.json {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
@@ -91,60 +95,60 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
 /// Draws the motion into the file.
 fn draw(
     args: &RunArgs,
-    motion: &Motion,
+    motion: &MotionSink,
     outcome: &Outcome,
     picture: &mut File,
 ) -> Result<(), String> {
     let title = args.program.file_name().unwrap_or_default();
-    let drawing = plot::draw(&motion.picture(&title.to_string_lossy(), outcome));
+    let drawing = plot::render_svg(&motion.to_plot(&title.to_string_lossy(), outcome));
     let file = args.plot.as_deref().unwrap_or(Path::new("")).display();
     let drawn = picture.write_all(drawing.as_bytes());
     drawn.map_err(|e| format!("{file}: {e}"))
 }
 
 fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
-    if args.share.is_asked_for() && !args.clock.real_time {
+    if args.share.is_present() && !args.clock.real_time {
         return Err("--cycle-share and --machine require --real-time; cycles of simulated time have no time limit".into());
     }
-    let asked = Asked {
+    let asked = CompileOptions {
         claims: args.contracts.into(),
         period_ns: args.target.period,
-        ..Asked::default()
+        ..CompileOptions::default()
     };
     program::load(&args.program, asked)
 }
 
 /// Creates the observer of assertions and contracts of all commands that run.
-fn claims(compiled: &Compiled, script: &Script) -> ClaimSink {
+fn claims(compiled: &Compiled, script: &TaskBundle) -> ClaimMonitorSink {
     let runs = |net: &&Net| script.images.iter().any(|image| image.name == net.name);
     let nets = compiled.nets().iter().filter(runs);
-    ClaimSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
+    ClaimMonitorSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }
 
 fn execute(
     args: &RunArgs,
-    script: &Script,
+    script: &TaskBundle,
     interrupt: &Interrupt,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
     let (cell, text) = target::cell(&args.program, &args.target, script)?;
-    let recording = args.record.as_deref().filter(|path| is_recording(path));
-    let recording = recording.map(|path| whole(path, args, text));
+    let recording = args.record.as_deref().filter(|path| is_mcap(path));
+    let recording = recording.map(|path| mcap_recording(path, args, text));
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
     let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
     let shows = std::io::stderr().is_terminal();
-    let outcome = run::run(Job {
+    let outcome = run::run(RunOptions {
         images: &script.images,
         plans: std::slice::from_ref(&script.plan),
         cell: &cell,
-        pace: match args.clock.real_time {
-            true => Pace::Real,
-            false => Pace::Simulated,
+        time_base: match args.clock.real_time {
+            true => TimeBase::Real,
+            false => TimeBase::Simulated,
         },
         real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
-        share: share(args, script, tick_ns)?,
+        budget: share(args, script, tick_ns)?,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),
@@ -159,28 +163,28 @@ fn execute(
     progress.clear();
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     outcome.map_err(|failure| match failure {
-        Failure::Recording(why) => format!("{file}: {why}").into(),
-        Failure::TooMuch { .. } => format!("{failure}\n  {LIGHTER}").into(),
+        RunError::Recording(why) => format!("{file}: {why}").into(),
+        RunError::BudgetExceeded { .. } => format!("{failure}\n  {BUDGET_HELP}").into(),
         other => other.into(),
     })
 }
 
 /// Help for commands that exceed their share of a cycle.
-const LIGHTER: &str = "reduce its work per cycle, use a longer --period, measure the machine (`rpic machine`, --machine FILE), \
+const BUDGET_HELP: &str = "reduce its work per cycle, use a longer --period, measure the machine (`rpic machine`, --machine FILE), \
     or raise --cycle-share PERCENT (`off` for no limit); see `rpic explain RPI7003`";
 
 /// Returns the share of a tick for commands; `None` on simulated time, where a cycle may take any time.
 fn share<'a>(
     args: &RunArgs,
-    script: &'a Script,
+    script: &'a TaskBundle,
     tick_ns: u64,
-) -> Result<Option<Share<'a>>, String> {
-    let share = args.share.share().filter(|_| args.clock.real_time);
+) -> Result<Option<RunBudget<'a>>, String> {
+    let share = args.share.parse_share().filter(|_| args.clock.real_time);
     let machine = args.program.with_file_name(rpi_driver::MACHINE);
     let budget = |share| {
         let ns = args.share.ns_per_operation(Some(&machine))?;
-        Ok(Share {
-            budget: Budget::of(tick_ns, share, ns),
+        Ok(RunBudget {
+            budget: Budget::from_share(tick_ns, share, ns),
             work: &script.work,
         })
     };
@@ -188,13 +192,13 @@ fn share<'a>(
 }
 
 /// Returns whether a file is an MCAP recording, by its extension.
-pub(crate) fn is_recording(path: &Path) -> bool {
+pub(crate) fn is_mcap(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension == "mcap")
 }
 
 /// Creates an MCAP recording, which can be replayed.
-fn whole(
+fn mcap_recording(
     path: &Path,
     args: &RunArgs,
     cell: String,
@@ -202,7 +206,7 @@ fn whole(
     let name = args.program.file_name().unwrap_or_default();
     Ok(Box::new(Recording {
         out: Box::new(BufWriter::new(create(path, args)?)),
-        origin: Origin {
+        origin: RunSources {
             program: name.to_string_lossy().into_owned(),
             program_bytes: std::fs::read(&args.program)?,
             cell,
@@ -216,10 +220,10 @@ fn create(path: &Path, args: &RunArgs) -> Result<File, Box<dyn Error>> {
     output::create(path, &[&args.program, &cell])
 }
 
-fn recording(path: &Path, args: &RunArgs) -> Result<Rows<BufWriter<File>>, Box<dyn Error>> {
-    let form = Form::of(&path.to_string_lossy());
+fn rows_file(path: &Path, args: &RunArgs) -> Result<SampleWriter<BufWriter<File>>, Box<dyn Error>> {
+    let form = SampleFormat::from_file_name(&path.to_string_lossy());
     let file = create(path, args)?;
-    Ok(Rows::new(BufWriter::new(file), form))
+    Ok(SampleWriter::new(BufWriter::new(file), form))
 }
 
 fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
@@ -240,13 +244,13 @@ struct ProgressLine {
 impl ProgressLine {
     fn show(&mut self, command: &CommandEnd, elapsed: Duration) {
         self.shown = true;
-        rpi_diag::tell!("\r\x1b[2K{}  {:.1} s", command.name, elapsed.as_secs_f64());
+        rpi_diag::print_stderr!("\r\x1b[2K{}  {:.1} s", command.name, elapsed.as_secs_f64());
         let _ = std::io::stderr().flush();
     }
 
     fn clear(&self) {
         if self.shown {
-            rpi_diag::tell!("\r\x1b[2K");
+            rpi_diag::print_stderr!("\r\x1b[2K");
         }
     }
 }

@@ -6,22 +6,22 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use rpi_diag::counted;
-use rpi_record::recording::{Origin, Wanted};
-use rpi_serve::{CannotOpen, Server, Settings, TlsFiles};
+use rpi_diag::with_noun;
+use rpi_record::mcap::{RecordingOptions, RunSources};
+use rpi_serve::{OpenError, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 
 use crate::args::ServeArgs;
 use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
-use crate::run::is_recording;
+use crate::run::is_mcap;
 
 /// Runs the server until it is interrupted; then stops everything and closes once the devices are at rest.
 pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
-    let (cell, text) = cell(args.cell.as_deref())?;
-    let token = args.token_file.as_deref().map(token).transpose()?;
+    let (cell, text) = read_cell(args.cell.as_deref())?;
+    let token = args.token_file.as_deref().map(read_token).transpose()?;
     let settings = Settings {
-        share: args.share.share(),
+        cycle_share: args.share.parse_share(),
         ns_per_operation: args.share.ns_per_operation(None)?,
         listen: args.listen,
         socket: args.socket.clone(),
@@ -38,46 +38,46 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
     let interrupt = Interrupt::listen()?;
     let (interrupted, emergency) = (interrupt.flag(), interrupt.emergency());
     let server = Server::open_recorded(&cell, &settings, (), recording.transpose()?);
-    let server = server.map_err(with_a_way_out)?;
+    let server = server.map_err(with_hint)?;
     server
         .grants()
         .iter()
-        .for_each(|grant| rpi_diag::tell_line!("{grant}"));
+        .for_each(|grant| rpi_diag::println_stderr!("{grant}"));
     let scheme = args.tls_cert.as_ref().map_or("ws", |_| "wss");
-    rpi_diag::tell_line!("serving at {scheme}://{}", server.address());
+    rpi_diag::println_stderr!("serving at {scheme}://{}", server.address());
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         if emergency.swap(false, Ordering::Relaxed) {
             server.emergency_stop("SIGQUIT");
-            rpi_diag::tell_line!("EMERGENCY STOP; reset it by `emergency.reset` of JSON-RPC");
+            rpi_diag::println_stderr!("EMERGENCY STOP; reset it by `emergency.reset` of JSON-RPC");
         }
         for warning in server.warnings() {
-            rpi_diag::tell_line!("{warning}");
+            rpi_diag::println_stderr!("{warning}");
         }
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
     }
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     if let Some(written) = server.close().map_err(|e| format!("{file}: {e}"))? {
-        let ticks = counted(written.ticks, "tick");
-        rpi_diag::tell_line!("recorded {ticks}, {} lost", written.lost);
+        let ticks = with_noun(written.ticks, "tick");
+        rpi_diag::println_stderr!("recorded {ticks}, {} lost", written.lost);
     }
     Ok(Exit::Good)
 }
 
 /// Interval at which interrupts and warnings are checked.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Creates the recording file.
-fn recording(path: &Path, cell: String) -> Result<Wanted, String> {
+fn recording(path: &Path, cell: String) -> Result<RecordingOptions, String> {
     let name = path.display();
-    if !is_recording(path) {
+    if !is_mcap(path) {
         return Err(format!(
             "{name}: the recording of a server must be a file .mcap"
         ));
     }
     let file = File::create(path).map_err(|e| format!("{name}: {e}"))?;
-    Ok(Wanted {
+    Ok(RecordingOptions {
         out: Box::new(BufWriter::new(file)),
-        origin: Origin {
+        origin: RunSources {
             program: "server".to_owned(),
             program_bytes: Vec::new(),
             cell,
@@ -86,7 +86,7 @@ fn recording(path: &Path, cell: String) -> Result<Wanted, String> {
 }
 
 /// Reads the cell with its text; a cell without devices if there is no path.
-fn cell(path: Option<&Path>) -> Result<(Cell, String), String> {
+fn read_cell(path: Option<&Path>) -> Result<(Cell, String), String> {
     let Some(path) = path else {
         return Ok((Cell::default(), String::new()));
     };
@@ -104,8 +104,8 @@ fn tls(args: &ServeArgs) -> Option<TlsFiles> {
 }
 
 /// Adds the options that would let the server open to its error.
-fn with_a_way_out(why: CannotOpen) -> String {
-    let CannotOpen::Unguarded {
+fn with_hint(why: OpenError) -> String {
+    let OpenError::Unprotected {
         no_token, no_tls, ..
     } = why
     else {
@@ -123,16 +123,16 @@ fn with_a_way_out(why: CannotOpen) -> String {
 }
 
 /// Minimum length of a token in bytes.
-const SHORTEST: usize = 16;
+const MIN_TOKEN_BYTES: usize = 16;
 
-fn token(path: &Path) -> Result<String, String> {
+fn read_token(path: &Path) -> Result<String, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
     match text.trim() {
         "" => Err(format!("{name}: the file has no token")),
-        token if token.len() < SHORTEST => Err(format!(
-            "{name}: a token of {} is too short; use at least {SHORTEST}, for example of `head -c 32 /dev/urandom | base64`",
-            counted(token.len(), "byte")
+        token if token.len() < MIN_TOKEN_BYTES => Err(format!(
+            "{name}: a token of {} is too short; use at least {MIN_TOKEN_BYTES}, for example of `head -c 32 /dev/urandom | base64`",
+            with_noun(token.len(), "byte")
         )),
         token if token.contains(char::is_whitespace) => {
             Err(format!("{name}: a token must be a single word"))

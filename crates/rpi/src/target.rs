@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rpi_driver::{Compiled, Program, Task};
 use rpi_image::Image;
 use rpi_net::Net;
-use rpi_serve::Script;
+use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
 
 use crate::args::Target;
@@ -20,7 +20,7 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 pub(crate) type Lower = fn(&Net, u64) -> Result<(Image, Option<u64>), String>;
 
 /// Lowers a net for running.
-pub(crate) fn to_run(net: &Net, period: u64) -> Result<(Image, Option<u64>), String> {
+pub(crate) fn lower_for_run(net: &Net, period: u64) -> Result<(Image, Option<u64>), String> {
     let lowered = rpi_driver::lower_with_work(net, period);
     lowered.map(|(image, work)| (image, Some(work)))
 }
@@ -35,20 +35,28 @@ fn needs_devices(images: &[Arc<Image>]) -> bool {
 }
 
 /// Makes the script of the named command or task, else of the only task, else of the only command.
-pub(crate) fn script(compiled: &Compiled, target: &Target, lower: Lower) -> Result<Script, String> {
+pub(crate) fn task_bundle(
+    compiled: &Compiled,
+    target: &Target,
+    lower: Lower,
+) -> Result<TaskBundle, String> {
     if let Program::Image(image) = &compiled.program {
-        return of_image(image, target).map(|image| Script::once((image, None)));
+        return check_image_period(image, target).map(|image| TaskBundle::single((image, None)));
     }
     let (nets, period) = (compiled.nets(), target.period.unwrap_or(PERIOD));
     if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {
-        return Script::of_task(task, nets, |net| lower(net, period));
+        return TaskBundle::from_task(task, nets, |net| lower(net, period));
     }
-    let net = program::choose(compiled, &compiled.tasks, target.command.as_deref())?;
-    lower(net, period).map(Script::once)
+    let net = program::select_command(compiled, &compiled.tasks, target.command.as_deref())?;
+    lower(net, period).map(TaskBundle::single)
 }
 
 /// Returns an error if a command that runs alone needs inputs from a predecessor that are not set by options.
-pub(crate) fn has_all(compiled: &Compiled, target: &Target, script: &Script) -> Result<(), String> {
+pub(crate) fn ensure_inputs_set(
+    compiled: &Compiled,
+    target: &Target,
+    script: &TaskBundle,
+) -> Result<(), String> {
     let (tasks, name) = (&compiled.tasks, target.command.as_deref());
     let image = script.images.first().map(|image| image.name.as_str());
     let net = compiled.nets().iter().find(|net| Some(&*net.name) == image);
@@ -56,8 +64,11 @@ pub(crate) fn has_all(compiled: &Compiled, target: &Target, script: &Script) -> 
         return Ok(());
     };
     let is_set = |key: &str| target.settings.iter().any(|set| set.key == key);
-    let needed = net.given.iter().map(|given| (given.key.as_str(), given));
-    let needed = needed.filter(|(key, given)| given.is_needed && !is_set(key));
+    let needed = net
+        .command_inputs
+        .iter()
+        .map(|given| (given.key.as_str(), given));
+    let needed = needed.filter(|(key, given)| given.is_required && !is_set(key));
     let needed: Vec<&str> = needed.map(|(key, _)| key).collect();
     let [first, ..] = needed[..] else {
         return Ok(());
@@ -78,12 +89,12 @@ fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
 }
 
 /// Returns the image, or an error if the period differs from the one that it was compiled for.
-fn of_image(image: &Image, target: &Target) -> Result<Image, String> {
+fn check_image_period(image: &Image, target: &Target) -> Result<Image, String> {
     match target.period {
         Some(period) if period != image.period_ns => Err(format!(
             "the image was compiled for a period of {}, not {}",
-            rpi_driver::period_text(image.period_ns),
-            rpi_driver::period_text(period)
+            rpi_driver::format_duration(image.period_ns),
+            rpi_driver::format_duration(period)
         )),
         _ => Ok(image.clone()),
     }
@@ -100,7 +111,7 @@ pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
 pub(crate) fn cell(
     program: &Path,
     target: &Target,
-    script: &Script,
+    script: &TaskBundle,
 ) -> Result<(Cell, String), String> {
     let path = cell_file(program, target);
     if target.cell.is_none() && !path.is_file() {

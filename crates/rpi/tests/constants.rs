@@ -1,7 +1,7 @@
 //! Constants that leave their fragment: outside they are present only while it is active (M4, M6).
 
-use rpi_core::{Machine, Moment};
-use rpi_driver::{Input, Kind, compile, lower_to_look, lower_to_run};
+use rpi_core::{CycleContext, Instance};
+use rpi_driver::{Input, InputKind, compile, lower_for_execution, lower_for_observation};
 use rpi_image::Image;
 use rpi_sim::{Cell, SimBank};
 
@@ -11,10 +11,10 @@ const PERIOD_NS: u64 = 1_000_000;
 fn exported(image: Image, cycles: usize) -> Vec<Vec<Option<i64>>> {
     let cell = Cell::parse("cell.toml", "").expect("an empty cell");
     let mut bank = SimBank::new(&cell, PERIOD_NS as f64 * 1e-9);
-    let mut machine = Machine::load(image, &mut bank).expect("it loads");
+    let mut machine = Instance::load(image, &mut bank).expect("it loads");
     let mut all = Vec::new();
     for _ in 0..cycles {
-        machine.read(&mut bank, &Moment::default());
+        machine.read(&mut bank, &CycleContext::default());
         machine.evaluate(&mut bank);
         let exports = machine.image().exports.clone();
         let values = exports
@@ -29,14 +29,14 @@ fn exported(image: Image, cycles: usize) -> Vec<Vec<Option<i64>>> {
 fn check(program: &str, expected: &[&[Option<i64>]]) {
     let input = Input {
         path: "constants.rpi".into(),
-        kind: Kind::Rpi,
+        kind: InputKind::Rpi,
         bytes: program.as_bytes().to_vec(),
     };
     let compiled = compile(&input).expect("a program is text");
     let [net] = compiled.nets() else {
-        panic!("{:?}", compiled.findings);
+        panic!("{:?}", compiled.diagnostics);
     };
-    for lower in [lower_to_run, lower_to_look] {
+    for lower in [lower_for_execution, lower_for_observation] {
         let image = lower(net, PERIOD_NS).expect("it lowers");
         assert_eq!(exported(image, expected.len()), expected, "{program}");
     }

@@ -137,12 +137,12 @@ fn plain(name: &str) -> String {
 /// values.
 fn emitted(program: &Path, table: &str) -> (String, String) {
     let input = rpi_driver::read(program).expect("it is read");
-    let compiled = rpi_driver::compile_node(&input, None, rpi_driver::Claims::Fault, false);
+    let compiled = rpi_driver::compile_node(&input, None, rpi_driver::ClaimPolicy::Fault, false);
     let node = compiled
         .expect("it is a program")
         .node
         .expect("it is right");
-    let boundary = rpi_net::lustre::Boundary {
+    let boundary = rpi_net::lustre::NodeInterface {
         inputs: &node.inputs,
         outputs: &node.outputs,
     };
@@ -153,7 +153,7 @@ fn emitted(program: &Path, table: &str) -> (String, String) {
         let mut values = node
             .inputs
             .iter()
-            .flat_map(|column| column.values.iter().zip(0..));
+            .flat_map(|column| column.enum_values.iter().zip(0..));
         let found = values.find(|(value, _)| *value == cell);
         found.map_or(cell.to_owned(), |(_, k): (_, i32)| k.to_string())
     };
@@ -191,7 +191,7 @@ fn emitted(program: &Path, table: &str) -> (String, String) {
 fn type_if_optional(node: &rpi_driver::Node, name: &str) -> Option<Scalar> {
     let mut columns = node.inputs.iter();
     let column = columns.find(|column| column.key == name)?;
-    column.optional.then_some(column.ty)
+    column.optional.then_some(column.scalar)
 }
 
 /// Returns the columns of a table by plain name.
@@ -251,20 +251,20 @@ fn what_is_emitted_as_lustre_gives_the_same_bits() {
 }
 
 /// Emits a command by `--emit lustre`. Returns the text and the diagnostics about open inputs.
-fn command(text: &str) -> (String, Vec<rpi_diag::Finding>) {
-    let compiled = rpi_driver::compile_with(&source(text), rpi_driver::Claims::Fault);
+fn command(text: &str) -> (String, Vec<rpi_diag::Diagnostic>) {
+    let compiled = rpi_driver::compile_with(&source(text), rpi_driver::ClaimPolicy::Fault);
     let compiled = compiled.expect("a program is text");
     let [net] = compiled.nets() else {
-        panic!("{:?}", compiled.findings)
+        panic!("{:?}", compiled.diagnostics)
     };
-    let boundary = rpi_net::lustre::Boundary::default();
+    let boundary = rpi_net::lustre::NodeInterface::default();
     rpi_driver::emit::lustre(net, &boundary, PERIOD).expect("it has an order")
 }
 
 fn source(text: &str) -> rpi_driver::Input {
     rpi_driver::Input {
         path: "page.rpi".into(),
-        kind: rpi_driver::Kind::Rpi,
+        kind: rpi_driver::InputKind::Rpi,
         bytes: text.as_bytes().to_vec(),
     }
 }
@@ -278,8 +278,8 @@ fn what_has_no_form_in_lustre_is_told() {
     ] {
         let text = page.split(fence).nth(1);
         let text = text.and_then(|rest| rest.split("```").next());
-        let (text, findings) = command(text.expect("the page has both"));
-        assert_eq!(findings.len(), told, "{findings:?}");
+        let (text, diagnostics) = command(text.expect("the page has both"));
+        assert_eq!(diagnostics.len(), told, "{diagnostics:?}");
         assert!(text.contains("done: bool"), "{text}");
     }
 }

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use rpi_driver::{Input, Kind, compile, lower_to_run};
+use rpi_driver::{Input, InputKind, compile, lower_for_execution};
 use rpi_image::Image;
 
 const TICK_NS: u64 = 1_000_000;
@@ -214,13 +214,13 @@ fn many_small(motions: usize) -> String {
 fn images(text: &str) -> Vec<Image> {
     let input = Input {
         path: "t.rpi".into(),
-        kind: Kind::Rpi,
+        kind: InputKind::Rpi,
         bytes: text.into(),
     };
     let compiled = compile(&input).unwrap();
-    assert!(!compiled.has_errors(), "{:?}", compiled.findings);
+    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let nets = compiled.nets().iter();
-    nets.map(|net| lower_to_run(net, TICK_NS).unwrap())
+    nets.map(|net| lower_for_execution(net, TICK_NS).unwrap())
         .collect()
 }
 

@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use rpi_record::recording::Recording;
+use rpi_record::mcap::Recording;
 
 fn rpi(arguments: &[&str]) -> Output {
     let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));

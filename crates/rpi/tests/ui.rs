@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use rpi_testkit::{files_below, tool_differs};
+use rpi_testkit::{compare_tool_output, files_below};
 
 #[test]
 fn runs_say_what_stands_beside_them() {
@@ -15,7 +15,7 @@ fn runs_say_what_stands_beside_them() {
 
 /// Returns the output for a program if it differs from the expected one.
 fn differs(path: &Path) -> Option<String> {
-    tool_differs(path, env!("CARGO_BIN_EXE_rpi"), |command, name| {
+    compare_tool_output(path, env!("CARGO_BIN_EXE_rpi"), |command, name| {
         command.arg("run").arg(name).arg("--inputs");
         command.arg(path.with_extension("csv"));
     })

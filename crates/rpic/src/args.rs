@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use rpi_diag::Format;
-use rpi_driver::Claims;
+use rpi_driver::ClaimPolicy;
 
 /// Version of the tool and of the image format that it writes.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
@@ -16,12 +16,12 @@ const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
 pub(crate) struct Cli {
     /// Subcommand.
     #[command(subcommand)]
-    pub(crate) task: Task,
+    pub(crate) task: CliCommand,
 }
 
 /// Subcommands of `rpic`.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Task {
+pub(crate) enum CliCommand {
     /// Check programs and report errors and warnings.
     Check(CheckArgs),
     /// Compile a command to an image, or print an intermediate form.
@@ -98,7 +98,7 @@ pub(crate) struct TestArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) cycles: Option<u64>,
     /// Period of the cycle.
-    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: u64,
     /// Report fragments, branches and transitions that no test has covered.
     #[arg(long)]
@@ -146,7 +146,7 @@ pub(crate) struct CompileArgs {
     #[arg(long, value_name = "MODE", default_value = "off")]
     pub(crate) contracts: Contracts,
     /// Period of the cycle for which the image is compiled.
-    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_period, value_name = "TIME")]
+    #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: u64,
 }
 
@@ -161,12 +161,12 @@ pub(crate) enum Contracts {
     Fault,
 }
 
-impl From<Contracts> for Claims {
-    fn from(contracts: Contracts) -> Claims {
+impl From<Contracts> for ClaimPolicy {
+    fn from(contracts: Contracts) -> ClaimPolicy {
         match contracts {
-            Contracts::Off => Claims::Off,
-            Contracts::Report => Claims::Report,
-            Contracts::Fault => Claims::Fault,
+            Contracts::Off => ClaimPolicy::Off,
+            Contracts::Report => ClaimPolicy::Report,
+            Contracts::Fault => ClaimPolicy::Fault,
         }
     }
 }

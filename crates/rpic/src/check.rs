@@ -4,41 +4,41 @@ use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::Path;
 
-use rpi_diag::{Code, Finding, Format, Severity, SourceMap, Span, Style, render_as};
-use rpi_driver::{Asked, Claims, Compiled};
+use rpi_diag::{Code, Diagnostic, Format, Severity, SourceMap, Span, Style, render_as};
+use rpi_driver::{ClaimPolicy, CompileOptions, Compiled};
 
 use crate::args::CheckArgs;
-use crate::mend::mend;
-use crate::outcome::{Exit, Outcome, put};
+use crate::fix::fix_file;
+use crate::outcome::{CommandResult, Exit, write_output};
 
 /// Checks each file. The exit status is that of the worst one.
-pub(crate) fn check(args: &CheckArgs) -> Outcome {
-    let mut report = Report::default();
+pub(crate) fn check(args: &CheckArgs) -> CommandResult {
+    let mut report = DiagnosticSet::default();
     let mut all_read = true;
     for file in &rpi_driver::files_of(&args.files)? {
         let compiled = match args.fix {
-            true => mend(file, args.explain_analysis),
+            true => fix_file(file, args.explain_analysis),
             false => compile(file, args.explain_analysis),
         };
         let compiled = match compiled {
             Ok(compiled) => compiled,
             // A file that cannot be read does not prevent checking the others.
             Err(error) => {
-                rpi_diag::tell_line!("error: {error}");
+                rpi_diag::println_stderr!("error: {error}");
                 all_read = false;
                 continue;
             }
         };
         if args.explain_analysis {
-            say(args.format, &explained(&compiled))?;
+            print_text(args.format, &analysis_summary(&compiled))?;
         }
-        report.add(&compiled.sources, compiled.findings);
+        report.add(&compiled.sources, compiled.diagnostics);
     }
-    show(args.format, &report.findings, &report.sources)?;
-    Ok(match (all_read, has_errors(&report.findings)) {
+    print_diagnostics(args.format, &report.diagnostics, &report.sources)?;
+    Ok(match (all_read, has_errors(&report.diagnostics)) {
         (false, _) => Exit::BadInput,
-        (true, true) => Exit::Found,
-        (true, false) => Exit::Good,
+        (true, true) => Exit::ErrorsReported,
+        (true, false) => Exit::Success,
     })
 }
 
@@ -47,80 +47,86 @@ pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::
     let input = rpi_driver::read(path)?;
     Ok(rpi_driver::compile_with(
         &input,
-        Asked {
-            claims: Claims::Off,
-            told,
-            ..Asked::default()
+        CompileOptions {
+            claims: ClaimPolicy::Off,
+            summaries: told,
+            ..CompileOptions::default()
         },
     )?)
 }
 
 /// Diagnostics of several files, without duplicates from files that several programs use.
 #[derive(Default)]
-pub(crate) struct Report {
-    pub(crate) findings: Vec<Finding>,
+pub(crate) struct DiagnosticSet {
+    pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) sources: SourceMap,
     /// Indices into `findings` by code and location. The index keeps the search for duplicates fast: there can be a
     /// hundred thousand diagnostics.
-    told: BTreeMap<(Code, Span), Vec<usize>>,
+    index: BTreeMap<(Code, Span), Vec<usize>>,
 }
 
-impl Report {
-    pub(crate) fn add(&mut self, sources: &SourceMap, findings: Vec<Finding>) {
+impl DiagnosticSet {
+    pub(crate) fn add(&mut self, sources: &SourceMap, diagnostics: Vec<Diagnostic>) {
         let files = self.sources.absorb(sources);
-        for finding in findings {
-            self.tell(finding.renumbered(&files));
+        for diagnostic in diagnostics {
+            self.push_unique(diagnostic.renumbered(&files));
         }
     }
 
-    fn tell(&mut self, finding: Finding) {
-        let here = self.told.entry((finding.code, finding.span())).or_default();
-        if here.iter().all(|told| self.findings[*told] != finding) {
-            here.push(self.findings.len());
-            self.findings.push(finding);
+    fn push_unique(&mut self, diagnostic: Diagnostic) {
+        let here = self
+            .index
+            .entry((diagnostic.code, diagnostic.span()))
+            .or_default();
+        if here
+            .iter()
+            .all(|told| self.diagnostics[*told] != diagnostic)
+        {
+            here.push(self.diagnostics.len());
+            self.diagnostics.push(diagnostic);
         }
     }
 }
 
 /// Prints diagnostics in the given format: the human format to standard error, the others to standard output.
-pub(crate) fn show(
+pub(crate) fn print_diagnostics(
     format: Format,
-    findings: &[Finding],
+    diagnostics: &[Diagnostic],
     sources: &SourceMap,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let style = Style::of(&std::io::stderr());
-    let text = render_as(format, findings, sources, style);
+    let style = Style::for_stream(&std::io::stderr());
+    let text = render_as(format, diagnostics, sources, style);
     match format {
-        Format::Human if findings.is_empty() => {
+        Format::Human if diagnostics.is_empty() => {
             if std::io::stderr().is_terminal() {
-                rpi_diag::tell_line!("no errors or warnings");
+                rpi_diag::println_stderr!("no errors or warnings");
             }
             Ok(())
         }
         Format::Human => {
-            rpi_diag::tell!("{text}");
+            rpi_diag::print_stderr!("{text}");
             Ok(())
         }
-        _ => put(None, text.as_bytes()),
+        _ => write_output(None, text.as_bytes()),
     }
 }
 
 /// Writes text for people to standard output, or to standard error if the format needs standard output for its one
 /// document.
-pub(crate) fn say(format: Format, text: &str) -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn print_text(format: Format, text: &str) -> Result<(), Box<dyn std::error::Error>> {
     match format {
-        Format::Human => put(None, text.as_bytes()),
+        Format::Human => write_output(None, text.as_bytes()),
         _ => {
-            rpi_diag::tell!("{text}");
+            rpi_diag::print_stderr!("{text}");
             Ok(())
         }
     }
 }
 
 /// Formats the summary of each analysis for each compiled command and node.
-fn explained(compiled: &Compiled) -> String {
+fn analysis_summary(compiled: &Compiled) -> String {
     let mut out = String::new();
-    for told in &compiled.told {
+    for told in &compiled.summaries {
         out.push_str(&format!("{}\n", told.name));
         for (pass, line) in &told.lines {
             out.push_str(&format!("  {pass:<14} {line}\n"));
@@ -130,6 +136,6 @@ fn explained(compiled: &Compiled) -> String {
 }
 
 /// Returns whether one of the diagnostics is an error.
-pub(crate) fn has_errors(findings: &[Finding]) -> bool {
-    findings.iter().any(|f| f.severity() == Severity::Error)
+pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|f| f.severity() == Severity::Error)
 }

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use rpi_diag::Format;
-use rpi_driver::{Claims, Compiled, Input, Kind, emit, graph as draw};
+use rpi_driver::{ClaimPolicy, Compiled, Input, InputKind, emit, graph as draw};
 use rpi_net::Net;
-use rpi_net::lustre::Boundary;
-use rpi_syntax::Mode;
+use rpi_net::lustre::NodeInterface;
+use rpi_syntax::Dialect;
 
 use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
-use crate::check::{has_errors, show};
-use crate::outcome::{Exit, Outcome, put_result};
+use crate::check::{has_errors, print_diagnostics};
+use crate::outcome::{CommandResult, Exit, write_result};
 
 /// Writes an image, or prints an intermediate form.
-pub(crate) fn compile(args: &CompileArgs) -> Outcome {
+pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
     let input = rpi_driver::read(&args.file)?;
     let text = match args.emit {
         Some(Form::Tokens) => Some(emit::tokens(&input)?),
@@ -22,22 +22,22 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
         _ => None,
     };
     if let Some(text) = text {
-        put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
-        return Ok(Exit::Good);
+        write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
+        return Ok(Exit::Success);
     }
-    let is_lustre = Mode::of_path(&input.path.display().to_string()) == Mode::Lustre;
+    let is_lustre = Dialect::from_path(&input.path.display().to_string()) == Dialect::Lustre;
     if args.emit == Some(Form::Lustre) && (is_lustre || args.node.is_some()) {
         return node_as_lustre(&input, args);
     }
-    let compiled = rpi_driver::compile_with(&input, rpi_driver::Claims::from(args.contracts))?;
-    show(Format::Human, &compiled.findings, &compiled.sources)?;
+    let compiled = rpi_driver::compile_with(&input, rpi_driver::ClaimPolicy::from(args.contracts))?;
+    print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;
     if compiled.has_errors() {
-        return Ok(Exit::Found);
+        return Ok(Exit::ErrorsReported);
     }
     if args.emit == Some(Form::Lustre) && args.command.is_none() && compiled.nets().is_empty() {
         return node_as_lustre(&input, args);
     }
-    let net = one(&compiled, args.command.as_deref())?;
+    let net = select_net(&compiled, args.command.as_deref())?;
     match args.emit {
         Some(form) => show_form(form, net, &compiled, args),
         None => write_image(net, &input, args),
@@ -45,28 +45,29 @@ pub(crate) fn compile(args: &CompileArgs) -> Outcome {
 }
 
 /// Writes a single node as Lustre, with its properties.
-fn node_as_lustre(input: &Input, args: &CompileArgs) -> Outcome {
-    let compiled = rpi_driver::compile_node(input, args.node.as_deref(), Claims::Fault, false)?;
-    show(Format::Human, &compiled.findings, &compiled.sources)?;
+fn node_as_lustre(input: &Input, args: &CompileArgs) -> CommandResult {
+    let compiled =
+        rpi_driver::compile_node(input, args.node.as_deref(), ClaimPolicy::Fault, false)?;
+    print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;
     let Some(node) = compiled.node else {
-        return Ok(Exit::Found);
+        return Ok(Exit::ErrorsReported);
     };
-    let boundary = Boundary {
+    let boundary = NodeInterface {
         inputs: &node.inputs,
         outputs: &node.outputs,
     };
-    let (text, findings) = emit::lustre(&node.net, &boundary, args.period)?;
-    show(Format::Human, &findings, &compiled.sources)?;
-    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
-    Ok(Exit::Good)
+    let (text, diagnostics) = emit::lustre(&node.net, &boundary, args.period)?;
+    print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
+    write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Success)
 }
 
-fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> Outcome {
+fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> CommandResult {
     let text = match form {
         Form::Net => rpi_net::rpinet::write(net),
         Form::Rpinet => {
-            let (text, findings) = emit::rpinet(net);
-            show(Format::Human, &findings, &compiled.sources)?;
+            let (text, diagnostics) = emit::rpinet(net);
+            print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
             text
         }
         Form::Schedule => emit::schedule(net).ok_or("the net has a dependency cycle")?,
@@ -75,39 +76,42 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
         Form::Mermaid => draw::mermaid(net),
         Form::C => match emit::c(net, args.period) {
             Ok(text) => text,
-            Err(findings) => {
-                show(Format::Human, &findings, &compiled.sources)?;
-                return Ok(Exit::Found);
+            Err(diagnostics) => {
+                print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
+                return Ok(Exit::ErrorsReported);
             }
         },
         Form::Lustre => {
-            let (text, findings) = emit::lustre(net, &Boundary::default(), args.period)?;
-            show(Format::Human, &findings, &compiled.sources)?;
+            let (text, diagnostics) = emit::lustre(net, &NodeInterface::default(), args.period)?;
+            print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
             text
         }
         // These forms were already printed, before the net was built.
         Form::Tokens | Form::Ast | Form::Typed => String::new(),
     };
-    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
-    Ok(Exit::Good)
+    write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Success)
 }
 
-fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> Outcome {
-    let image = rpi_driver::lower_to_run(net, args.period)?;
-    let path = args.output.clone().unwrap_or_else(|| beside(input, "rpib"));
-    put_result(&args.file, Some(&path), &image.to_bytes())?;
-    rpi_diag::tell_line!("wrote {}", path.display());
-    Ok(Exit::Good)
+fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> CommandResult {
+    let image = rpi_driver::lower_for_execution(net, args.period)?;
+    let path = args
+        .output
+        .clone()
+        .unwrap_or_else(|| with_extension(input, "rpib"));
+    write_result(&args.file, Some(&path), &image.to_bytes())?;
+    rpi_diag::println_stderr!("wrote {}", path.display());
+    Ok(Exit::Success)
 }
 
 /// Returns the path of the source with another extension.
-fn beside(input: &Input, ending: &str) -> PathBuf {
+fn with_extension(input: &Input, ending: &str) -> PathBuf {
     let folder = input.path.parent().unwrap_or(Path::new(""));
     folder.join(format!("{}.{ending}", input.stem()))
 }
 
 /// Returns the net of the named command, or of the only command.
-fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String> {
+fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String> {
     let nets = compiled.nets();
     let names = || nets.iter().map(|net| net.name.as_str()).collect::<Vec<_>>();
     match (name, nets) {
@@ -129,9 +133,9 @@ fn one<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String
 }
 
 /// Converts a net to a program.
-pub(crate) fn import(args: &ImportArgs) -> Outcome {
+pub(crate) fn import(args: &ImportArgs) -> CommandResult {
     let input = rpi_driver::read(&args.file)?;
-    if input.kind != Kind::Rpinet {
+    if input.kind != InputKind::Rpinet {
         return Err(format!(
             "{}: only nets (.rpinet) can be imported",
             args.file.display()
@@ -139,27 +143,27 @@ pub(crate) fn import(args: &ImportArgs) -> Outcome {
         .into());
     }
     let compiled = rpi_driver::compile(&input)?;
-    show(Format::Human, &compiled.findings, &compiled.sources)?;
-    if has_errors(&compiled.findings) {
-        return Ok(Exit::Found);
+    print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;
+    if has_errors(&compiled.diagnostics) {
+        return Ok(Exit::ErrorsReported);
     }
-    let text = rpi_driver::import::to_program(one(&compiled, None)?);
-    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
-    Ok(Exit::Good)
+    let text = rpi_driver::import::to_program(select_net(&compiled, None)?);
+    write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Success)
 }
 
 /// Draws a net.
-pub(crate) fn graph(args: &GraphArgs) -> Outcome {
+pub(crate) fn graph(args: &GraphArgs) -> CommandResult {
     let compiled = rpi_driver::compile(&rpi_driver::read(&args.file)?)?;
-    show(Format::Human, &compiled.findings, &compiled.sources)?;
+    print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;
     if compiled.has_errors() {
-        return Ok(Exit::Found);
+        return Ok(Exit::ErrorsReported);
     }
-    let net = one(&compiled, args.command.as_deref())?;
+    let net = select_net(&compiled, args.command.as_deref())?;
     let text = match args.format {
         Drawing::Dot => draw::dot(net),
         Drawing::Mermaid => draw::mermaid(net),
     };
-    put_result(&args.file, args.output.as_deref(), text.as_bytes())?;
-    Ok(Exit::Good)
+    write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
+    Ok(Exit::Success)
 }

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use rpi_diag::{FileId, SourceMap, Span};
-use rpi_driver::Marks;
+use rpi_driver::CoveragePoints;
 use rpi_replay::testing::Coverage;
 
 /// Covered source locations. Several instances of a node share one location and count once.
 #[derive(Default)]
-pub(crate) struct Seen {
+pub(crate) struct CoverageTotals {
     called: BTreeSet<Span>,
     /// For each fragment its path, and whether any instance was active.
     fragments: BTreeMap<Span, (String, bool)>,
@@ -20,20 +20,20 @@ pub(crate) struct Seen {
 /// Number of items, and how many of them were covered.
 #[derive(Default)]
 struct Count {
-    seen: usize,
-    all: usize,
+    covered: usize,
+    total: usize,
 }
 
 /// Coverage counts of the reachable items, and a line for each item that was not covered.
 #[derive(Default)]
-struct Account {
+struct CoverageReport {
     fragments: Count,
     branches: Count,
     transitions: Count,
-    missing: String,
+    uncovered: String,
 }
 
-impl Seen {
+impl CoverageTotals {
     /// Adds the coverage of one test.
     pub(crate) fn add(&mut self, coverage: &Coverage) {
         self.called.extend(&coverage.called);
@@ -52,13 +52,13 @@ impl Seen {
 
     /// Returns a summary line and one line per uncovered item. The standard library is excluded, because it has its own
     /// tests; so are nodes of other modules that no test calls.
-    pub(crate) fn text(&self, marks: &[Marks], sources: &SourceMap) -> String {
-        let mut account = Account::default();
+    pub(crate) fn report(&self, marks: &[CoveragePoints], sources: &SourceMap) -> String {
+        let mut account = CoverageReport::default();
         let own = |place: &Span| is_own(sources, *place);
         for (_, (path, active)) in self.fragments.iter().filter(|(place, _)| own(place)) {
             account.fragments.add(*active);
             if !active {
-                let _ = writeln!(account.missing, "  never active: {path}");
+                let _ = writeln!(account.uncovered, "  never active: {path}");
             }
         }
         for declared in marks.iter().filter(|declared| own(&declared.span)) {
@@ -68,11 +68,11 @@ impl Seen {
                 account.uncalled(declared, sources);
             }
         }
-        let Account {
+        let CoverageReport {
             fragments,
             branches,
             transitions,
-            missing,
+            uncovered: missing,
         } = account;
         format!(
             "coverage: {} fragments, {} branches, {} transitions\n{missing}",
@@ -83,14 +83,14 @@ impl Seen {
     }
 
     /// Adds the counts of a unit that at least one test calls.
-    fn called(&self, declared: &Marks, sources: &SourceMap, account: &mut Account) {
+    fn called(&self, declared: &CoveragePoints, sources: &SourceMap, account: &mut CoverageReport) {
         for place in &declared.choices {
             let ways = self.branches.get(place).copied().unwrap_or_default();
             for (seen, branch) in [(ways[1], "then"), (ways[0], "else")] {
                 account.branches.add(seen);
                 if !seen {
-                    let place = located(sources, *place);
-                    let _ = writeln!(account.missing, "  `{branch}` never taken: {place}");
+                    let place = format_location(sources, *place);
+                    let _ = writeln!(account.uncovered, "  `{branch}` never taken: {place}");
                 }
             }
         }
@@ -98,36 +98,36 @@ impl Seen {
             let taken = self.transitions.get(place).copied().unwrap_or_default();
             account.transitions.add(taken);
             if !taken {
-                let (transition, place) = (sources.slice(*place), located(sources, *place));
-                let _ = writeln!(account.missing, "  `{transition}` never taken: {place}");
+                let (transition, place) = (sources.slice(*place), format_location(sources, *place));
+                let _ = writeln!(account.uncovered, "  `{transition}` never taken: {place}");
             }
         }
     }
 }
 
-impl Account {
+impl CoverageReport {
     /// Adds the counts of a unit that no test calls; none of its items is covered.
-    fn uncalled(&mut self, declared: &Marks, sources: &SourceMap) {
-        self.fragments.all += declared.fragments;
-        self.branches.all += 2 * declared.choices.len();
-        self.transitions.all += declared.transitions.len();
-        let (what, place) = (&declared.what, located(sources, declared.span));
-        let _ = writeln!(self.missing, "  never called: {what}: {place}");
+    fn uncalled(&mut self, declared: &CoveragePoints, sources: &SourceMap) {
+        self.fragments.total += declared.fragments;
+        self.branches.total += 2 * declared.choices.len();
+        self.transitions.total += declared.transitions.len();
+        let (what, place) = (&declared.label, format_location(sources, declared.span));
+        let _ = writeln!(self.uncovered, "  never called: {what}: {place}");
     }
 }
 
 impl Count {
     fn add(&mut self, seen: bool) {
-        self.all += 1;
-        self.seen += usize::from(seen);
+        self.total += 1;
+        self.covered += usize::from(seen);
     }
 
     fn text(&self) -> String {
-        format!("{} of {}", self.seen, self.all)
+        format!("{} of {}", self.covered, self.total)
     }
 }
 
-fn located(sources: &SourceMap, place: Span) -> String {
+fn format_location(sources: &SourceMap, place: Span) -> String {
     let (file, at) = (sources.name(place.file), sources.line_col(place));
     format!("{file}:{}:{}", at.line, at.col)
 }

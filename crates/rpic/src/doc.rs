@@ -5,18 +5,20 @@ use std::path::{Path, PathBuf};
 
 use rpi_diag::Format;
 use rpi_doc::{Module, Site};
-use rpi_driver::{Disk, Files, Inspected, Project, inspect, library_modules, library_text};
+use rpi_driver::{
+    DiskLoader, FileLoader, Inspection, Project, inspect, library_modules, library_text,
+};
 
 use crate::args::DocArgs;
-use crate::check::{has_errors, show};
-use crate::outcome::{Exit, Outcome};
+use crate::check::{has_errors, print_diagnostics};
+use crate::outcome::{CommandResult, Exit};
 
 /// Introduction of the reference of the standard library.
 const LIBRARY: &str = "Fragments, nodes and device types that come with the language. `use filters;` brings in a module; \
                        `math` and `geometry` are always available.";
 
 /// Writes the pages and prints the path of the start page.
-pub(crate) fn doc(args: &DocArgs) -> Outcome {
+pub(crate) fn doc(args: &DocArgs) -> CommandResult {
     let (title, about, own) = match args.std {
         true => ("Standard library".to_owned(), LIBRARY.to_owned(), library()),
         false => {
@@ -27,19 +29,27 @@ pub(crate) fn doc(args: &DocArgs) -> Outcome {
     };
     let mut faulty = false;
     for module in &own {
-        show(Format::Human, &module.seen.findings, &module.seen.sources)?;
-        faulty |= has_errors(&module.seen.findings);
+        print_diagnostics(
+            Format::Human,
+            &module.inspected.diagnostics,
+            &module.inspected.sources,
+        )?;
+        faulty |= has_errors(&module.inspected.diagnostics);
     }
-    let modules = with_used(own);
-    let site = Site::of(&title, &about, &modules);
+    let modules = add_used_library_modules(own);
+    let site = Site::new(&title, &about, &modules);
     write(&args.out, &site)?;
     let index = args.out.join("index.html");
-    let pages = rpi_diag::counted(modules.len() + 1, "page");
-    rpi_diag::tell_line!("wrote {pages}: {}", index.display());
+    let pages = rpi_diag::with_noun(modules.len() + 1, "page");
+    rpi_diag::println_stderr!("wrote {pages}: {}", index.display());
     if args.open {
         open(&index)?;
     }
-    Ok(if faulty { Exit::Found } else { Exit::Good })
+    Ok(if faulty {
+        Exit::ErrorsReported
+    } else {
+        Exit::Success
+    })
 }
 
 /// Returns the programs of a project as modules.
@@ -55,16 +65,16 @@ fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>
         modules.push(Module {
             name,
             is_library: false,
-            seen: inspect(path, input.text()?, &Disk),
+            inspected: inspect(path, input.text()?, &DiskLoader),
         });
     }
     Ok(modules)
 }
 
 /// Empty file system: no file on disk may replace a module of the standard library.
-struct Nothing;
+struct NoFiles;
 
-impl Files for Nothing {
+impl FileLoader for NoFiles {
     fn text(&self, _: &Path) -> Option<String> {
         None
     }
@@ -79,13 +89,13 @@ fn library_module(name: &str) -> Option<Module> {
     Some(Module {
         name: name.to_owned(),
         is_library: true,
-        seen: inspect(&path, library_text(name)?, &Nothing),
+        inspected: inspect(&path, library_text(name)?, &NoFiles),
     })
 }
 
 /// Adds the library modules that other modules use, so that links to them have a target.
-fn with_used(mut modules: Vec<Module>) -> Vec<Module> {
-    let sources = |seen: &Inspected| {
+fn add_used_library_modules(mut modules: Vec<Module>) -> Vec<Module> {
+    let sources = |seen: &Inspection| {
         let all = seen
             .sources
             .files()
@@ -94,9 +104,9 @@ fn with_used(mut modules: Vec<Module>) -> Vec<Module> {
     };
     let there: BTreeSet<String> = modules
         .iter()
-        .flat_map(|m| sources(&m.seen).into_iter().take(1))
+        .flat_map(|m| sources(&m.inspected).into_iter().take(1))
         .collect();
-    let used: BTreeSet<String> = modules.iter().flat_map(|m| sources(&m.seen)).collect();
+    let used: BTreeSet<String> = modules.iter().flat_map(|m| sources(&m.inspected)).collect();
     let missing = library_modules().filter(|name| {
         let path = format!("stdlib/{name}.rpi");
         used.contains(&path) && !there.contains(&path)

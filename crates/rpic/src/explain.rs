@@ -2,10 +2,10 @@
 
 use rpi_diag::{Code, suggest};
 
-use crate::outcome::{Exit, Outcome, put};
+use crate::outcome::{CommandResult, Exit, write_output};
 
 /// Prints the explanation page of a code.
-pub(crate) fn explain(name: &str) -> Outcome {
+pub(crate) fn explain(name: &str) -> CommandResult {
     let upper = match name.bytes().all(|byte| byte.is_ascii_digit()) {
         true => format!("RPI{name:0>4}"),
         false => name.to_uppercase(),
@@ -15,15 +15,15 @@ pub(crate) fn explain(name: &str) -> Outcome {
         let near = near.map_or(String::new(), |code| format!("; did you mean {code}?"));
         return Err(format!("unknown diagnostic code: {name}{near}").into());
     };
-    put(None, code.page().as_bytes())?;
-    Ok(Exit::Good)
+    write_output(None, code.page().as_bytes())?;
+    Ok(Exit::Success)
 }
 
 /// Lists all codes with their titles.
-pub(crate) fn list() -> Outcome {
+pub(crate) fn list() -> CommandResult {
     let lines = Code::ALL
         .iter()
         .map(|code| format!("{}  {}\n", code.as_str(), code.title()));
-    put(None, lines.collect::<String>().as_bytes())?;
-    Ok(Exit::Good)
+    write_output(None, lines.collect::<String>().as_bytes())?;
+    Ok(Exit::Success)
 }

@@ -2,10 +2,10 @@
 
 use std::io;
 
-use crate::outcome::{Exit, Outcome};
+use crate::outcome::{CommandResult, Exit};
 
 /// Serves one editor until it closes the connection.
-pub(crate) fn lsp() -> Outcome {
+pub(crate) fn lsp() -> CommandResult {
     rpi_lsp::serve(io::BufReader::new(io::stdin()), io::stdout())?;
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }

@@ -3,13 +3,13 @@
 
 use std::path::PathBuf;
 
-use rpi_driver::{Input, Kind, compile, lower_to_run, machine_text};
+use rpi_driver::{Input, InputKind, compile, lower_for_execution, machine_text};
 use rpi_net::FragmentId;
 use rpi_net::passes::analyse;
-use rpi_runtime::measure::cold_cycle_ns;
+use rpi_runtime::cycle_time::cold_cycle_ns;
 
 use crate::args::MachineArgs;
-use crate::outcome::{Exit, Outcome, put};
+use crate::outcome::{CommandResult, Exit, write_output};
 
 /// Number of equations of the measured program. There are enough equations of all kinds to defeat branch prediction.
 const EQUATIONS: usize = 2_000;
@@ -24,10 +24,10 @@ const MARGIN: f64 = 2.0;
 const PERIOD: u64 = 1_000_000;
 
 /// Measures, and writes `machine.toml` or prints its content.
-pub(crate) fn machine(args: &MachineArgs) -> Outcome {
+pub(crate) fn machine(args: &MachineArgs) -> CommandResult {
     let input = Input {
         path: PathBuf::from("measured.rpi"),
-        kind: Kind::Rpi,
+        kind: InputKind::Rpi,
         bytes: program(EQUATIONS).into_bytes(),
     };
     let compiled = compile(&input)?;
@@ -35,15 +35,15 @@ pub(crate) fn machine(args: &MachineArgs) -> Outcome {
         return Err("internal error: the measured program does not compile".into());
     };
     let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
-    let operations = analysis.work.of(FragmentId::ROOT).max(1);
-    let cycle = cold_cycle_ns(lower_to_run(net, PERIOD)?, CYCLES)?;
+    let operations = analysis.work.bound(FragmentId::ROOT).max(1);
+    let cycle = cold_cycle_ns(lower_for_execution(net, PERIOD)?, CYCLES)?;
     let measured = cycle as f64 / operations as f64;
     let ns = MARGIN * measured;
-    rpi_diag::tell_line!(
+    rpi_diag::println_stderr!(
         "a cycle of {operations} operations took {cycle} ns with cold caches: {measured:.2} ns per operation, recorded as {ns:.2}"
     );
-    put(args.output.as_deref(), machine_text(ns).as_bytes())?;
-    Ok(Exit::Good)
+    write_output(args.output.as_deref(), machine_text(ns).as_bytes())?;
+    Ok(Exit::Success)
 }
 
 /// Returns the source of a command with sums, products, selections, comparisons and delays.
@@ -74,11 +74,11 @@ mod tests {
     fn the_program_that_is_measured_compiles() {
         let input = Input {
             path: PathBuf::from("measured.rpi"),
-            kind: Kind::Rpi,
+            kind: InputKind::Rpi,
             bytes: program(50).into_bytes(),
         };
         let compiled = compile(&input).expect("it is a program");
-        assert_eq!(compiled.findings, []);
+        assert_eq!(compiled.diagnostics, []);
         assert_eq!(compiled.nets().len(), 1);
     }
 }

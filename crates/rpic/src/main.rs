@@ -8,10 +8,10 @@ mod compile;
 mod coverage;
 mod doc;
 mod explain;
+mod fix;
 mod fmt;
 mod lsp;
 mod machine;
-mod mend;
 mod new;
 mod outcome;
 mod shell;
@@ -19,7 +19,7 @@ mod test;
 
 use std::process::ExitCode;
 
-use args::{Cli, Task};
+use args::{Cli, CliCommand};
 use clap::Parser;
 use mimalloc::MiMalloc;
 use outcome::Exit;
@@ -30,25 +30,25 @@ static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
-        Task::Check(args) => check::check(&args),
-        Task::Compile(args) => compile::compile(&args),
-        Task::Import(args) => compile::import(&args),
-        Task::Fmt(args) => fmt::fmt(&args),
-        Task::Test(args) => test::test(&args),
-        Task::Doc(args) => doc::doc(&args),
-        Task::New { path } => new::new(&path),
-        Task::Explain { code, .. } => match code {
+        CliCommand::Check(args) => check::check(&args),
+        CliCommand::Compile(args) => compile::compile(&args),
+        CliCommand::Import(args) => compile::import(&args),
+        CliCommand::Fmt(args) => fmt::fmt(&args),
+        CliCommand::Test(args) => test::test(&args),
+        CliCommand::Doc(args) => doc::doc(&args),
+        CliCommand::New { path } => new::new(&path),
+        CliCommand::Explain { code, .. } => match code {
             Some(code) => explain::explain(&code),
             None => explain::list(),
         },
-        Task::Lsp => lsp::lsp(),
-        Task::Machine(args) => machine::machine(&args),
-        Task::Graph(args) => compile::graph(&args),
-        Task::Completions { shell } => shell::completions(shell),
-        Task::Man { folder } => shell::man(&folder),
+        CliCommand::Lsp => lsp::lsp(),
+        CliCommand::Machine(args) => machine::machine(&args),
+        CliCommand::Graph(args) => compile::graph(&args),
+        CliCommand::Completions { shell } => shell::completions(shell),
+        CliCommand::Man { folder } => shell::man(&folder),
     };
     done.unwrap_or_else(|error| {
-        rpi_diag::tell_line!("error: {error}");
+        rpi_diag::println_stderr!("error: {error}");
         Exit::BadInput
     })
     .into()

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::outcome::{Exit, Outcome, put};
+use crate::outcome::{CommandResult, Exit, write_output};
 
 /// Path inside of the project and text of each file; `NAME` stands for the name of the project.
 const FILES: &[(&str, &str)] = &[
@@ -22,7 +22,7 @@ const FILES: &[(&str, &str)] = &[
 ///
 /// # Errors
 /// If the folder is not empty, its name cannot name a project, or a file cannot be written.
-pub(crate) fn new(path: &Path) -> Outcome {
+pub(crate) fn new(path: &Path) -> CommandResult {
     let name = project_name(path)?;
     let is_occupied = match fs::read_dir(path) {
         Ok(mut entries) => entries.next().is_some(),
@@ -35,14 +35,14 @@ pub(crate) fn new(path: &Path) -> Outcome {
         let file = path.join(file);
         let folder = file.parent().unwrap_or(path);
         fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-        put(Some(&file), text.replace("NAME", &name).as_bytes())?;
+        write_output(Some(&file), text.replace("NAME", &name).as_bytes())?;
     }
     let text = format!(
         "created {path}\n\nnext:\n  cd {path}\n  rpic test .\n  rpi run main.rpi\n",
         path = path.display()
     );
-    put(None, text.as_bytes())?;
-    Ok(Exit::Good)
+    write_output(None, text.as_bytes())?;
+    Ok(Exit::Success)
 }
 
 /// The last part of the path. It stands in quoted texts of TOML, so control characters, quotes and backslashes are errors.

@@ -9,9 +9,9 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
     /// Success: no errors.
-    Good,
+    Success,
     /// Errors were reported.
-    Found,
+    ErrorsReported,
     /// A file cannot be read or an option is invalid.
     BadInput,
 }
@@ -19,18 +19,18 @@ pub(crate) enum Exit {
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
         ExitCode::from(match exit {
-            Exit::Good => 0,
-            Exit::Found => 1,
+            Exit::Success => 0,
+            Exit::ErrorsReported => 1,
             Exit::BadInput => 2,
         })
     }
 }
 
 /// Result of a subcommand; the error is a message for people.
-pub(crate) type Outcome = Result<Exit, Box<dyn std::error::Error>>;
+pub(crate) type CommandResult = Result<Exit, Box<dyn std::error::Error>>;
 
 /// Writes a result derived from `source` like [`put`], but refuses to overwrite `source`.
-pub(crate) fn put_result(
+pub(crate) fn write_result(
     source: &Path,
     output: Option<&Path>,
     bytes: &[u8],
@@ -45,16 +45,19 @@ pub(crate) fn put_result(
         )
         .into());
     }
-    put(output, bytes)
+    write_output(output, bytes)
 }
 
 /// Returns whether the bytes of a file are exactly this text; false for a compressed file or one in another encoding.
-pub(crate) fn holds(path: &Path, text: &str) -> bool {
+pub(crate) fn file_equals(path: &Path, text: &str) -> bool {
     fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
 /// Writes to a file, or to standard output if there is none. A closed pipe is not an error.
-pub(crate) fn put(output: Option<&Path>, bytes: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn write_output(
+    output: Option<&Path>,
+    bytes: &[u8],
+) -> Result<(), Box<dyn std::error::Error>> {
     match output {
         Some(path) => fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()).into()),
         None => match std::io::stdout().write_all(bytes) {

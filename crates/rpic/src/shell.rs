@@ -6,17 +6,17 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 
 use crate::args::Cli;
-use crate::outcome::{Exit, Outcome};
+use crate::outcome::{CommandResult, Exit};
 
 /// Prints the completion script of a shell.
-pub(crate) fn completions(shell: Shell) -> Outcome {
+pub(crate) fn completions(shell: Shell) -> CommandResult {
     clap_complete::generate(shell, &mut Cli::command(), "rpic", &mut std::io::stdout());
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }
 
 /// Writes the manual pages to a folder, which is created if necessary.
-pub(crate) fn man(folder: &Path) -> Outcome {
+pub(crate) fn man(folder: &Path) -> CommandResult {
     std::fs::create_dir_all(folder)?;
     clap_mangen::generate_to(Cli::command(), folder)?;
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use rpi_testkit::{files_below, tool_differs};
+use rpi_testkit::{compare_tool_output, files_below};
 
 #[test]
 fn tests_say_what_stands_beside_them() {
@@ -29,7 +29,7 @@ fn compare(folder: &str, task: &[&str], ending: &str) {
 
 /// Compares the messages about a program with the expected ones.
 fn differs(path: &Path, task: &[&str]) -> Option<String> {
-    tool_differs(path, env!("CARGO_BIN_EXE_rpic"), |command, name| {
+    compare_tool_output(path, env!("CARGO_BIN_EXE_rpic"), |command, name| {
         command.args(task).arg(name);
     })
 }

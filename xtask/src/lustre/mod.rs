@@ -13,7 +13,7 @@
 //! | `judge.rs` | verdict on one program |
 //! | `report.rs` | summary of all programs |
 
-mod judge;
+mod cases;
 mod options;
 mod report;
 mod tool;
@@ -22,7 +22,7 @@ mod trace;
 use std::collections::VecDeque;
 use std::sync::Mutex;
 
-use judge::{Case, Fate};
+use cases::{Case, Verdict};
 use options::Options;
 use report::Report;
 use tool::Tools;
@@ -30,7 +30,7 @@ use tool::Tools;
 /// Runs a corpus and prints the report.
 pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
     let options = Options::parse(args)?;
-    let cases = judge::cases(&options)?;
+    let cases = cases::cases(&options)?;
     let tools = Tools::build()?;
     let report = Report::new(judge_all(cases, &tools), &options)?;
     print!("{}", report.print(options.list));
@@ -41,7 +41,7 @@ pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
 }
 
 /// Runs all cases on several threads. The results are in the order of the cases.
-fn judge_all(cases: Vec<Case>, tools: &Tools) -> Vec<(String, Fate)> {
+fn judge_all(cases: Vec<Case>, tools: &Tools) -> Vec<(String, Verdict)> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let open: Mutex<VecDeque<(usize, Case)>> = Mutex::new(cases.into_iter().enumerate().collect());
     let done = Mutex::new(Vec::new());

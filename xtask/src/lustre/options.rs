@@ -4,17 +4,17 @@ use std::path::PathBuf;
 
 /// Expected result of the programs.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Wanted {
+pub(crate) enum Expectation {
     /// Outputs as in this file of traces.
     Match(PathBuf),
     /// Rejection.
     Reject,
     /// Rejection with the codes listed in this table, or acceptance for an empty list.
-    Kinds(PathBuf),
+    Codes(PathBuf),
     /// A successful run.
     Run,
     /// Acceptance and satisfied contracts, except for the programs in this list of exclusions with reasons.
-    Keep(PathBuf),
+    Contracts(PathBuf),
 }
 
 /// Options of the task.
@@ -23,13 +23,13 @@ pub(crate) struct Options {
     /// Directory of the programs.
     pub(crate) programs: PathBuf,
     /// Expected result of the programs.
-    pub(crate) wanted: Wanted,
+    pub(crate) expectation: Expectation,
     /// Groups of programs that are counted separately: a JSON object of lists of names.
     pub(crate) groups: Option<PathBuf>,
     /// Print all programs, not only those that fail.
     pub(crate) list: bool,
     /// Select only programs whose name contains this text.
-    pub(crate) only: Option<String>,
+    pub(crate) filter: Option<String>,
 }
 
 const USAGE: &str =
@@ -41,22 +41,22 @@ impl Options {
         let mut programs = None;
         let mut options = Options {
             programs: PathBuf::new(),
-            wanted: Wanted::Run,
+            expectation: Expectation::Run,
             groups: None,
             list: false,
-            only: None,
+            filter: None,
         };
         let mut args = args.iter();
         while let Some(arg) = args.next() {
             let mut value = || args.next().ok_or(USAGE);
             match arg.as_str() {
                 "--programs" => programs = Some(value()?),
-                "--traces" => options.wanted = Wanted::Match(value()?.into()),
-                "--reject" => options.wanted = Wanted::Reject,
-                "--kinds" => options.wanted = Wanted::Kinds(value()?.into()),
-                "--excluded" => options.wanted = Wanted::Keep(value()?.into()),
+                "--traces" => options.expectation = Expectation::Match(value()?.into()),
+                "--reject" => options.expectation = Expectation::Reject,
+                "--kinds" => options.expectation = Expectation::Codes(value()?.into()),
+                "--excluded" => options.expectation = Expectation::Contracts(value()?.into()),
                 "--groups" => options.groups = Some(value()?.into()),
-                "--only" => options.only = Some(value()?.clone()),
+                "--only" => options.filter = Some(value()?.clone()),
                 "--list" => options.list = true,
                 _ => return Err(USAGE.to_owned()),
             }

@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use super::judge::Fate;
+use super::cases::Verdict;
 use super::options::Options;
 
 /// Verdicts on all programs.
 pub(crate) struct Report {
-    judged: Vec<(String, Fate)>,
+    verdicts: Vec<(String, Verdict)>,
     /// The group of each program.
     groups: BTreeMap<String, String>,
 }
@@ -26,13 +26,13 @@ struct Counts {
 }
 
 impl Counts {
-    fn add(&mut self, fate: &Fate) {
+    fn add(&mut self, fate: &Verdict) {
         let reached = match fate {
-            Fate::Missing(_) | Fate::NotParsed(_) | Fate::Broken(_) => 0,
-            Fate::Refused(_) => 1,
-            Fate::Fault(_) => 2,
-            Fate::Differs(_) => 3,
-            Fate::Good(_) => 4,
+            Verdict::Missing(_) | Verdict::NotParsed(_) | Verdict::Crashed(_) => 0,
+            Verdict::Rejected(_) => 1,
+            Verdict::Fault(_) => 2,
+            Verdict::Mismatch(_) => 3,
+            Verdict::Pass(_) => 4,
         };
         let counts = [
             &mut self.parsed,
@@ -49,7 +49,7 @@ impl Counts {
 }
 
 impl Report {
-    pub(crate) fn new(judged: Vec<(String, Fate)>, options: &Options) -> Result<Report, String> {
+    pub(crate) fn new(judged: Vec<(String, Verdict)>, options: &Options) -> Result<Report, String> {
         let mut groups = BTreeMap::new();
         if let Some(path) = &options.groups {
             let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
@@ -64,27 +64,30 @@ impl Report {
                 groups.extend(names.map(|name| (name.to_owned(), group.clone())));
             }
         }
-        Ok(Report { judged, groups })
+        Ok(Report {
+            verdicts: judged,
+            groups,
+        })
     }
 
     pub(crate) fn is_good(&self) -> bool {
-        self.judged
+        self.verdicts
             .iter()
-            .all(|(_, fate)| matches!(fate, Fate::Good(_)))
+            .all(|(_, fate)| matches!(fate, Verdict::Pass(_)))
     }
 
     /// Lists the programs (all, or those that fail), then the counts.
     pub(crate) fn print(&self, list: bool) -> String {
         let mut out = String::new();
         let mut counts: BTreeMap<&str, Counts> = BTreeMap::new();
-        for (name, fate) in &self.judged {
+        for (name, fate) in &self.verdicts {
             let group = self.groups.get(name).map_or("", String::as_str);
             counts.entry("all").or_default().add(fate);
             if !self.groups.is_empty() {
                 counts.entry(group).or_default().add(fate);
             }
-            if list || !matches!(fate, Fate::Good(_)) {
-                let (what, why) = words(fate);
+            if list || !matches!(fate, Verdict::Pass(_)) {
+                let (what, why) = label(fate);
                 let _ = writeln!(
                     out,
                     "{name}: {what}{}{why}",
@@ -103,14 +106,14 @@ impl Report {
     }
 }
 
-fn words(fate: &Fate) -> (&'static str, &str) {
+fn label(fate: &Verdict) -> (&'static str, &str) {
     match fate {
-        Fate::Missing(why) => ("missing", why),
-        Fate::NotParsed(why) => ("not parsed", why),
-        Fate::Refused(why) => ("refused", why),
-        Fate::Broken(why) => ("broken", why),
-        Fate::Fault(why) => ("fault", why),
-        Fate::Differs(why) => ("differs", why),
-        Fate::Good(why) => ("good", why),
+        Verdict::Missing(why) => ("missing", why),
+        Verdict::NotParsed(why) => ("not parsed", why),
+        Verdict::Rejected(why) => ("refused", why),
+        Verdict::Crashed(why) => ("broken", why),
+        Verdict::Fault(why) => ("fault", why),
+        Verdict::Mismatch(why) => ("differs", why),
+        Verdict::Pass(why) => ("good", why),
     }
 }

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Time limit for a program.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The built tools.
 pub(crate) struct Tools {
@@ -15,7 +15,7 @@ pub(crate) struct Tools {
 }
 
 /// Exit status and output of a tool.
-pub(crate) struct Ended {
+pub(crate) struct ToolOutput {
     /// Exit status; `None` if the tool was killed.
     pub(crate) status: Option<i32>,
     pub(crate) out: String,
@@ -48,16 +48,16 @@ impl Tools {
     }
 
     /// Runs a tool to its end, or kills it after the time limit.
-    pub(crate) fn run(&self, tool: &str, args: &[&str]) -> Ended {
-        let ended = self.ended(tool, args);
-        ended.unwrap_or_else(|error| Ended {
+    pub(crate) fn run(&self, tool: &str, args: &[&str]) -> ToolOutput {
+        let ended = self.run_to_end(tool, args);
+        ended.unwrap_or_else(|error| ToolOutput {
             status: None,
             out: String::new(),
             err: error.to_string(),
         })
     }
 
-    fn ended(&self, tool: &str, args: &[&str]) -> std::io::Result<Ended> {
+    fn run_to_end(&self, tool: &str, args: &[&str]) -> std::io::Result<ToolOutput> {
         let (out, err) = (tempfile::tempfile()?, tempfile::tempfile()?);
         let mut child = Command::new(self.folder.join(tool))
             .args(args)
@@ -66,17 +66,17 @@ impl Tools {
             .stdout(out.try_clone()?)
             .stderr(err.try_clone()?)
             .spawn()?;
-        Ok(Ended {
-            status: status(&mut child)?,
+        Ok(ToolOutput {
+            status: wait_with_timeout(&mut child)?,
             out: read(out)?,
             err: read(err)?,
         })
     }
 }
 
-fn status(child: &mut Child) -> std::io::Result<Option<i32>> {
+fn wait_with_timeout(child: &mut Child) -> std::io::Result<Option<i32>> {
     let start = Instant::now();
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < TIMEOUT {
         if let Some(status) = child.try_wait()? {
             return Ok(status.code());
         }

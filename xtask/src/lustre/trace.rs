@@ -27,9 +27,9 @@ impl Trace {
     }
 
     /// True if an undefined value was read.
-    pub(crate) fn has_nil(&self) -> bool {
+    pub(crate) fn has_undefined(&self) -> bool {
         let values = self.outputs.iter().flat_map(|flow| &flow.values);
-        values.into_iter().any(|value| value == NIL)
+        values.into_iter().any(|value| value == UNDEFINED)
     }
 
     /// The inputs as comma-separated values.
@@ -47,7 +47,7 @@ impl Trace {
 }
 
 /// Text of an undefined value.
-pub(crate) const NIL: &str = "nil";
+pub(crate) const UNDEFINED: &str = "nil";
 
 impl Flow {
     pub(crate) fn at(&self, cycle: usize) -> Option<&str> {
@@ -112,7 +112,7 @@ fn text(value: &Value) -> String {
     let part = |name: &str| value.get(name).and_then(number);
     match (value, part("num"), part("den")) {
         (_, Some(num), Some(den)) => format!("{:?}", num / den),
-        (Value::String(text), ..) => plain(text),
+        (Value::String(text), ..) => normalised(text),
         (other, ..) => other.to_string(),
     }
 }
@@ -125,7 +125,7 @@ fn number(value: &Value) -> Option<f64> {
 }
 
 /// Converts `t`, `f` and fractions to the format of our tables.
-fn plain(text: &str) -> String {
+fn normalised(text: &str) -> String {
     let fraction = text.split_once('/').and_then(|(num, den)| {
         let (num, den): (f64, f64) = (num.parse().ok()?, den.parse().ok()?);
         Some(format!("{:?}", num / den))

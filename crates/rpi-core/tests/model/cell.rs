@@ -1,8 +1,8 @@
 //! A cell with four axes, and the commands of the histories, whose behaviour is controlled by inputs.
 
-use rpi_bench::{Build, twin};
+use rpi_bench::{NetBuilder, image_compare};
 use rpi_core::{Command, Continuity};
-use rpi_device::{DeviceBank, Jump, PortId, PortName, Quantity, Refusal, ResolveError};
+use rpi_device::{DeviceBank, Discontinuity, PortId, PortQuery, Quantity, Rejection, ResolveError};
 use rpi_image::{Image, Value};
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, PortRef, ResultKind};
@@ -24,7 +24,7 @@ pub(crate) const KINDS: [(&[u32], u64); 8] = [
 ];
 
 /// Largest change between consecutive steps of an axis that counts as continuous.
-pub(crate) const STEADY: f64 = 1.0;
+pub(crate) const MAX_CONTINUOUS_CHANGE: f64 = 1.0;
 
 /// Axes whose devices a history can make fail.
 #[derive(Clone, PartialEq, Debug)]
@@ -50,7 +50,7 @@ impl Axes {
 }
 
 impl DeviceBank for Axes {
-    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+    fn resolve(&mut self, name: &PortQuery<'_>) -> Result<PortId, ResolveError> {
         Ok(PortId(name.index))
     }
     fn resource(&self, port: PortId) -> u32 {
@@ -60,24 +60,24 @@ impl DeviceBank for Axes {
         value[0] = self.positions[port.0 as usize].to_bits();
         true
     }
-    fn check(&mut self, port: PortId, _: &[u64]) -> Refusal {
+    fn check_set_point(&mut self, port: PortId, _: &[u64]) -> Rejection {
         match self.failed[port.0 as usize] {
-            true => Refusal::DEVICE_FAILED,
-            false => Refusal::NONE,
+            true => Rejection::DEVICE_FAILED,
+            false => Rejection::NONE,
         }
     }
-    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+    fn discontinuity(&self, port: PortId, value: &[u64]) -> Option<Discontinuity> {
         let axis = port.0 as usize;
         let step = f64::from_bits(value[0]) - self.positions[axis];
         let change = step - self.steps[axis];
-        (change.abs() > STEADY).then_some(Jump {
+        (change.abs() > MAX_CONTINUOUS_CHANGE).then_some(Discontinuity {
             resource: port.0,
             quantity: Quantity::Acceleration,
             value: change,
-            limit: STEADY,
+            limit: MAX_CONTINUOUS_CHANGE,
         })
     }
-    fn error(&self, port: PortId) -> i64 {
+    fn error_code(&self, port: PortId) -> i64 {
         i64::from(self.failed[port.0 as usize])
     }
     fn write(&mut self, port: PortId, value: &[u64]) {
@@ -89,7 +89,7 @@ impl DeviceBank for Axes {
     fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
         false
     }
-    fn moving(&self, resource: u32) -> bool {
+    fn is_moving(&self, resource: u32) -> bool {
         self.moving[resource as usize]
     }
     fn stop(&mut self, resource: u32) {
@@ -116,7 +116,7 @@ pub(crate) const FLAG: &str = "flag";
 pub(crate) fn image(kind: usize) -> Arc<Image> {
     let (axes, ticks) = KINDS[kind];
     let root = FragmentId::ROOT;
-    let mut b = Build::new("Puppet");
+    let mut b = NetBuilder::new("Puppet");
     let key = |key: &str| [("Key", Value::Str(key.into()))];
     let speed = b.add_with(root, "Core::DoubleNetcommIn", &[], &key(SPEED));
     let how = b.add_with(root, "Core::IntNetcommIn", &[], &key(END));
@@ -139,11 +139,11 @@ pub(crate) fn image(kind: usize) -> Arc<Image> {
     }
     let divisor = b.add(root, "Core::IntAdd", &[Input::Port(how), int(-end::FAULT)]);
     b.add(root, "Core::IntDivide", &[int(1), Input::Port(divisor)]);
-    let image = twin::image(&b.net, &LowerOptions::running(TICK_NS * ticks));
+    let image = image_compare::lower_net(&b.net, &LowerOptions::running(TICK_NS * ticks));
     Arc::new(image.unwrap_or_else(|e| panic!("{e}")))
 }
 
-fn drive(b: &mut Build, axis: u32, speed: PortRef) {
+fn drive(b: &mut NetBuilder, axis: u32, speed: PortRef) {
     let params = [
         ("Robot", Value::Str("arm".into())),
         ("Axis", Value::int(i64::from(axis))),
@@ -166,13 +166,13 @@ fn drive(b: &mut Build, axis: u32, speed: PortRef) {
 pub(crate) fn load(image: &Arc<Image>, guard: Continuity, bank: &mut Axes) -> Box<Command> {
     let loaded = Command::load(Arc::clone(image), bank);
     let mut command = loaded.unwrap_or_else(|faults| panic!("{faults:?}"));
-    command.guard(guard);
+    command.set_continuity(guard);
     Box::new(command)
 }
 
 /// Sets an input by its key.
 pub(crate) fn set(command: &mut Command, key: &str, bits: u64) {
-    let inputs = &command.machine().image().inputs;
+    let inputs = &command.instance().image().inputs;
     let index = inputs
         .iter()
         .position(|i| i.key == key)

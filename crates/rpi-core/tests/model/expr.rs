@@ -16,24 +16,24 @@ pub(crate) enum Expr {
 
 /// Knowledge about a fact: its present value, and whether the value is final.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Known {
+pub(crate) struct KnownFact {
     pub(crate) now: Option<bool>,
     pub(crate) settled: bool,
 }
 
-impl Known {
-    pub(crate) const NEVER: Known = Known {
+impl KnownFact {
+    pub(crate) const NEVER: KnownFact = KnownFact {
         now: None,
         settled: true,
     };
 }
 
-type Know<'a> = &'a dyn Fn(CommandId, Fact) -> Known;
+type Know<'a> = &'a dyn Fn(CommandId, Fact) -> KnownFact;
 
 impl Expr {
     pub(crate) fn condition(&self) -> Condition {
         match self {
-            Expr::Fact(id, fact) => Condition::of(*id, *fact),
+            Expr::Fact(id, fact) => Condition::from_fact(*id, *fact),
             Expr::Value(true) => Condition::always(),
             Expr::Value(false) | Expr::Never => !Condition::always(),
             Expr::Not(a) => !a.condition(),
@@ -80,22 +80,24 @@ impl Expr {
     }
 
     /// The commands in the condition, in text order.
-    pub(crate) fn names(&self) -> Vec<CommandId> {
+    pub(crate) fn mentioned_commands(&self) -> Vec<CommandId> {
         match self {
             Expr::Fact(id, _) => vec![*id],
             Expr::Value(_) | Expr::Never => Vec::new(),
-            Expr::Not(a) => a.names(),
-            Expr::And(a, b) | Expr::Or(a, b) => [a.names(), b.names()].concat(),
+            Expr::Not(a) => a.mentioned_commands(),
+            Expr::And(a, b) | Expr::Or(a, b) => {
+                [a.mentioned_commands(), b.mentioned_commands()].concat()
+            }
         }
     }
 
     /// R3: whether the command must have ended before the condition can be true.
     pub(crate) fn requires(&self, command: CommandId) -> bool {
-        let open = Known {
+        let open = KnownFact {
             now: None,
             settled: false,
         };
-        let not_ended = Known {
+        let not_ended = KnownFact {
             now: Some(false),
             settled: true,
         };

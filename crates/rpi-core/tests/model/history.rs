@@ -5,24 +5,25 @@ use std::sync::{Arc, OnceLock};
 
 use proptest::prelude::*;
 use rpi_core::{
-    CommandId, Continuity, Core, Fact, Notice, Outcome, Places, Refused, Rule, RuleId, State, Why,
+    AbortReason, CommandError, CommandId, CommandState, Continuity, Core, Fact, IdAllocator,
+    Notice, Rule, RuleId, RuleOutcome,
 };
 use rpi_image::Image;
 use rpi_testkit::no_alloc;
 
 use crate::cell::{self, Axes, KINDS, TICK_NS};
 use crate::expr::Expr;
-use crate::model::{End, Law, Model};
+use crate::model::{End, Model, ModelRule};
 
 /// Capacity for commands.
-const ROOM: usize = 8;
+const CAPACITY: usize = 8;
 
 /// A step of a history. Numbers select among the existing commands and rules.
 #[derive(Clone, Debug)]
 pub(crate) enum Op {
     Load(usize, Continuity),
     Start(usize),
-    Schedule(Draft),
+    Schedule(RuleDraft),
     Withdraw(usize),
     Unschedule(usize),
     Cancel(usize),
@@ -45,7 +46,7 @@ pub(crate) enum Op {
 
 /// A rule to be added.
 #[derive(Clone, Debug)]
-pub(crate) struct Draft {
+pub(crate) struct RuleDraft {
     condition: Shape,
     stop: Vec<usize>,
     cancel: Vec<usize>,
@@ -85,7 +86,7 @@ fn shape() -> impl Strategy<Value = Shape> {
     })
 }
 
-fn draft() -> impl Strategy<Value = Draft> {
+fn draft() -> impl Strategy<Value = RuleDraft> {
     let few = |most| prop::collection::vec(0usize..6, 0..most);
     let start = prop::collection::vec(0usize..6, 1..3);
     (
@@ -95,7 +96,7 @@ fn draft() -> impl Strategy<Value = Draft> {
         prop_oneof![8 => start, 1 => few(1)],
         any::<bool>(),
     )
-        .prop_map(|(condition, stop, cancel, start, kept)| Draft {
+        .prop_map(|(condition, stop, cancel, start, kept)| RuleDraft {
             condition,
             stop,
             cancel,
@@ -106,8 +107,8 @@ fn draft() -> impl Strategy<Value = Draft> {
 
 fn guard() -> impl Strategy<Value = Continuity> {
     prop_oneof![
-        4 => Just(Continuity::Refuse),
-        1 => Just(Continuity::Stop),
+        4 => Just(Continuity::Reject),
+        1 => Just(Continuity::AbortAll),
         4 => Just(Continuity::Allow),
     ]
 }
@@ -134,7 +135,7 @@ pub(crate) fn op() -> impl Strategy<Value = Op> {
 
 /// Counters of events.
 #[derive(Clone, Copy, Default, Debug)]
-pub(crate) struct Tally {
+pub(crate) struct EventCounts {
     started: u32,
     ended: u32,
     switched: u32,
@@ -145,8 +146,8 @@ pub(crate) struct Tally {
     jumped: u32,
 }
 
-impl Tally {
-    pub(crate) fn add(&mut self, other: &Tally) {
+impl EventCounts {
+    pub(crate) fn add(&mut self, other: &EventCounts) {
         self.started += other.started;
         self.ended += other.ended;
         self.switched += other.switched;
@@ -171,17 +172,17 @@ impl Tally {
 }
 
 /// The core and the model.
-pub(crate) struct Pair {
+pub(crate) struct CoreAndModel {
     core: Core,
     bank: Axes,
     model: Model,
-    places: Places,
+    places: IdAllocator,
     /// All commands ever created, and the tick of the first notice about each.
     ids: Vec<CommandId>,
     first: BTreeMap<CommandId, u64>,
     rules: Vec<RuleId>,
     answers: Result<(), String>,
-    pub(crate) tally: Tally,
+    pub(crate) tally: EventCounts,
 }
 
 fn images() -> &'static [Arc<Image>] {
@@ -189,18 +190,18 @@ fn images() -> &'static [Arc<Image>] {
     IMAGES.get_or_init(|| (0..KINDS.len()).map(cell::image).collect())
 }
 
-impl Pair {
-    pub(crate) fn new() -> Pair {
-        Pair {
-            core: Core::with_capacity(ROOM, TICK_NS),
+impl CoreAndModel {
+    pub(crate) fn new() -> CoreAndModel {
+        CoreAndModel {
+            core: Core::with_capacity(CAPACITY, TICK_NS),
             bank: Axes::new(),
-            model: Model::new(ROOM * 4),
-            places: Places::new(ROOM),
+            model: Model::new(CAPACITY * 4),
+            places: IdAllocator::new(CAPACITY),
             ids: Vec::new(),
             first: BTreeMap::new(),
             rules: Vec::new(),
             answers: Ok(()),
-            tally: Tally::default(),
+            tally: EventCounts::default(),
         }
     }
 
@@ -224,18 +225,18 @@ impl Pair {
             }
             Op::Withdraw(k) => {
                 if let Some(&rule) = self.rules.iter().rev().nth(*k) {
-                    let got = self.core.withdraw(rule);
+                    let got = self.core.withdraw_rule(rule);
                     let wanted = self.model.withdraw(rule);
                     self.compare(got, wanted);
                 }
             }
             Op::ClientLost(parity) => self.lose_client(*parity),
-            _ => self.ask(op),
+            _ => self.send_request(op),
         }
         self.clear_up();
     }
 
-    fn ask(&mut self, op: &Op) {
+    fn send_request(&mut self, op: &Op) {
         let (Op::Start(k)
         | Op::Unschedule(k)
         | Op::Cancel(k)
@@ -254,8 +255,8 @@ impl Pair {
             Op::Unschedule(_) => (no_alloc(|| core.unschedule(id)), model.unschedule(id)),
             Op::Cancel(_) => (no_alloc(|| core.cancel(id)), model.cancel(id)),
             Op::Abort(_) => {
-                let got = no_alloc(|| core.abort(id, Why::Request, bank));
-                (got, model.abort(id, Why::Request))
+                let got = no_alloc(|| core.abort(id, AbortReason::Request, bank));
+                (got, model.abort(id, AbortReason::Request))
             }
             Op::Unload(_) => return self.unload(id),
             Op::Behave {
@@ -275,7 +276,7 @@ impl Pair {
             Err(why) => (Err(why), None),
         };
         if back.is_some() {
-            self.places.give_back(id);
+            self.places.release(id);
         }
         let wanted = self.model.unload(id);
         self.compare(got, wanted);
@@ -284,43 +285,43 @@ impl Pair {
     fn lose_client(&mut self, parity: usize) {
         let mine: Vec<CommandId> = self.ids.iter().copied().skip(parity).step_by(2).collect();
         for id in mine {
-            let got = self.core.abort(id, Why::ClientLost, &mut self.bank);
-            let wanted = self.model.abort(id, Why::ClientLost);
+            let got = self.core.abort(id, AbortReason::ClientLost, &mut self.bank);
+            let wanted = self.model.abort(id, AbortReason::ClientLost);
             self.compare(got, wanted);
             self.unload(id);
         }
     }
 
     fn load(&mut self, kind: usize, guard: Continuity) {
-        let Some(id) = self.places.take() else {
+        let Some(id) = self.places.allocate() else {
             return;
         };
         let command = cell::load(&images()[kind], guard, &mut self.bank);
-        assert!(self.core.insert_as(id, command).is_ok());
+        assert!(self.core.insert_with_id(id, command).is_ok());
         self.model.insert(id, kind, guard);
         self.ids.push(id);
     }
 
-    fn schedule(&mut self, draft: &Draft) {
+    fn schedule(&mut self, draft: &RuleDraft) {
         let Some(law) = self.law(draft) else {
             return;
         };
-        let id = self.places.rule();
+        let id = self.places.allocate_rule();
         let mut rule = Rule::when(law.condition.condition());
         rule = law.stop.iter().fold(rule, |r, c| r.stop(*c));
         rule = law.cancel.iter().fold(rule, |r, c| r.cancel(*c));
         rule = law.start.iter().fold(rule, |r, c| r.start(*c));
-        let rule = Box::new(if law.kept { rule.keep() } else { rule });
-        let made = no_alloc(|| self.core.schedule_as(id, rule, &mut self.bank));
+        let rule = Box::new(if law.kept { rule.keep_orphans() } else { rule });
+        let made = no_alloc(|| self.core.schedule_with_id(id, rule, &mut self.bank));
         let got = made.map_err(|refused| refused.1);
         let wanted = self.model.schedule(id, &law);
         self.rules.push(id);
         self.compare(got, wanted);
     }
 
-    fn law(&self, draft: &Draft) -> Option<Law> {
+    fn law(&self, draft: &RuleDraft) -> Option<ModelRule> {
         let all = |them: &[usize]| them.iter().map(|k| self.id(*k)).collect::<Option<Vec<_>>>();
-        Some(Law {
+        Some(ModelRule {
             condition: self.expr(&draft.condition)?,
             stop: all(&draft.stop)?,
             cancel: all(&draft.cancel)?,
@@ -347,13 +348,13 @@ impl Pair {
 
     /// Takes finished commands and rules out of the core, as the host does.
     fn clear_up(&mut self) {
-        while let Some((id, _)) = self.core.take_gone() {
-            self.places.give_back(id);
+        while let Some((id, _)) = self.core.take_orphan() {
+            self.places.release(id);
             if !self.model.gone.remove(&id) {
                 self.answers = Err(format!("{id:?} is gone in the core only"));
             }
         }
-        while self.core.take_spent().is_some() {}
+        while self.core.take_finished_rule().is_some() {}
         while let Some(notice) = self.core.next_notice() {
             self.count(&notice);
         }
@@ -369,20 +370,20 @@ impl Pair {
             Notice::Ended { .. } => tally.ended += 1,
             Notice::Orphaned { .. } => tally.given_up += 1,
             Notice::Braked { .. } => tally.braked += 1,
-            Notice::Jumped { .. } => tally.jumped += 1,
+            Notice::Discontinuity { .. } => tally.jumped += 1,
             Notice::Rule {
-                outcome: Outcome::Fired,
+                outcome: RuleOutcome::Fired,
                 ..
             } => tally.switched += 1,
             Notice::Rule {
-                outcome: Outcome::Failed(_),
+                outcome: RuleOutcome::Failed(_),
                 ..
             } => tally.failed_rules += 1,
             _ => {}
         }
     }
 
-    fn compare(&mut self, got: Result<(), Refused>, wanted: Result<(), Refused>) {
+    fn compare(&mut self, got: Result<(), CommandError>, wanted: Result<(), CommandError>) {
         self.tally.refused += u32::from(got.is_err());
         if got != wanted && self.answers.is_ok() {
             self.answers = Err(format!("the core says {got:?}, the model {wanted:?}"));
@@ -431,7 +432,13 @@ impl Pair {
         });
         let held: Vec<u32> = command.held().collect();
         let first = self.first.get(&id).copied();
-        let got = (command.state(), held, command.machine().cycle(), first, end);
+        let got = (
+            command.state(),
+            held,
+            command.instance().cycle(),
+            first,
+            end,
+        );
         let holds = wanted.holds.iter().copied().collect();
         let model = (wanted.state, holds, wanted.cycles, wanted.first, wanted.end);
         match got == model {
@@ -445,7 +452,7 @@ fn behave(core: &mut Core, model: &mut Model, id: CommandId, (end, flag, speed):
     let (Some(command), Some(puppet)) = (core.command_mut(id), model.commands.get_mut(&id)) else {
         return;
     };
-    if matches!(puppet.state, State::Terminated) {
+    if matches!(puppet.state, CommandState::Terminated) {
         return;
     }
     cell::set(command, cell::END, end.cast_unsigned());

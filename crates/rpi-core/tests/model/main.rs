@@ -6,7 +6,7 @@ mod expr;
 mod history;
 mod model;
 
-use history::{Op, Pair, op};
+use history::{CoreAndModel, Op, op};
 use proptest::prelude::*;
 
 rpi_testkit::trap_allocations!();
@@ -22,7 +22,7 @@ proptest! {
 
     #[test]
     fn core_and_model_agree(ops in prop::collection::vec(op(), 1..120)) {
-        let mut pair = Pair::new();
+        let mut pair = CoreAndModel::new();
         for op in &ops {
             pair.carry_out(op);
             pair.agree().map_err(|what| TestCaseError::fail(format!("after {op:?}: {what}")))?;
@@ -35,13 +35,13 @@ proptest! {
 fn histories_are_eventful() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let mut tally = history::Tally::default();
+    let mut tally = history::EventCounts::default();
     for _ in 0..200 {
         let ops: Vec<Op> = prop::collection::vec(op(), 100)
             .new_tree(&mut runner)
             .expect("it can be made")
             .current();
-        let mut pair = Pair::new();
+        let mut pair = CoreAndModel::new();
         ops.iter().for_each(|op| pair.carry_out(op));
         tally.add(&pair.tally);
     }

@@ -4,15 +4,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rpi_core::{Cause, CommandId, Continuity, Fact, Refused, RuleId, State, Why};
+use rpi_core::{
+    AbortReason, Cause, CommandError, CommandId, CommandState, Continuity, Fact, RuleId,
+};
 
-use crate::cell::{Axes, KINDS, STEADY, end};
-use crate::expr::{Expr, Known};
+use crate::cell::{Axes, KINDS, MAX_CONTINUOUS_CHANGE, end};
+use crate::expr::{Expr, KnownFact};
 
 /// The end of a command.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct End {
-    pub(crate) cause: How,
+    pub(crate) cause: EndCause,
     pub(crate) error: i64,
     pub(crate) cancelled: bool,
     pub(crate) cycles: u64,
@@ -21,32 +23,32 @@ pub(crate) struct End {
 
 /// A cause without the details of a fault.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum How {
+pub(crate) enum EndCause {
     Result(usize),
     Fault,
-    Aborted(Why),
+    Aborted(AbortReason),
     Stopped(RuleId),
 }
 
-impl From<Cause> for How {
-    fn from(cause: Cause) -> How {
+impl From<Cause> for EndCause {
+    fn from(cause: Cause) -> EndCause {
         match cause {
-            Cause::Result(k) => How::Result(k),
-            Cause::Terminate => How::Result(usize::MAX),
-            Cause::Fault(_) => How::Fault,
-            Cause::Aborted(why) => How::Aborted(why),
-            Cause::Stopped(rule) => How::Stopped(rule),
+            Cause::Result(k) => EndCause::Result(k),
+            Cause::Terminate => EndCause::Result(usize::MAX),
+            Cause::Fault(_) => EndCause::Fault,
+            Cause::Aborted(why) => EndCause::Aborted(why),
+            Cause::Stopped(rule) => EndCause::Stopped(rule),
         }
     }
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct Cmd {
+pub(crate) struct ModelCommand {
     pub(crate) kind: usize,
     pub(crate) guard: Continuity,
     /// The command was started by a rule.
     pub(crate) joins: bool,
-    pub(crate) state: State,
+    pub(crate) state: CommandState,
     pub(crate) holds: BTreeSet<u32>,
     pub(crate) kept: bool,
     pub(crate) cycles: u64,
@@ -64,18 +66,18 @@ pub(crate) struct Cmd {
     live: bool,
 }
 
-impl Cmd {
+impl ModelCommand {
     fn needs(&self) -> &'static [u32] {
         KINDS[self.kind].0
     }
 
     fn runs(&self) -> bool {
-        matches!(self.state, State::Running | State::Cancelling)
+        matches!(self.state, CommandState::Running | CommandState::Cancelling)
     }
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct Law {
+pub(crate) struct ModelRule {
     pub(crate) condition: Expr,
     pub(crate) stop: Vec<CommandId>,
     pub(crate) cancel: Vec<CommandId>,
@@ -83,18 +85,18 @@ pub(crate) struct Law {
     pub(crate) kept: bool,
 }
 
-impl Law {
+impl ModelRule {
     /// R3: predecessors of the rule.
-    fn before(&self) -> Vec<CommandId> {
-        let names = self.condition.names().into_iter();
+    fn predecessors(&self) -> Vec<CommandId> {
+        let names = self.condition.mentioned_commands().into_iter();
         let required = names.filter(|id| self.condition.requires(*id));
         required.chain(self.stop.iter().copied()).collect()
     }
 }
 
 pub(crate) struct Model {
-    pub(crate) commands: BTreeMap<CommandId, Cmd>,
-    pub(crate) rules: Vec<(RuleId, Law, Vec<CommandId>)>,
+    pub(crate) commands: BTreeMap<CommandId, ModelCommand>,
+    pub(crate) rules: Vec<(RuleId, ModelRule, Vec<CommandId>)>,
     pub(crate) axes: Axes,
     pub(crate) tick: u64,
     /// A discontinuity in this tick stops all commands.
@@ -104,7 +106,7 @@ pub(crate) struct Model {
     pub(crate) gone: BTreeSet<CommandId>,
 }
 
-type Answer = Result<(), Refused>;
+type Answer = Result<(), CommandError>;
 
 impl Model {
     pub(crate) fn new(room: usize) -> Model {
@@ -120,11 +122,11 @@ impl Model {
     }
 
     pub(crate) fn insert(&mut self, id: CommandId, kind: usize, guard: Continuity) {
-        let cmd = Cmd {
+        let cmd = ModelCommand {
             kind,
             guard,
             joins: false,
-            state: State::Ready,
+            state: CommandState::Ready,
             holds: BTreeSet::new(),
             kept: false,
             cycles: 0,
@@ -142,8 +144,8 @@ impl Model {
         self.commands.insert(id, cmd);
     }
 
-    fn cmd(&self, id: CommandId) -> Result<&Cmd, Refused> {
-        self.commands.get(&id).ok_or(Refused::Unknown)
+    fn cmd(&self, id: CommandId) -> Result<&ModelCommand, CommandError> {
+        self.commands.get(&id).ok_or(CommandError::Unknown)
     }
 
     fn holders(&self, resource: u32) -> Vec<CommandId> {
@@ -153,7 +155,7 @@ impl Model {
             .filter(|(_, c)| c.holds.contains(&resource));
         // Same order as the table of the core.
         let mut all: Vec<_> = holds.map(|(id, _)| *id).collect();
-        all.sort_by_key(|id| id.place());
+        all.sort_by_key(|id| id.slot());
         all
     }
 
@@ -162,46 +164,46 @@ impl Model {
     /// R2: starts a command.
     pub(crate) fn start(&mut self, id: CommandId) -> Answer {
         let cmd = self.cmd(id)?;
-        if cmd.state != State::Ready {
-            return Err(Refused::State(cmd.state));
+        if cmd.state != CommandState::Ready {
+            return Err(CommandError::InvalidState(cmd.state));
         }
         for &resource in cmd.needs() {
             if let Some(&by) = self.holders(resource).first() {
-                return Err(Refused::Held { resource, by });
+                return Err(CommandError::ResourceHeld { resource, by });
             }
         }
         self.begin(id, self.tick);
-        self.close();
+        self.conclude();
         Ok(())
     }
 
     pub(crate) fn cancel(&mut self, id: CommandId) -> Answer {
         let cmd = self.cmd(id)?;
         if !cmd.runs() {
-            return Err(Refused::State(cmd.state));
+            return Err(CommandError::InvalidState(cmd.state));
         }
-        self.change(id, |c| c.state = State::Cancelling);
+        self.change(id, |c| c.state = CommandState::Cancelling);
         self.settle();
         Ok(())
     }
 
-    pub(crate) fn abort(&mut self, id: CommandId, why: Why) -> Answer {
+    pub(crate) fn abort(&mut self, id: CommandId, why: AbortReason) -> Answer {
         let cmd = self.cmd(id)?;
         if !cmd.runs() {
-            return Err(Refused::State(cmd.state));
+            return Err(CommandError::InvalidState(cmd.state));
         }
-        self.leave(id, How::Aborted(why), -1);
-        self.close();
+        self.leave(id, EndCause::Aborted(why), -1);
+        self.conclude();
         Ok(())
     }
 
     pub(crate) fn unschedule(&mut self, id: CommandId) -> Answer {
         let cmd = self.cmd(id)?;
-        if cmd.state != State::Scheduled {
-            return Err(Refused::State(cmd.state));
+        if cmd.state != CommandState::Scheduled {
+            return Err(CommandError::InvalidState(cmd.state));
         }
         self.change(id, |c| c.kept = true);
-        self.give_up(id);
+        self.orphan(id);
         self.settle();
         Ok(())
     }
@@ -210,12 +212,12 @@ impl Model {
     pub(crate) fn unload(&mut self, id: CommandId) -> Answer {
         let cmd = self.cmd(id)?;
         if cmd.runs() {
-            return Err(Refused::State(cmd.state));
+            return Err(CommandError::InvalidState(cmd.state));
         }
-        if cmd.state == State::Scheduled {
+        if cmd.state == CommandState::Scheduled {
             self.unschedule(id)?;
         }
-        self.forget(id);
+        self.remove(id);
         self.settle();
         Ok(())
     }
@@ -225,7 +227,7 @@ impl Model {
             .rules
             .iter()
             .position(|r| r.0 == rule)
-            .ok_or(Refused::Unknown)?;
+            .ok_or(CommandError::Unknown)?;
         self.rules.remove(at);
         self.settle();
         Ok(())
@@ -233,49 +235,49 @@ impl Model {
 
     /// B5: aborts all commands.
     pub(crate) fn emergency_stop(&mut self) {
-        self.stop_all(Why::EmergencyStop);
+        self.stop_all(AbortReason::EmergencyStop);
     }
 
-    fn stop_all(&mut self, why: Why) {
+    fn stop_all(&mut self, why: AbortReason) {
         self.rules.clear();
         for id in self.running() {
-            self.leave(id, How::Aborted(why), -1);
+            self.leave(id, EndCause::Aborted(why), -1);
         }
-        self.close();
+        self.conclude();
     }
 
     /// R4, S8: adds a rule.
-    pub(crate) fn schedule(&mut self, id: RuleId, law: &Law) -> Answer {
-        let before = law.before();
+    pub(crate) fn schedule(&mut self, id: RuleId, law: &ModelRule) -> Answer {
+        let before = law.predecessors();
         if self.rules.len() >= self.room {
-            return Err(Refused::Full);
+            return Err(CommandError::TableFull);
         }
         for (k, next) in law.start.iter().enumerate() {
             if law.start[..k].contains(next) || before.contains(next) {
-                return Err(Refused::Successor);
+                return Err(CommandError::SelfSuccessor);
             }
             let state = self.cmd(*next)?.state;
-            if !matches!(state, State::Ready | State::Scheduled) {
-                return Err(Refused::State(state));
+            if !matches!(state, CommandState::Ready | CommandState::Scheduled) {
+                return Err(CommandError::InvalidState(state));
             }
         }
         for (k, next) in law.start.iter().enumerate() {
             for &resource in self.cmd(*next)?.needs() {
                 if let Some(by) = self.out_of_reach((&before, &law.stop), *next, resource) {
-                    return Err(Refused::Held { resource, by });
+                    return Err(CommandError::ResourceHeld { resource, by });
                 }
                 let needs = |id: &&CommandId| self.commands[id].needs().contains(&resource);
                 if let Some(&by) = law.start[..k].iter().find(needs) {
-                    return Err(Refused::Held { resource, by });
+                    return Err(CommandError::ResourceHeld { resource, by });
                 }
             }
         }
         if !self.may_come_true(law) {
-            return Err(Refused::Never);
+            return Err(CommandError::NeverFires);
         }
         for next in &law.start {
             self.change(*next, |c| {
-                (c.state, c.live) = (State::Scheduled, true);
+                (c.state, c.live) = (CommandState::Scheduled, true);
                 c.kept |= law.kept;
             });
         }
@@ -284,7 +286,7 @@ impl Model {
         let made = self.rules.iter().any(|r| r.0 == id);
         if made && self.is_true(law) {
             self.fire(id, self.tick);
-            self.close();
+            self.conclude();
         }
         Ok(())
     }
@@ -292,40 +294,40 @@ impl Model {
     // ---------------------------------------------------------------- conditions
 
     /// C2 to C4: knowledge about a fact.
-    fn know(&self, id: CommandId, fact: Fact) -> Known {
+    fn know(&self, id: CommandId, fact: Fact) -> KnownFact {
         let Some(cmd) = self.commands.get(&id) else {
-            return Known::NEVER;
+            return KnownFact::NEVER;
         };
-        let hopeless = cmd.state == State::Scheduled && !cmd.live;
+        let hopeless = cmd.state == CommandState::Scheduled && !cmd.live;
         if let Fact::Export(index) = fact {
             let now = cmd.shown.filter(|_| index == 0);
             return match cmd.state {
-                _ if hopeless => Known::NEVER,
-                State::Terminated => Known { now, settled: true },
-                _ => Known {
+                _ if hopeless => KnownFact::NEVER,
+                CommandState::Terminated => KnownFact { now, settled: true },
+                _ => KnownFact {
                     now,
                     settled: false,
                 },
             };
         }
         let Some(end) = cmd.end else {
-            let dead = fact == Fact::Regular && cmd.state == State::Cancelling;
-            return Known {
+            let dead = fact == Fact::Regular && cmd.state == CommandState::Cancelling;
+            return KnownFact {
                 now: Some(false),
                 settled: hopeless || dead,
             };
         };
-        Known {
-            now: Some(said(fact, &end)),
+        KnownFact {
+            now: Some(fact_holds(fact, &end)),
             settled: true,
         }
     }
 
     /// S8: the commands that a rule starts have not run when it fires.
-    fn may_come_true(&self, law: &Law) -> bool {
+    fn may_come_true(&self, law: &ModelRule) -> bool {
         let know = |id: CommandId, fact: Fact| match fact {
-            Fact::Export(_) if law.start.contains(&id) => Known::NEVER,
-            _ if law.start.contains(&id) => Known {
+            Fact::Export(_) if law.start.contains(&id) => KnownFact::NEVER,
+            _ if law.start.contains(&id) => KnownFact {
                 now: Some(false),
                 settled: true,
             },
@@ -334,7 +336,7 @@ impl Model {
         law.condition.may_be(true, &know)
     }
 
-    fn is_true(&self, law: &Law) -> bool {
+    fn is_true(&self, law: &ModelRule) -> bool {
         law.condition.value(&|id, fact| self.know(id, fact)) == Some(true)
     }
 
@@ -361,14 +363,14 @@ impl Model {
             .iter()
             .filter_map(|id| self.commands.get(id))
             .any(|c| {
-                let hopeless = c.state == State::Scheduled && !c.live;
+                let hopeless = c.state == CommandState::Scheduled && !c.live;
                 c.end.is_none() && !hopeless && c.needs().contains(&resource)
             })
     }
 
     /// R5: whether another scheduled command is an alternative.
     fn alternative(&self, before: &[CommandId], other: CommandId) -> bool {
-        self.commands[&other].state == State::Scheduled
+        self.commands[&other].state == CommandState::Scheduled
             && self.rules.iter().any(|(_, law, theirs)| {
                 law.start.contains(&other) && theirs.iter().any(|b| before.contains(b))
             })
@@ -378,7 +380,7 @@ impl Model {
     fn take_free(&mut self) -> bool {
         let mut took = false;
         let mut ids: Vec<_> = self.commands.keys().copied().collect();
-        ids.sort_by_key(|id| id.place());
+        ids.sort_by_key(|id| id.slot());
         for id in ids {
             for &resource in self.commands[&id].needs() {
                 let mine: Vec<&[CommandId]> = self
@@ -395,7 +397,7 @@ impl Model {
                         .into_iter()
                         .all(|h| self.alternative(before, h))
                 });
-                if self.commands[&id].state == State::Scheduled && !waits && free {
+                if self.commands[&id].state == CommandState::Scheduled && !waits && free {
                     self.change(id, |c| took |= c.holds.insert(resource));
                 }
             }
@@ -414,20 +416,20 @@ impl Model {
         }
         self.change(id, |c| {
             c.holds = needs.iter().copied().collect();
-            (c.state, c.due, c.first) = (State::Running, due, Some(due));
+            (c.state, c.due, c.first) = (CommandState::Running, due, Some(due));
         });
     }
 
-    fn leave(&mut self, id: CommandId, cause: How, error: i64) {
+    fn leave(&mut self, id: CommandId, cause: EndCause, error: i64) {
         self.change(id, |c| {
             c.end = Some(End {
                 cause,
                 error,
-                cancelled: c.state == State::Cancelling,
+                cancelled: c.state == CommandState::Cancelling,
                 cycles: c.cycles,
                 left_moving: false,
             });
-            (c.state, c.leaving) = (State::Terminated, true);
+            (c.state, c.leaving) = (CommandState::Terminated, true);
         });
     }
 
@@ -444,19 +446,19 @@ impl Model {
         }
         for stop in &law.stop {
             match self.commands.get(stop).map(|c| (c.runs(), c.state)) {
-                Some((true, _)) => self.leave(*stop, How::Stopped(id), 0),
-                Some((_, State::Scheduled)) => self.give_up(*stop),
+                Some((true, _)) => self.leave(*stop, EndCause::Stopped(id), 0),
+                Some((_, CommandState::Scheduled)) => self.orphan(*stop),
                 _ => {}
             }
         }
         for cancel in &law.cancel {
-            if self.commands.get(cancel).is_some_and(Cmd::runs) {
-                self.change(*cancel, |c| c.state = State::Cancelling);
+            if self.commands.get(cancel).is_some_and(ModelCommand::runs) {
+                self.change(*cancel, |c| c.state = CommandState::Cancelling);
             }
         }
         let named = law
             .condition
-            .names()
+            .mentioned_commands()
             .into_iter()
             .chain(law.stop.iter().copied());
         let ending = named
@@ -470,14 +472,14 @@ impl Model {
     }
 
     /// S3: whether a command can get its resources now.
-    fn obtainable(&self, law: &Law, before: &[CommandId], next: CommandId) -> bool {
+    fn obtainable(&self, law: &ModelRule, before: &[CommandId], next: CommandId) -> bool {
         let Some(cmd) = self.commands.get(&next) else {
             return false;
         };
         let gives = |h: &CommandId| {
             self.commands[h].leaving || law.stop.contains(h) || self.alternative(before, *h)
         };
-        cmd.state == State::Scheduled
+        cmd.state == CommandState::Scheduled
             && cmd
                 .needs()
                 .iter()
@@ -486,7 +488,7 @@ impl Model {
     }
 
     /// R7, B2, then S7: concludes a decision.
-    fn close(&mut self) {
+    fn conclude(&mut self) {
         for cmd in self.commands.values_mut().filter(|c| c.leaving) {
             cmd.leaving = false;
             for resource in std::mem::take(&mut cmd.holds) {
@@ -510,7 +512,7 @@ impl Model {
 
     fn settle_once(&mut self) -> bool {
         for cmd in self.commands.values_mut() {
-            cmd.live = cmd.state != State::Scheduled;
+            cmd.live = cmd.state != CommandState::Scheduled;
         }
         let mut open: BTreeSet<RuleId> = BTreeSet::new();
         let mut grows = true;
@@ -529,18 +531,18 @@ impl Model {
         self.rules.retain(|r| open.contains(&r.0));
         for (id, cmd) in self.commands.clone() {
             let named = self.rules.iter().any(|r| r.1.start.contains(&id));
-            if cmd.state == State::Scheduled && !named {
-                self.give_up(id);
+            if cmd.state == CommandState::Scheduled && !named {
+                self.orphan(id);
             }
         }
         self.take_free()
     }
 
-    fn may_fire(&self, law: &Law, before: &[CommandId]) -> bool {
+    fn may_fire(&self, law: &ModelRule, before: &[CommandId]) -> bool {
         let reachable = |s: &CommandId| {
             self.commands.get(s).is_some_and(|c| {
                 let mut needs = c.needs().iter();
-                c.state == State::Scheduled
+                c.state == CommandState::Scheduled
                     && needs.all(|r| self.out_of_reach((before, &law.stop), *s, *r).is_none())
             })
         };
@@ -548,29 +550,29 @@ impl Model {
     }
 
     /// C4: removes a command.
-    fn forget(&mut self, id: CommandId) {
+    fn remove(&mut self, id: CommandId) {
         let Some(cmd) = self.commands.remove(&id) else {
             return;
         };
         let last = |fact: Fact| match (fact, cmd.end) {
             (Fact::Export(0), Some(_)) => cmd.shown,
             (Fact::Export(_), _) => None,
-            (_, end) => Some(end.is_some_and(|end| said(fact, &end))),
+            (_, end) => Some(end.is_some_and(|end| fact_holds(fact, &end))),
         };
         for (_, law, _) in &mut self.rules {
             law.condition.freeze(id, &last);
         }
     }
 
-    fn give_up(&mut self, id: CommandId) {
+    fn orphan(&mut self, id: CommandId) {
         let kept = self.commands[&id].kept;
         if kept {
             self.change(id, |c| {
                 c.holds.clear();
-                (c.state, c.kept, c.live) = (State::Ready, false, true);
+                (c.state, c.kept, c.live) = (CommandState::Ready, false, true);
             });
         } else {
-            self.forget(id);
+            self.remove(id);
             self.gone.insert(id);
         }
     }
@@ -580,7 +582,7 @@ impl Model {
     fn running(&self) -> Vec<CommandId> {
         let mut all: Vec<_> = self.commands.keys().copied().collect();
         all.retain(|id| self.commands[id].runs());
-        all.sort_by_key(|id| id.place());
+        all.sort_by_key(|id| id.slot());
         all
     }
 
@@ -599,7 +601,7 @@ impl Model {
             self.ends(*id);
         }
         if std::mem::take(&mut self.stops) {
-            self.stop_all(Why::Discontinuity);
+            self.stop_all(AbortReason::Discontinuity);
         }
         let fires: Vec<RuleId> = self
             .rules
@@ -609,7 +611,7 @@ impl Model {
             .collect();
         let next = self.tick + 1;
         fires.into_iter().for_each(|id| self.fire(id, next));
-        self.close();
+        self.conclude();
         self.tick += 1;
     }
 
@@ -617,24 +619,24 @@ impl Model {
     fn covered(&self, id: CommandId) -> bool {
         let cmd = &self.commands[&id];
         let end = End {
-            cause: How::Result(1),
+            cause: EndCause::Result(1),
             error: 0,
-            cancelled: cmd.state == State::Cancelling,
+            cancelled: cmd.state == CommandState::Cancelling,
             cycles: 0,
             left_moving: false,
         };
         let know = |of: CommandId, fact: Fact| match fact {
-            Fact::Export(_) if of == id => Known {
+            Fact::Export(_) if of == id => KnownFact {
                 now: None,
                 settled: false,
             },
-            _ if of == id => Known {
-                now: Some(said(fact, &end)),
+            _ if of == id => KnownFact {
+                now: Some(fact_holds(fact, &end)),
                 settled: true,
             },
             _ => {
                 let known = self.know(of, fact);
-                Known {
+                KnownFact {
                     now: known.now.filter(|_| known.settled),
                     ..known
                 }
@@ -655,7 +657,7 @@ impl Model {
     fn cycle(&mut self, id: CommandId, accepted: [bool; 4]) {
         let cmd = self.commands[&id].clone();
         let jumps = self.jumps(&cmd);
-        self.stops |= jumps && cmd.guard == Continuity::Stop;
+        self.stops |= jumps && cmd.guard == Continuity::AbortAll;
         let fault = cmd.how == end::FAULT || jumps && cmd.guard != Continuity::Allow;
         let mut lost = false;
         for &r in cmd.needs() {
@@ -683,19 +685,23 @@ impl Model {
     }
 
     /// J1: whether the set-points of this cycle are discontinuous.
-    fn jumps(&self, cmd: &Cmd) -> bool {
+    fn jumps(&self, cmd: &ModelCommand) -> bool {
         let change = |r: &u32| cmd.speed - self.axes.steps[*r as usize];
         let joining = cmd.joins && cmd.cycles < 2;
-        joining && cmd.needs().iter().any(|r| change(r).abs() > STEADY)
+        joining
+            && cmd
+                .needs()
+                .iter()
+                .any(|r| change(r).abs() > MAX_CONTINUOUS_CHANGE)
     }
 
-    fn verdict(&self, id: CommandId) -> Option<(How, i64)> {
+    fn verdict(&self, id: CommandId) -> Option<(EndCause, i64)> {
         let cmd = &self.commands[&id];
         match cmd.how {
-            end::FAULT => Some((How::Fault, -1)),
-            end::FAIL => Some((How::Result(2), 1)),
-            end::FINISH => Some((How::Result(0), 0)),
-            end::YIELD if cmd.covered => Some((How::Result(1), 0)),
+            end::FAULT => Some((EndCause::Fault, -1)),
+            end::FAIL => Some((EndCause::Result(2), 1)),
+            end::FINISH => Some((EndCause::Result(0), 0)),
+            end::YIELD if cmd.covered => Some((EndCause::Result(1), 0)),
             _ => None,
         }
     }
@@ -706,7 +712,7 @@ impl Model {
         }
     }
 
-    fn change(&mut self, id: CommandId, change: impl FnOnce(&mut Cmd)) {
+    fn change(&mut self, id: CommandId, change: impl FnOnce(&mut ModelCommand)) {
         if let Some(cmd) = self.commands.get_mut(&id) {
             change(cmd);
         }
@@ -720,14 +726,14 @@ fn brake(axes: &mut Axes, resource: u32) {
 }
 
 /// C2 and L6: whether a fact is true of an ended command.
-fn said(fact: Fact, end: &End) -> bool {
-    let by_result = matches!(end.cause, How::Result(_));
+fn fact_holds(fact: Fact, end: &End) -> bool {
+    let by_result = matches!(end.cause, EndCause::Result(_));
     match fact {
         Fact::Export(_) => false,
         Fact::Ended => true,
         Fact::Regular => by_result && end.error == 0 && !end.cancelled,
         Fact::Failed => end.error != 0,
-        Fact::Result(k) => end.cause == How::Result(k as usize),
+        Fact::Result(k) => end.cause == EndCause::Result(k as usize),
         Fact::Error(number) => end.error == number,
     }
 }

@@ -7,10 +7,10 @@
 #[path = "../model/cell.rs"]
 #[allow(dead_code)]
 mod cell;
-mod world;
+mod core_under_test;
 
+use core_under_test::{Action, CoreUnderTest, Snapshot};
 use stateright::{Checker, Model, Property};
-use world::{Action, Snapshot, World};
 
 /// Bounds of the search: number of ticks and number of rules.
 const TICKS: u64 = 2;
@@ -23,7 +23,7 @@ impl Model for Switching {
     type Action = Action;
 
     fn init_states(&self) -> Vec<Snapshot> {
-        vec![World::new().snapshot(Vec::new(), None)]
+        vec![CoreUnderTest::new().snapshot(Vec::new(), None)]
     }
 
     fn actions(&self, state: &Snapshot, actions: &mut Vec<Action>) {
@@ -31,7 +31,7 @@ impl Model for Switching {
     }
 
     fn next_state(&self, state: &Snapshot, action: Action) -> Option<Snapshot> {
-        let mut world = World::new();
+        let mut world = CoreUnderTest::new();
         state
             .path()
             .iter()

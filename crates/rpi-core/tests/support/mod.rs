@@ -1,9 +1,9 @@
 //! Test axes that move directly to their set-points, and commands for them.
 #![allow(dead_code, unreachable_pub)]
 
-use rpi_bench::{Build, build, twin};
-use rpi_core::{Command, CommandId, Core, Refused, Rule};
-use rpi_device::{DeviceBank, Jump, PortId, PortName, Quantity, Refusal, ResolveError};
+use rpi_bench::{NetBuilder, image_compare, net_builder};
+use rpi_core::{Command, CommandError, CommandId, Core, Rule};
+use rpi_device::{DeviceBank, Discontinuity, PortId, PortQuery, Quantity, Rejection, ResolveError};
 use rpi_image::Value;
 use rpi_lower::LowerOptions;
 use rpi_net::{FragmentId, Input, Net, PortRef, ResultKind};
@@ -44,43 +44,43 @@ impl Axes {
 }
 
 impl DeviceBank for Axes {
-    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+    fn resolve(&mut self, name: &PortQuery<'_>) -> Result<PortId, ResolveError> {
         match (name.device, name.index) {
             ("arm", index @ 0..4) => Ok(PortId(index)),
-            ("arm", _) => Err(ResolveError::NoIndex),
-            _ => Err(ResolveError::NoDevice),
+            ("arm", _) => Err(ResolveError::IndexOutOfRange),
+            _ => Err(ResolveError::UnknownDevice),
         }
     }
     fn resource(&self, port: PortId) -> u32 {
         port.0
     }
-    fn begin(&mut self, resource: u32, ticks: u32) {
+    fn begin_command(&mut self, resource: u32, ticks: u32) {
         self.paces[resource as usize] = ticks;
     }
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
         value[0] = self.positions[port.0 as usize].to_bits();
         true
     }
-    fn check(&mut self, _: PortId, value: &[u64]) -> Refusal {
+    fn check_set_point(&mut self, _: PortId, value: &[u64]) -> Rejection {
         match (self.failed, f64::from_bits(value[0]).is_nan()) {
-            (true, _) => Refusal::DEVICE_FAILED,
-            (_, true) => Refusal::ILLEGAL_VALUE,
-            _ => Refusal::NONE,
+            (true, _) => Rejection::DEVICE_FAILED,
+            (_, true) => Rejection::ILLEGAL_VALUE,
+            _ => Rejection::NONE,
         }
     }
     /// A step is discontinuous if it differs by more than 2 mm from the previous one.
-    fn jump(&self, port: PortId, value: &[u64]) -> Option<Jump> {
+    fn discontinuity(&self, port: PortId, value: &[u64]) -> Option<Discontinuity> {
         let axis = port.0 as usize;
         let step = f64::from_bits(value[0]) - self.positions[axis];
         let change = step - self.steps[axis];
-        (change.abs() > 2e-3).then_some(Jump {
+        (change.abs() > 2e-3).then_some(Discontinuity {
             resource: port.0,
             quantity: Quantity::Acceleration,
             value: change,
             limit: 2e-3,
         })
     }
-    fn error(&self, _: PortId) -> i64 {
+    fn error_code(&self, _: PortId) -> i64 {
         i64::from(self.failed)
     }
     fn write(&mut self, port: PortId, value: &[u64]) {
@@ -95,7 +95,7 @@ impl DeviceBank for Axes {
     fn call(&mut self, _: PortId, _: &[u64], _: &mut [u64]) -> bool {
         false
     }
-    fn moving(&self, resource: u32) -> bool {
+    fn is_moving(&self, resource: u32) -> bool {
         self.moving[resource as usize]
     }
     fn stop(&mut self, resource: u32) {
@@ -108,7 +108,7 @@ impl DeviceBank for Axes {
 /// A command that moves one axis by a millimetre per cycle from its present position, for `cycles` cycles. It finishes
 /// as `done` one cycle later, and may yield as `early` from cycle `yields` on.
 pub fn mover(axis: i64, cycles: u32, yields: u32) -> Net {
-    let mut b = Build::new("Mover");
+    let mut b = NetBuilder::new("Mover");
     let steps = mover_flow(&mut b, axis, f64::from(cycles) * 1e-3);
     let done = over(&mut b, steps, f64::from(cycles) + 0.5);
     let early = over(&mut b, steps, f64::from(yields) - 0.5);
@@ -119,13 +119,13 @@ pub fn mover(axis: i64, cycles: u32, yields: u32) -> Net {
 
 /// A command that moves one axis by half a metre in one step.
 pub fn leaper(axis: i64) -> Net {
-    let mut b = Build::new("Leaper");
+    let mut b = NetBuilder::new("Leaper");
     let params = [
         ("Robot", Value::Str("arm".into())),
         ("Axis", Value::int(axis)),
     ];
     let place = b.add_with(ROOT, "RobotArm::JointMonitor", &[], &params);
-    let inputs = [Input::Port(place), build::real(0.5)];
+    let inputs = [Input::Port(place), net_builder::real(0.5)];
     let target = b.add(ROOT, "Core::DoubleAdd", &inputs);
     b.add_with(
         ROOT,
@@ -138,7 +138,7 @@ pub fn leaper(axis: i64) -> Net {
 
 /// Sets an axis to its start position plus the smaller of the cycle number in mm and `most`. Returns the cycle number,
 /// from 1.
-pub fn mover_flow(b: &mut Build, axis: i64, most: f64) -> PortRef {
+pub fn mover_flow(b: &mut NetBuilder, axis: i64, most: f64) -> PortRef {
     let params = [
         ("Robot", Value::Str("arm".into())),
         ("Axis", Value::int(axis)),
@@ -153,7 +153,7 @@ pub fn mover_flow(b: &mut Build, axis: i64, most: f64) -> PortRef {
     let travel = b.add(
         ROOT,
         "Rpi::DoubleMinimum",
-        &[Input::Port(time), build::real(most)],
+        &[Input::Port(time), net_builder::real(most)],
     );
     let target = b.add(
         ROOT,
@@ -169,15 +169,15 @@ pub fn mover_flow(b: &mut Build, axis: i64, most: f64) -> PortRef {
     b.add(
         ROOT,
         "Core::DoubleMultiply",
-        &[Input::Port(time), build::real(1000.0)],
+        &[Input::Port(time), net_builder::real(1000.0)],
     )
 }
 
-pub fn over(b: &mut Build, flow: PortRef, limit: f64) -> PortRef {
+pub fn over(b: &mut NetBuilder, flow: PortRef, limit: f64) -> PortRef {
     b.add(
         ROOT,
         "Core::DoubleGreater",
-        &[Input::Port(flow), build::real(limit)],
+        &[Input::Port(flow), net_builder::real(limit)],
     )
 }
 
@@ -187,7 +187,8 @@ pub fn load(net: &Net, bank: &mut Axes) -> Box<Command> {
 
 /// Loads a net as a command with this period.
 pub fn load_for(period_ns: u64, net: &Net, bank: &mut Axes) -> Box<Command> {
-    let image = twin::image(net, &LowerOptions::running(period_ns)).expect("it can be lowered");
+    let image = image_compare::lower_net(net, &LowerOptions::running(period_ns))
+        .expect("it can be lowered");
     Box::new(
         Command::load(image, bank)
             .map_err(|f| format!("{f:?}"))
@@ -222,9 +223,9 @@ pub fn follow(
     after: CommandId,
     kept: bool,
     bank: &mut Axes,
-) -> Result<(), Refused> {
+) -> Result<(), CommandError> {
     let rule = Rule::follow(after).start(next);
-    let rule = if kept { rule.keep() } else { rule };
+    let rule = if kept { rule.keep_orphans() } else { rule };
     let made = core.schedule(Box::new(rule), bank);
     made.map(|_| ()).map_err(|refused| refused.1)
 }

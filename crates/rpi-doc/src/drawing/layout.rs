@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::layers::{Edge, Layers, Pin, layers};
+use super::layering::{Edge, LayerConstraint, Layers, layers};
 use super::scene::{Drawing, End, Link, Role, SceneId, Shape};
 
 /// Widths of a character in a title, a detail and a label.
@@ -10,42 +10,42 @@ const TITLE: f64 = 7.2;
 const DETAIL: f64 = 6.7;
 const LABEL: f64 = 6.2;
 /// Heights of a box with one line and with two lines of text.
-const LOW: f64 = 24.0;
-const HIGH: f64 = 40.0;
+const ONE_LINE_HEIGHT: f64 = 24.0;
+const TWO_LINE_HEIGHT: f64 = 40.0;
 /// Space above a nested scene, and around it, in its box.
 pub(super) const HEAD: f64 = 42.0;
 pub(super) const PAD: f64 = 12.0;
 /// Vertical space between the boxes of a column, and horizontal space between columns.
-const BELOW: f64 = 14.0;
-const BESIDE: f64 = 40.0;
+const ROW_GAP: f64 = 14.0;
+const COLUMN_GAP: f64 = 40.0;
 /// Space below a box for a line back to itself, and for each backward line.
 const LOOP: f64 = 14.0;
-const LANE: f64 = 14.0;
+const LANE_HEIGHT: f64 = 14.0;
 /// Number of sweeps that move boxes towards their neighbours.
 const SWEEPS: usize = 10;
 
 /// Scene with coordinates.
-pub(super) struct Laid {
+pub(super) struct SceneLayout {
     pub(super) width: f64,
     pub(super) height: f64,
     /// One per shape of the scene.
-    pub(super) boxes: Vec<Placed>,
+    pub(super) boxes: Vec<BoxLayout>,
     /// One per link of the scene.
-    pub(super) lines: Vec<Drawn>,
+    pub(super) lines: Vec<LineLayout>,
 }
 
 /// Box with coordinates, relative to its scene.
-pub(super) struct Placed {
+pub(super) struct BoxLayout {
     pub(super) x: f64,
     pub(super) y: f64,
     pub(super) width: f64,
     pub(super) height: f64,
-    pub(super) inner: Option<Laid>,
+    pub(super) inner: Option<SceneLayout>,
 }
 
 /// Line with coordinates.
 #[derive(Clone, Default)]
-pub(super) struct Drawn {
+pub(super) struct LineLayout {
     /// SVG path data.
     pub(super) path: String,
     /// Start of its label.
@@ -53,10 +53,14 @@ pub(super) struct Drawn {
 }
 
 /// Computes the layout of a scene and of all nested scenes.
-pub(super) fn lay_out(drawing: &Drawing, scene: SceneId) -> Laid {
+pub(super) fn lay_out(drawing: &Drawing, scene: SceneId) -> SceneLayout {
     let this = &drawing.scenes[scene];
-    let boxes: Vec<Placed> = this.shapes.iter().map(|s| sized(drawing, s)).collect();
-    let pins: Vec<Pin> = this.shapes.iter().map(pin).collect();
+    let boxes: Vec<BoxLayout> = this
+        .shapes
+        .iter()
+        .map(|s| measured_box(drawing, s))
+        .collect();
+    let pins: Vec<LayerConstraint> = this.shapes.iter().map(pin).collect();
     let mut edges: Vec<Edge> = this.links.iter().map(edge).collect();
     let layers = layers(&pins, &mut edges);
     let mut plan = Plan {
@@ -80,20 +84,24 @@ fn edge(link: &Link) -> Edge {
     }
 }
 
-fn pin(shape: &Shape) -> Pin {
+fn pin(shape: &Shape) -> LayerConstraint {
     match shape.role {
-        Role::Input => Pin::First,
-        Role::Output => Pin::Last,
-        Role::Dot if shape.title == "end" => Pin::Last,
-        _ => Pin::Free,
+        Role::Input => LayerConstraint::First,
+        Role::Output => LayerConstraint::Last,
+        Role::Dot if shape.title == "end" => LayerConstraint::Last,
+        _ => LayerConstraint::Free,
     }
 }
 
 /// Returns a box with its size; the position is set later.
-fn sized(drawing: &Drawing, shape: &Shape) -> Placed {
+fn measured_box(drawing: &Drawing, shape: &Shape) -> BoxLayout {
     let letters = |text: &str| text.chars().count() as f64;
     let width = (TITLE * letters(&shape.title)).max(DETAIL * letters(&shape.detail)) + 20.0;
-    let height = if shape.detail.is_empty() { LOW } else { HIGH };
+    let height = if shape.detail.is_empty() {
+        ONE_LINE_HEIGHT
+    } else {
+        TWO_LINE_HEIGHT
+    };
     let inner = shape.inner.map(|inner| lay_out(drawing, inner));
     let (width, height) = match &inner {
         Some(inner) => (
@@ -102,7 +110,7 @@ fn sized(drawing: &Drawing, shape: &Shape) -> Placed {
         ),
         None => (width, height),
     };
-    Placed {
+    BoxLayout {
         x: 0.0,
         y: 0.0,
         width,
@@ -111,7 +119,7 @@ fn sized(drawing: &Drawing, shape: &Shape) -> Placed {
     }
 }
 
-impl Placed {
+impl BoxLayout {
     /// Returns the point at which a line leaves or enters, relative to the corner of the box: the edge of the port if
     /// there is one, otherwise the middle of the side.
     fn port(&self, end: End, leaves: bool) -> (f64, f64) {
@@ -138,7 +146,7 @@ struct Plan<'p> {
     links: &'p [Link],
     edges: Vec<Edge>,
     layers: Layers,
-    boxes: Vec<Placed>,
+    boxes: Vec<BoxLayout>,
     columns: Vec<Column>,
     /// Upper edge of each box and dummy vertex.
     tops: Vec<f64>,
@@ -167,7 +175,7 @@ impl Plan<'_> {
         self.tops = vec![0.0; items.map_or(0, |max| max + 1)];
         for column in self.layers.columns.clone() {
             let wanted = vec![0.0; column.len()];
-            self.settle(&column, &wanted);
+            self.resolve_overlaps(&column, &wanted);
         }
         let count = self.layers.columns.len();
         for sweep in 0..SWEEPS {
@@ -175,7 +183,7 @@ impl Plan<'_> {
                 let k = if sweep % 2 == 0 { k } else { count - 1 - k };
                 let column = self.layers.columns[k].clone();
                 let wanted: Vec<f64> = column.iter().map(|item| self.wanted(*item)).collect();
-                self.settle(&column, &wanted);
+                self.resolve_overlaps(&column, &wanted);
             }
         }
         let top = self.tops.iter().copied().fold(f64::INFINITY, f64::min);
@@ -205,7 +213,7 @@ impl Plan<'_> {
 
     /// Moves the items of a column as close as possible to the wanted positions without overlap. This is isotonic
     /// regression by pooling adjacent violators (Ayer et al. 1955).
-    fn settle(&mut self, column: &[usize], wanted: &[f64]) {
+    fn resolve_overlaps(&mut self, column: &[usize], wanted: &[f64]) {
         let mut pools: Vec<(f64, usize)> = Vec::new();
         let mut before = 0.0;
         let mut offsets = Vec::new();
@@ -219,7 +227,7 @@ impl Plan<'_> {
                 pools.pop();
             }
             pools.push(pool);
-            before += self.height(*item) + BELOW;
+            before += self.height(*item) + ROW_GAP;
         }
         let bases = pools
             .iter()
@@ -237,7 +245,7 @@ impl Plan<'_> {
             self.columns.push(Column { x, width });
             let labels = self.links.iter().filter(|l| column.contains(&l.from.shape));
             let longest = labels.map(|l| l.label.chars().count()).max().unwrap_or(0);
-            x += width + BESIDE.max(LABEL * longest as f64 + 24.0);
+            x += width + COLUMN_GAP.max(LABEL * longest as f64 + 24.0);
         }
         for (k, column) in self.layers.columns.iter().enumerate() {
             for item in column {
@@ -248,7 +256,7 @@ impl Plan<'_> {
         }
     }
 
-    fn finish(self) -> Laid {
+    fn finish(self) -> SceneLayout {
         let ends = self.tops.iter().enumerate();
         let bottom = ends
             .map(|(item, top)| top + self.height(item))
@@ -263,15 +271,15 @@ impl Plan<'_> {
                 (true, true) => self.around(k),
                 (true, false) => {
                     lanes += 1;
-                    self.backwards(k, bottom + LANE * f64::from(lanes), lanes)
+                    self.backwards(k, bottom + LANE_HEIGHT * f64::from(lanes), lanes)
                 }
             });
         }
-        Laid {
+        SceneLayout {
             width: last + if lanes > 0 { 16.0 } else { 0.0 },
             height: bottom
                 + if lanes > 0 {
-                    LANE * f64::from(lanes) + 6.0
+                    LANE_HEIGHT * f64::from(lanes) + 6.0
                 } else {
                     0.0
                 },
@@ -292,7 +300,7 @@ impl Plan<'_> {
         self.columns[k.unwrap_or(0)]
     }
 
-    fn forwards(&self, k: usize) -> Drawn {
+    fn forwards(&self, k: usize) -> LineLayout {
         let (link, chain) = (&self.links[k], &self.layers.chains[k]);
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
         let column = self.column_of(link.from.shape);
@@ -315,20 +323,20 @@ impl Plan<'_> {
         if end.0 > column.x {
             let _ = write!(path, "H{:.0}", end.0);
         }
-        Drawn {
+        LineLayout {
             path,
             label: (start.0 + 6.0, start.1 - 4.0),
         }
     }
 
     /// Returns a line that leaves at the right, passes below the box and enters at the left.
-    fn around(&self, k: usize) -> Drawn {
+    fn around(&self, k: usize) -> LineLayout {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
         let this = &self.boxes[link.from.shape];
         let lane = this.y + this.height + 7.0;
         let (right, left) = (this.x + this.width + 9.0, this.x - 10.0);
-        Drawn {
+        LineLayout {
             path: format!(
                 "M{:.0} {:.0}H{right:.0}V{lane:.0}H{left:.0}V{:.0}H{:.0}",
                 start.0, start.1, end.1, end.0
@@ -338,7 +346,7 @@ impl Plan<'_> {
     }
 
     /// Returns a line through a lane below all boxes.
-    fn backwards(&self, k: usize, lane: f64, number: u32) -> Drawn {
+    fn backwards(&self, k: usize, lane: f64, number: u32) -> LineLayout {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
         let (from, to) = (
@@ -347,7 +355,7 @@ impl Plan<'_> {
         );
         let shift = f64::from(number % 4) * 4.0;
         let (right, left) = (from.x + from.width + 6.0 + shift, to.x - 10.0 - shift);
-        Drawn {
+        LineLayout {
             path: format!(
                 "M{:.0} {:.0}H{right:.0}V{lane:.0}H{left:.0}V{:.0}H{:.0}",
                 start.0, start.1, end.1, end.0
@@ -382,7 +390,7 @@ mod tests {
         }
     }
 
-    fn drawn(links: &[Link], shapes: usize) -> Laid {
+    fn drawn(links: &[Link], shapes: usize) -> SceneLayout {
         let mut drawing = Drawing::default();
         let root = drawing.scene(None);
         for k in 0..shapes {

@@ -2,38 +2,38 @@
 
 use std::collections::BTreeMap;
 
-use super::reads::{Key, Read};
-use super::scene::{Drawing, End, Link, Place, Role, SceneId, Shape, ShapeId};
+use super::reads::{Read, Source};
+use super::scene::{BoxId, Drawing, End, Link, Role, SceneId, Shape, ShapeId};
 
 /// Definitions and reads of flows, collected while a scene is built.
 #[derive(Default)]
-pub(super) struct Traffic {
-    definers: BTreeMap<Key, Vec<Place>>,
-    reads: Vec<(Place, Read)>,
+pub(super) struct DefUse {
+    definitions: BTreeMap<Source, Vec<BoxId>>,
+    reads: Vec<(BoxId, Read)>,
     /// Ports at borders, by scene, flow and direction (true for inwards).
-    ports: BTreeMap<(SceneId, Key, bool), ShapeId>,
+    ports: BTreeMap<(SceneId, Source, bool), ShapeId>,
 }
 
-impl Traffic {
+impl DefUse {
     /// Records a definition of a flow.
-    pub(super) fn defines(&mut self, place: Place, key: Key) {
-        let all = self.definers.entry(key).or_default();
+    pub(super) fn defines(&mut self, place: BoxId, key: Source) {
+        let all = self.definitions.entry(key).or_default();
         if !all.contains(&place) {
             all.push(place);
         }
     }
 
     /// Records reads at a box.
-    pub(super) fn reads(&mut self, place: Place, reads: impl IntoIterator<Item = Read>) {
+    pub(super) fn reads(&mut self, place: BoxId, reads: impl IntoIterator<Item = Read>) {
         self.reads
             .extend(reads.into_iter().map(|read| (place, read)));
     }
 
     /// Returns the distinct keys that are read but not defined.
-    pub(super) fn undefined(&self) -> Vec<Key> {
-        let mut keys: Vec<Key> = Vec::new();
+    pub(super) fn undefined(&self) -> Vec<Source> {
+        let mut keys: Vec<Source> = Vec::new();
         for (_, read) in &self.reads {
-            if !self.definers.contains_key(&read.key) && !keys.contains(&read.key) {
+            if !self.definitions.contains_key(&read.key) && !keys.contains(&read.key) {
                 keys.push(read.key.clone());
             }
         }
@@ -41,9 +41,9 @@ impl Traffic {
     }
 
     /// Draws all lines. `name` returns the text at a port.
-    pub(super) fn draw(mut self, drawing: &mut Drawing, name: &dyn Fn(&Key) -> String) {
+    pub(super) fn draw(mut self, drawing: &mut Drawing, name: &dyn Fn(&Source) -> String) {
         for (reader, read) in std::mem::take(&mut self.reads) {
-            for definer in self.definers.get(&read.key).cloned().unwrap_or_default() {
+            for definer in self.definitions.get(&read.key).cloned().unwrap_or_default() {
                 self.line(drawing, definer, reader, &read, name);
             }
         }
@@ -52,12 +52,12 @@ impl Traffic {
     fn line(
         &mut self,
         drawing: &mut Drawing,
-        definer: Place,
-        reader: Place,
+        definer: BoxId,
+        reader: BoxId,
         read: &Read,
-        name: &dyn Fn(&Key) -> String,
+        name: &dyn Fn(&Source) -> String,
     ) {
-        let (out, into) = (drawing.around(definer), drawing.around(reader));
+        let (out, into) = (drawing.enclosing(definer), drawing.enclosing(reader));
         let common = out.iter().zip(&into).take_while(|(a, b)| a == b).count();
         // A box that reads its own content, such as a state whose transition reads flows of the state, gets no line.
         if common == into.len() && common < out.len() {
@@ -98,9 +98,9 @@ impl Traffic {
         &mut self,
         drawing: &mut Drawing,
         scene: SceneId,
-        key: &Key,
+        key: &Source,
         inwards: bool,
-        name: &dyn Fn(&Key) -> String,
+        name: &dyn Fn(&Source) -> String,
     ) -> ShapeId {
         let role = if inwards { Role::Input } else { Role::Output };
         let entry = self.ports.entry((scene, key.clone(), inwards));

@@ -14,8 +14,8 @@
 //! | `layout.rs` | coordinates of boxes and lines |
 //! | `svg.rs` | SVG output |
 
-mod flow;
-mod layers;
+mod body_scene;
+mod layering;
 mod layout;
 mod links;
 mod reads;
@@ -26,22 +26,22 @@ mod task;
 use rpi_sema::query::DefId;
 use rpi_syntax::ast::{Item, ItemKind, NodeDef};
 
-use crate::declaration::Shown;
+use crate::declaration::PageContext;
 use scene::Drawing;
 
 /// Number of boxes above which a drawing is collapsed initially.
-const LARGE: usize = 28;
+const MAX_OPEN_BOXES: usize = 28;
 /// Number of boxes above which there is no drawing.
-const TOO_LARGE: usize = 400;
+const MAX_BOXES: usize = 400;
 
 /// Drawing of a declaration.
-pub(crate) struct Drawn {
+pub(crate) struct DeclarationDrawing {
     drawing: Drawing,
     /// Whether the drawing is small enough to be shown initially.
     pub(crate) is_small: bool,
 }
 
-impl Drawn {
+impl DeclarationDrawing {
     /// Returns the drawing as SVG; `id` is a prefix for the ids in it.
     pub(crate) fn svg(&self, id: &str, title: &str) -> String {
         svg::svg(&self.drawing, id, title)
@@ -49,20 +49,24 @@ impl Drawn {
 }
 
 /// Returns the drawing of a declaration with more than one equation or step; `None` for smaller or too large ones.
-pub(crate) fn of(shown: &Shown<'_>, id: DefId, item: &Item) -> Option<Drawn> {
+pub(crate) fn draw_declaration(
+    shown: &PageContext<'_>,
+    id: DefId,
+    item: &Item,
+) -> Option<DeclarationDrawing> {
     let drawing = match &item.kind {
         ItemKind::Node(node) => match &node.definition {
-            NodeDef::Body(body) => flow::drawing(shown, id, body),
+            NodeDef::Body(body) => body_scene::drawing(shown, id, body),
             NodeDef::Alias(_) | NodeDef::Extern => return None,
         },
-        ItemKind::Fragment(fragment) => flow::drawing(shown, id, &fragment.body),
-        ItemKind::Command(command) => flow::drawing(shown, id, &command.body),
+        ItemKind::Fragment(fragment) => body_scene::drawing(shown, id, &fragment.body),
+        ItemKind::Command(command) => body_scene::drawing(shown, id, &command.body),
         ItemKind::Task(task) => task::drawing(shown, id, task),
         _ => return None,
     };
     let (boxes, steps) = (drawing.boxes(), drawing.steps());
-    (steps > 1 && boxes <= TOO_LARGE).then_some(Drawn {
+    (steps > 1 && boxes <= MAX_BOXES).then_some(DeclarationDrawing {
         drawing,
-        is_small: boxes <= LARGE,
+        is_small: boxes <= MAX_OPEN_BOXES,
     })
 }

@@ -1,16 +1,16 @@
 //! Reads of an expression: flows of the enclosing declaration, ports of devices, and events of the command.
 
-use rpi_driver::Inspected;
+use rpi_driver::Inspection;
 use rpi_sema::query::{DefId, DefKind, Reference};
 use rpi_syntax::ast::{Callee, Expr, ExprKind, StaticValue};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 /// Predeclared flows for which a line is drawn: those that others set while the command runs.
-const SHOWN: &[&str] = &["cancel", "takeover", "predecessor"];
+const DRAWN_PREDECLARED: &[&str] = &["cancel", "takeover", "predecessor"];
 
 /// Source of a value.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(super) enum Key {
+pub(super) enum Source {
     /// Flow.
     Flow(DefId),
     /// Port of a device.
@@ -22,7 +22,7 @@ pub(super) enum Key {
 /// Read of a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Read {
-    pub(super) key: Key,
+    pub(super) key: Source,
     /// Whether the value of the previous cycle is read.
     pub(super) delayed: bool,
     /// Whether the value may be absent.
@@ -30,27 +30,29 @@ pub(super) struct Read {
 }
 
 /// Returns the reads of expressions in source order.
-pub(super) fn reads<'e>(seen: &Inspected, exprs: impl IntoIterator<Item = &'e Expr>) -> Vec<Read> {
+pub(super) fn reads<'e>(seen: &Inspection, exprs: impl IntoIterator<Item = &'e Expr>) -> Vec<Read> {
     let mut found = Vec::new();
     for expr in exprs {
-        look(seen, expr, false, &mut found);
+        collect_reads(seen, expr, false, &mut found);
     }
     found
 }
 
-fn look(seen: &Inspected, expr: &Expr, delayed: bool, found: &mut Vec<Read>) {
+fn collect_reads(seen: &Inspection, expr: &Expr, delayed: bool, found: &mut Vec<Read>) {
     if is_path(expr) {
         found.extend(read(seen, expr, delayed));
         return;
     }
     match &expr.kind {
-        ExprKind::Unary(UnaryOp::Pre | UnaryOp::Last, inner) => look(seen, inner, true, found),
+        ExprKind::Unary(UnaryOp::Pre | UnaryOp::Last, inner) => {
+            collect_reads(seen, inner, true, found)
+        }
         ExprKind::Binary(binary) if binary.op == BinaryOp::Fby => {
-            look(seen, &binary.lhs, delayed, found);
-            look(seen, &binary.rhs, true, found);
+            collect_reads(seen, &binary.lhs, delayed, found);
+            collect_reads(seen, &binary.rhs, true, found);
         }
         ExprKind::When(when) => {
-            look(seen, &when.value, delayed, found);
+            collect_reads(seen, &when.value, delayed, found);
             let clock = seen.index().references_in(when.clock.flow.span);
             found.extend(key(seen, clock).map(|key| Read {
                 key,
@@ -63,17 +65,17 @@ fn look(seen: &Inspected, expr: &Expr, delayed: bool, found: &mut Vec<Read>) {
                 statics(seen, &call.callee, found);
             }
             for child in expr.children() {
-                look(seen, child, delayed, found);
+                collect_reads(seen, child, delayed, found);
             }
         }
     }
 }
 
 /// Static arguments may contain parameters of the command.
-fn statics(seen: &Inspected, callee: &Callee, found: &mut Vec<Read>) {
+fn statics(seen: &Inspection, callee: &Callee, found: &mut Vec<Read>) {
     for argument in &callee.statics {
         match &argument.value {
-            StaticValue::Expr(value) => look(seen, value, false, found),
+            StaticValue::Expr(value) => collect_reads(seen, value, false, found),
             StaticValue::Callee(inner) => statics(seen, inner, found),
             StaticValue::Type(_) | StaticValue::Op(_) => {}
         }
@@ -89,7 +91,7 @@ fn is_path(expr: &Expr) -> bool {
     }
 }
 
-fn read(seen: &Inspected, path: &Expr, delayed: bool) -> Option<Read> {
+fn read(seen: &Inspection, path: &Expr, delayed: bool) -> Option<Read> {
     let names = seen.index().references_in(path.span);
     let key = key(seen, names).or_else(|| predeclared(path))?;
     let types = names.last().map(|name| seen.types_of_read(name.span));
@@ -100,22 +102,22 @@ fn read(seen: &Inspected, path: &Expr, delayed: bool) -> Option<Read> {
     })
 }
 
-fn predeclared(path: &Expr) -> Option<Key> {
+fn predeclared(path: &Expr) -> Option<Source> {
     let name = path.as_name()?;
-    SHOWN
+    DRAWN_PREDECLARED
         .contains(&name.as_str())
-        .then(|| Key::Predeclared(name.to_string()))
+        .then(|| Source::Predeclared(name.to_string()))
 }
 
 /// Returns the source denoted by a path: the innermost flow in it, or the port of a device.
-pub(super) fn key(seen: &Inspected, names: &[Reference]) -> Option<Key> {
-    use DefKind::{Given, Input, Local, Output, Param, Port};
+pub(super) fn key(seen: &Inspection, names: &[Reference]) -> Option<Source> {
+    use DefKind::{Input, Local, Output, Param, Port, TakenOver};
     let kind = |name: &Reference| seen.index().def(name.def).kind;
     if let [device, port, ..] = names
         && kind(device) == Param
         && kind(port) == Port
     {
-        return Some(Key::Port(device.def, port.def));
+        return Some(Source::Port(device.def, port.def));
     }
     // The name of a call is followed by its out-ports, which belong to the called unit.
     let first = names.first()?;
@@ -123,16 +125,16 @@ pub(super) fn key(seen: &Inspected, names: &[Reference]) -> Option<Key> {
         .index()
         .def(first.def)
         .parent
-        .map(|_| top(seen, first.def));
+        .map(|_| enclosing_declaration(seen, first.def));
     let flows = names.iter().filter(|name| {
-        matches!(kind(name), Given | Input | Local | Output | Param)
-            && Some(self::top(seen, name.def)) == top
+        matches!(kind(name), TakenOver | Input | Local | Output | Param)
+            && Some(self::enclosing_declaration(seen, name.def)) == top
     });
-    flows.last().map(|name| Key::Flow(name.def))
+    flows.last().map(|name| Source::Flow(name.def))
 }
 
 /// Returns the top-level declaration that contains a definition.
-pub(super) fn top(seen: &Inspected, id: DefId) -> DefId {
+pub(super) fn enclosing_declaration(seen: &Inspection, id: DefId) -> DefId {
     let parent = |id: &DefId| {
         let parent = seen.index().def(*id).parent?;
         (seen.index().def(parent).kind != DefKind::Module).then_some(parent)

@@ -6,7 +6,7 @@ pub(super) type SceneId = usize;
 pub(super) type ShapeId = usize;
 
 /// Box, identified by its scene and its index there.
-pub(super) type Place = (SceneId, ShapeId);
+pub(super) type BoxId = (SceneId, ShapeId);
 
 /// All scenes of a drawing; the first is the outermost.
 #[derive(Default)]
@@ -18,7 +18,7 @@ pub(super) struct Drawing {
 #[derive(Default)]
 pub(super) struct Scene {
     /// Box that contains the scene.
-    pub(super) parent: Option<Place>,
+    pub(super) parent: Option<BoxId>,
     pub(super) shapes: Vec<Shape>,
     pub(super) links: Vec<Link>,
 }
@@ -33,7 +33,7 @@ pub(super) enum Role {
     /// Equation.
     Equation,
     /// Equation that defines an out-port or actuator.
-    Defined,
+    OutputEquation,
     /// Result or export of a command.
     Result,
     /// Fragment.
@@ -55,7 +55,7 @@ impl Role {
             Role::Input => "input",
             Role::Output => "output",
             Role::Equation => "equation",
-            Role::Defined => "defined",
+            Role::OutputEquation => "defined",
             Role::Result => "result",
             Role::Fragment => "fragment",
             Role::Automaton => "automaton",
@@ -117,7 +117,7 @@ pub(super) struct Link {
 
 impl Drawing {
     /// Adds a scene inside a box, or the outermost one.
-    pub(super) fn scene(&mut self, parent: Option<Place>) -> SceneId {
+    pub(super) fn scene(&mut self, parent: Option<BoxId>) -> SceneId {
         let id = self.scenes.len();
         self.scenes.push(Scene {
             parent,
@@ -130,7 +130,7 @@ impl Drawing {
     }
 
     /// Adds a box and returns its identifier.
-    pub(super) fn shape(&mut self, scene: SceneId, shape: Shape) -> Place {
+    pub(super) fn shape(&mut self, scene: SceneId, shape: Shape) -> BoxId {
         self.scenes[scene].shapes.push(shape);
         (scene, self.scenes[scene].shapes.len() - 1)
     }
@@ -156,8 +156,8 @@ impl Drawing {
     }
 
     /// Returns the enclosing boxes of a box, outermost first, followed by the box itself.
-    pub(super) fn around(&self, place: Place) -> Vec<Place> {
-        let mut all: Vec<Place> =
+    pub(super) fn enclosing(&self, place: BoxId) -> Vec<BoxId> {
+        let mut all: Vec<BoxId> =
             std::iter::successors(Some(place), |(scene, _)| self.scenes[*scene].parent).collect();
         all.reverse();
         all

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::layout::{Laid, Placed, lay_out};
+use super::layout::{BoxLayout, SceneLayout, lay_out};
 use super::scene::{Drawing, Link, Role, SceneId, Shape};
-use crate::html::escaped;
+use crate::html::escape;
 
 /// Margin around the drawing.
 const MARGIN: f64 = 14.0;
@@ -13,7 +13,7 @@ const MARGIN: f64 = 14.0;
 pub(super) fn svg(drawing: &Drawing, id: &str, title: &str) -> String {
     let laid = lay_out(drawing, 0);
     let (width, height) = (laid.width + 2.0 * MARGIN, laid.height + 2.0 * MARGIN);
-    let (id, title) = (escaped(id), escaped(title));
+    let (id, title) = (escape(id), escape(title));
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
          role=\"group\" aria-labelledby=\"{id}-title\">\n<title id=\"{id}-title\">{title}</title>\n\
@@ -55,7 +55,7 @@ struct Picture<'p> {
 }
 
 impl Picture<'_> {
-    fn scene(&mut self, scene: SceneId, laid: &Laid, at: (f64, f64)) {
+    fn scene(&mut self, scene: SceneId, laid: &SceneLayout, at: (f64, f64)) {
         let this = &self.drawing.scenes[scene];
         let _ = writeln!(
             self.out,
@@ -75,7 +75,7 @@ impl Picture<'_> {
             );
             if !link.label.is_empty() {
                 let (x, y) = line.label;
-                let text = escaped(&link.label);
+                let text = escape(&link.label);
                 let _ = writeln!(
                     self.out,
                     "<text class=\"label\" x=\"{x:.0}\" y=\"{y:.0}\">{text}</text>"
@@ -94,8 +94,8 @@ impl Picture<'_> {
         }
     }
 
-    fn shape(&mut self, shape: &Shape, place: &Placed) {
-        let Placed {
+    fn shape(&mut self, shape: &Shape, place: &BoxLayout) {
+        let BoxLayout {
             x,
             y,
             width,
@@ -108,7 +108,7 @@ impl Picture<'_> {
         };
         let _ = writeln!(self.out, "<g class=\"{}\">", shape.role.class());
         if !shape.tooltip.is_empty() {
-            let _ = writeln!(self.out, "<title>{}</title>", escaped(&shape.tooltip));
+            let _ = writeln!(self.out, "<title>{}</title>", escape(&shape.tooltip));
         }
         let _ = writeln!(
             self.out,
@@ -122,19 +122,19 @@ impl Picture<'_> {
         }
     }
 
-    fn words(&mut self, shape: &Shape, place: &Placed) {
+    fn words(&mut self, shape: &Shape, place: &BoxLayout) {
         let (x, y) = (place.x + 10.0, place.y + 16.0);
         let title = format!(
             "<text class=\"title\" x=\"{x:.0}\" y=\"{y:.0}\">{}</text>",
-            escaped(&shape.title)
+            escape(&shape.title)
         );
         let title = match &shape.href {
-            Some(href) => format!("<a href=\"{}\">{title}</a>", escaped(href)),
+            Some(href) => format!("<a href=\"{}\">{title}</a>", escape(href)),
             None => title,
         };
         let _ = writeln!(self.out, "{title}");
         if !shape.detail.is_empty() {
-            let (y, text) = (y + 16.0, escaped(&shape.detail));
+            let (y, text) = (y + 16.0, escape(&shape.detail));
             let _ = writeln!(
                 self.out,
                 "<text class=\"detail\" x=\"{x:.0}\" y=\"{y:.0}\">{text}</text>"

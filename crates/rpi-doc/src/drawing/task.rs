@@ -1,15 +1,15 @@
 //! Conversion of a task to a scene: steps become boxes, and the successor of each result a line.
 
 use rpi_sema::query::DefId;
-use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, TaskDecl};
+use rpi_syntax::ast::{Branch, NextStep, ResultPattern, Run, Step, StepKind, TaskDecl};
 
-use super::flow::short;
+use super::body_scene::truncated;
 use super::scene::{Drawing, End, Link, Role, SceneId, Shape, ShapeId};
-use crate::declaration::Shown;
-use crate::parts::one_line;
+use crate::declaration::PageContext;
+use crate::members::one_line;
 
 /// Returns the drawing of the steps of a task.
-pub(super) fn drawing(shown: &Shown<'_>, _id: DefId, task: &TaskDecl) -> Drawing {
+pub(super) fn drawing(shown: &PageContext<'_>, _id: DefId, task: &TaskDecl) -> Drawing {
     let mut drawing = Drawing::default();
     let root = drawing.scene(None);
     steps(shown, &mut drawing, root, &task.steps);
@@ -17,20 +17,20 @@ pub(super) fn drawing(shown: &Shown<'_>, _id: DefId, task: &TaskDecl) -> Drawing
 }
 
 /// Step with its box, between which lines are drawn.
-struct Placed<'s> {
+struct StepBox<'s> {
     run: Option<&'s Run>,
     shape: ShapeId,
 }
 
-fn steps(shown: &Shown<'_>, drawing: &mut Drawing, scene: SceneId, steps: &[Step]) {
+fn steps(shown: &PageContext<'_>, drawing: &mut Drawing, scene: SceneId, steps: &[Step]) {
     let begin = drawing.shape(scene, Shape::new(Role::Dot, "start")).1;
-    let placed: Vec<Placed<'_>> = steps
+    let placed: Vec<StepBox<'_>> = steps
         .iter()
-        .filter_map(|step| placed(shown, drawing, scene, step))
+        .filter_map(|step| add_step_box(shown, drawing, scene, step))
         .collect();
     let end = drawing.shape(scene, Shape::new(Role::Dot, "end")).1;
     let labelled = |name: &str| {
-        let is_meant = |p: &&Placed<'_>| p.run.is_some_and(|run| label(run) == Some(name));
+        let is_meant = |p: &&StepBox<'_>| p.run.is_some_and(|run| label(run) == Some(name));
         placed.iter().find(is_meant).map(|p| p.shape)
     };
     let start = steps.iter().find_map(|step| match &step.kind {
@@ -46,23 +46,23 @@ fn steps(shown: &Shown<'_>, drawing: &mut Drawing, scene: SceneId, steps: &[Step
             drawing.link(scene, line(one.shape, next, String::new()));
         }
         for branch in branches {
-            let to = match &branch.then {
-                Next::Step(name) => labelled(&name.name).unwrap_or(end),
-                Next::End(_) => end,
+            let to = match &branch.next {
+                NextStep::Step(name) => labelled(&name.name).unwrap_or(end),
+                NextStep::End(_) => end,
             };
             drawing.link(scene, line(one.shape, to, results(branch)));
         }
     }
 }
 
-fn placed<'s>(
-    shown: &Shown<'_>,
+fn add_step_box<'s>(
+    shown: &PageContext<'_>,
     drawing: &mut Drawing,
     scene: SceneId,
     step: &'s Step,
-) -> Option<Placed<'s>> {
+) -> Option<StepBox<'s>> {
     match &step.kind {
-        StepKind::Run(run) => Some(Placed {
+        StepKind::Run(run) => Some(StepBox {
             run: Some(run),
             shape: drawing.shape(scene, run_box(shown, run, step)).1,
         }),
@@ -70,7 +70,7 @@ fn placed<'s>(
             count,
             steps: inner,
         } => {
-            let text = |span| one_line(shown.seen.sources.slice(span));
+            let text = |span| one_line(shown.inspected.sources.slice(span));
             let times = count
                 .as_ref()
                 .map(|count| format!(" {} times", text(count.span)));
@@ -78,7 +78,7 @@ fn placed<'s>(
             let place = drawing.shape(scene, Shape::new(Role::Fragment, title));
             let inside = drawing.scene(Some(place));
             steps(shown, drawing, inside, inner);
-            Some(Placed {
+            Some(StepBox {
                 run: None,
                 shape: place.1,
             })
@@ -92,17 +92,17 @@ fn placed<'s>(
                 let inner = drawing.scene(Some(own));
                 steps(shown, drawing, inner, &strand.steps);
             }
-            Some(Placed {
+            Some(StepBox {
                 run: None,
                 shape: place.1,
             })
         }
-        StepKind::Start(_) | StepKind::Broken(_) => None,
+        StepKind::Start(_) | StepKind::Error(_) => None,
     }
 }
 
-fn run_box(shown: &Shown<'_>, run: &Run, step: &Step) -> Shape {
-    let seen = shown.seen;
+fn run_box(shown: &PageContext<'_>, run: &Run, step: &Step) -> Shape {
+    let seen = shown.inspected;
     let text = one_line(seen.sources.slice(step.span));
     let call = text
         .split(" on ")
@@ -118,10 +118,10 @@ fn run_box(shown: &Shown<'_>, run: &Run, step: &Step) -> Shape {
         None => (call.to_owned(), ""),
     };
     Shape {
-        detail: short(detail),
+        detail: truncated(detail),
         tooltip: text.clone(),
-        href: called.and_then(|called| shown.places.href_of_top(seen, called.def)),
-        ..Shape::new(Role::Step, short(&title))
+        href: called.and_then(|called| shown.links.href_of_top(seen, called.def)),
+        ..Shape::new(Role::Step, truncated(&title))
     }
 }
 
@@ -130,10 +130,10 @@ fn label(run: &Run) -> Option<&str> {
 }
 
 fn results(branch: &Branch) -> String {
-    let names = branch.on.iter().map(|on| match on {
-        OnResult::Named(name) => name.name.as_str(),
-        OnResult::Fail(_) => "fail",
-        OnResult::Any(_) => "any",
+    let names = branch.results.iter().map(|on| match on {
+        ResultPattern::Named(name) => name.name.as_str(),
+        ResultPattern::Fail(_) => "fail",
+        ResultPattern::Any(_) => "any",
     });
     names.collect::<Vec<_>>().join(", ")
 }

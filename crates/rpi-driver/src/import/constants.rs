@@ -7,16 +7,16 @@ use rpi_net::{Activation, FragmentId, Net, NodeId};
 use super::links;
 
 /// Primitives that only produce a short constant.
-const PLAIN: &[&str] = &["Core::BooleanValue", "Core::IntValue", "Core::DoubleValue"];
+const CONSTANT_PRIMITIVES: &[&str] = &["Core::BooleanValue", "Core::IntValue", "Core::DoubleValue"];
 
 /// Returns the constant nodes that are present in every cycle in which they are read. A constant in a conditional
 /// fragment is absent for outside readers while the fragment is inactive, so it keeps its name.
-pub(super) fn used_in_place(net: &Net) -> BTreeSet<NodeId> {
-    let is_plain = |id: &NodeId| PLAIN.contains(&net.node(*id).desc().name);
+pub(super) fn inlined_constants(net: &Net) -> BTreeSet<NodeId> {
+    let is_plain = |id: &NodeId| CONSTANT_PRIMITIVES.contains(&net.node(*id).desc().name);
     let mut found: BTreeSet<NodeId> = net.node_ids().filter(is_plain).collect();
     let mut copy = net.clone();
-    links::each(&mut copy, &mut |port, reader| {
-        if is_gated(net, net.node(port.node).fragment, reader) {
+    links::for_each_link(&mut copy, &mut |port, reader| {
+        if may_be_inactive(net, net.node(port.node).fragment, reader) {
             found.remove(&port.node);
         }
     });
@@ -24,8 +24,8 @@ pub(super) fn used_in_place(net: &Net) -> BTreeSet<NodeId> {
 }
 
 /// Returns whether `from` may be inactive while `reader` is active.
-fn is_gated(net: &Net, from: FragmentId, reader: FragmentId) -> bool {
-    let left = net.enclosing(from);
-    let mut left = left.take_while(|f| net.enclosing(reader).all(|around| around != *f));
+fn may_be_inactive(net: &Net, from: FragmentId, reader: FragmentId) -> bool {
+    let left = net.ancestors(from);
+    let mut left = left.take_while(|f| net.ancestors(reader).all(|around| around != *f));
     left.any(|f| matches!(net.fragment(f).activation, Activation::When { .. }))
 }

@@ -1,9 +1,9 @@
 //! Iteration over all links of a net.
 
-use rpi_net::{Activation, Driver, FragmentId, Input, Net, PortRef, Restart};
+use rpi_net::{Activation, FragmentId, Input, Net, PortRef, Restart, Termination};
 
 /// Calls `f` with each link of a net and the fragment of its reader.
-pub(super) fn each(net: &mut Net, f: &mut impl FnMut(&mut PortRef, FragmentId)) {
+pub(super) fn for_each_link(net: &mut Net, f: &mut impl FnMut(&mut PortRef, FragmentId)) {
     for node in &mut net.nodes {
         let at = node.fragment;
         node.inputs.iter_mut().for_each(|input| link(input, at, f));
@@ -26,12 +26,12 @@ pub(super) fn each(net: &mut Net, f: &mut impl FnMut(&mut PortRef, FragmentId)) 
             .iter_mut()
             .for_each(|p| link(&mut p.source, inside, f));
     }
-    match &mut net.driver {
-        Driver::Ports { terminate, fail } => {
+    match &mut net.termination {
+        Termination::Ports { terminate, fail } => {
             let ports = terminate.iter_mut().chain(fail);
             ports.for_each(|input| link(input, FragmentId::ROOT, f));
         }
-        Driver::Results(results) => {
+        Termination::Results(results) => {
             let conditions = results.iter_mut().map(|result| &mut result.condition);
             conditions.for_each(|input| link(input, FragmentId::ROOT, f));
         }

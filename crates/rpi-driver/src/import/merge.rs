@@ -9,25 +9,25 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
+use rpi_net::fragment_tree::FragmentTree;
 use rpi_net::passes::writers::Resource;
 use rpi_net::passes::{Analysis, analyse};
-use rpi_net::tree::Tree;
 use rpi_net::{FragmentId, Input, Inputs, Net, Node, NodeId, Origin, PortRef};
 use rpi_prims::{PrimId, registry};
 
 use super::links;
 
 /// Net with merged writers.
-pub(super) struct Merged {
+pub(super) struct MergedNet {
     pub(super) net: Net,
     /// For each node the corresponding node of the original net; `None` for a new node.
-    pub(super) old: Vec<Option<NodeId>>,
+    pub(super) original: Vec<Option<NodeId>>,
     /// Nodes that only select the value for a merged writer.
-    pub(super) choices: BTreeSet<NodeId>,
+    pub(super) selectors: BTreeSet<NodeId>,
 }
 
 /// Writers of one port that may be active in the same cycle.
-struct Group {
+struct WriterGroup {
     resource: Resource,
     writers: Vec<NodeId>,
     scalar: Scalar,
@@ -36,7 +36,7 @@ struct Group {
 
 /// Returns the net with its writers merged where this is necessary and possible. If merging all groups causes a
 /// dependency cycle, only the groups that can be merged alone are merged.
-pub(super) fn merged(net: &Net) -> Merged {
+pub(super) fn merge_writers(net: &Net) -> MergedNet {
     let Ok(analysis) = analyse(net.clone(), |_| false) else {
         return unchanged(net);
     };
@@ -45,11 +45,11 @@ pub(super) fn merged(net: &Net) -> Merged {
     if is_sound(&all.net) {
         return all;
     }
-    let alone = |group: &Group| {
+    let alone = |group: &WriterGroup| {
         let merged = merge(net, &analysis.tree, std::slice::from_ref(group));
         is_sound(&merged.net)
     };
-    let sound: Vec<Group> = groups.into_iter().filter(|group| alone(group)).collect();
+    let sound: Vec<WriterGroup> = groups.into_iter().filter(|group| alone(group)).collect();
     let some = merge(net, &analysis.tree, &sound);
     match is_sound(&some.net) {
         true => some,
@@ -61,17 +61,17 @@ fn is_sound(net: &Net) -> bool {
     analyse(net.clone(), |_| false).is_ok_and(|analysis| analysis.schedule.is_some())
 }
 
-fn unchanged(net: &Net) -> Merged {
-    Merged {
+fn unchanged(net: &Net) -> MergedNet {
+    MergedNet {
         net: net.clone(),
-        old: net.node_ids().map(Some).collect(),
-        choices: BTreeSet::new(),
+        original: net.node_ids().map(Some).collect(),
+        selectors: BTreeSet::new(),
     }
 }
 
-fn groups(analysis: &Analysis) -> Vec<Group> {
-    let meeting: BTreeSet<NodeId> = analysis.writers.watched().flatten().collect();
-    let several = analysis.writers.of.iter().filter(|(_, writers)| {
+fn groups(analysis: &Analysis) -> Vec<WriterGroup> {
+    let meeting: BTreeSet<NodeId> = analysis.writers.unproved().flatten().collect();
+    let several = analysis.writers.by_resource.iter().filter(|(_, writers)| {
         let meet = writers.iter().filter(|w| meeting.contains(w));
         meet.count() > 1
     });
@@ -81,18 +81,18 @@ fn groups(analysis: &Analysis) -> Vec<Group> {
 }
 
 /// Returns the writers as a group, or `None` if they differ in more than the written flow.
-fn group(net: &Net, resource: &Resource, writers: &[NodeId]) -> Option<Group> {
+fn group(net: &Net, resource: &Resource, writers: &[NodeId]) -> Option<WriterGroup> {
     let first = net.node(*writers.first()?);
     let [port] = first.desc().inputs else {
         return None;
     };
-    let PortType::One(scalar) = port.ty else {
+    let PortType::Scalar(scalar) = port.ty else {
         return None;
     };
     let same =
         |id: &NodeId| (net.node(*id).prim, &net.node(*id).params) == (first.prim, &first.params);
     let values = writers.iter().map(|id| net.node(*id).inputs[0].port());
-    Some(Group {
+    Some(WriterGroup {
         resource: resource.clone(),
         scalar,
         values: values.collect::<Option<Vec<PortRef>>>()?,
@@ -101,7 +101,7 @@ fn group(net: &Net, resource: &Resource, writers: &[NodeId]) -> Option<Group> {
     .filter(|group| group.writers.len() == group.values.len())
 }
 
-fn merge(net: &Net, tree: &Tree, groups: &[Group]) -> Merged {
+fn merge(net: &Net, tree: &FragmentTree, groups: &[WriterGroup]) -> MergedNet {
     let count = net.nodes.len();
     let mut merger = Merger {
         net: net.clone(),
@@ -109,7 +109,7 @@ fn merge(net: &Net, tree: &Tree, groups: &[Group]) -> Merged {
         answers: BTreeMap::new(),
     };
     let mut read = BTreeSet::new();
-    links::each(&mut merger.net, &mut |port, _| {
+    links::for_each_link(&mut merger.net, &mut |port, _| {
         read.insert(*port);
     });
     for group in groups {
@@ -120,13 +120,16 @@ fn merge(net: &Net, tree: &Tree, groups: &[Group]) -> Merged {
         choices,
         answers,
     } = merger;
-    links::each(&mut net, &mut |port, _| {
+    links::for_each_link(&mut net, &mut |port, _| {
         *port = answers.get(port).copied().unwrap_or(*port);
     });
     let dead = groups.iter().flat_map(|group| &group.writers).copied();
-    let mut merged = without(net, &dead.collect(), choices);
+    let mut merged = remove_nodes(net, &dead.collect(), choices);
     let is_old = |id: &NodeId| id.index() < count;
-    merged.old.iter_mut().for_each(|id| *id = id.filter(is_old));
+    merged
+        .original
+        .iter_mut()
+        .for_each(|id| *id = id.filter(is_old));
     merged
 }
 
@@ -138,11 +141,16 @@ struct Merger {
 }
 
 impl Merger {
-    fn group(&mut self, tree: &Tree, group: &Group, read: &BTreeSet<PortRef>) -> Option<()> {
+    fn group(
+        &mut self,
+        tree: &FragmentTree,
+        group: &WriterGroup,
+        read: &BTreeSet<PortRef>,
+    ) -> Option<()> {
         let places = group.writers.iter().map(|id| self.net.node(*id).fragment);
-        let at = places.reduce(|a, b| tree.common(a, b))?;
+        let at = places.reduce(|a, b| tree.common_ancestor(a, b))?;
         let writer = self.net.node(*group.writers.first()?).clone();
-        let value = self.first_of(group, at)?;
+        let value = self.select_first(group, at)?;
         let Resource {
             device,
             port,
@@ -155,14 +163,14 @@ impl Merger {
             ..writer
         });
         for (writer, value) in group.writers.iter().zip(&group.values) {
-            self.answers(*writer, *value, (node, at), group.scalar, read)?;
+            self.redirect_responses(*writer, *value, (node, at), group.scalar, read)?;
         }
         Some(())
     }
 
     /// Adds nodes that select the first present value and returns their output.
-    fn first_of(&mut self, group: &Group, at: FragmentId) -> Option<PortRef> {
-        let coalesce = member("Coalesce", group.scalar)?;
+    fn select_first(&mut self, group: &WriterGroup, at: FragmentId) -> Option<PortRef> {
+        let coalesce = primitive_for("Coalesce", group.scalar)?;
         let mut values = group.values.iter().rev();
         let mut chosen = *values.next()?;
         for value in values {
@@ -175,7 +183,7 @@ impl Merger {
 
     /// Replaces the responses to one writer: those of the merged writer, present in the cycles in which the value of
     /// the original writer is present.
-    fn answers(
+    fn redirect_responses(
         &mut self,
         writer: NodeId,
         value: PortRef,
@@ -190,14 +198,16 @@ impl Merger {
         let mut absent = None;
         for (port, out) in (0..).zip(desc.outputs) {
             let old = PortRef { node: writer, port };
-            let PortType::One(ty) = out.ty else { continue };
+            let PortType::Scalar(ty) = out.ty else {
+                continue;
+            };
             if !read.contains(&old) {
                 continue;
             }
             let absent = match absent {
                 Some(absent) => absent,
                 None => {
-                    let prim = member("IsNull", scalar)?;
+                    let prim = primitive_for("IsNull", scalar)?;
                     let name = format!("{name}_off");
                     *absent.insert(self.add(
                         &name,
@@ -211,7 +221,7 @@ impl Merger {
             let answer = PortRef { node: common, port };
             let inputs = [answer, absent].map(Input::Port).into();
             let name = format!("{name}_{}", out.name.trim_start_matches("out"));
-            let guarded = self.add(&name, member("SetNull", ty)?, inputs, at, ty);
+            let guarded = self.add(&name, primitive_for("SetNull", ty)?, inputs, at, ty);
             self.answers.insert(old, guarded);
         }
         Some(())
@@ -226,14 +236,14 @@ impl Merger {
         ty: Scalar,
     ) -> PortRef {
         let defaults = prim.desc().params.iter();
-        let defaults = defaults.filter_map(|p| p.default.value(Type::One(Scalar::Bool)));
+        let defaults = defaults.filter_map(|p| p.default.value(Type::Scalar(Scalar::Bool)));
         let node = self.net.add_node(Node {
             name: name.to_owned(),
             prim,
             fragment: at,
             inputs: inputs.into(),
             params: defaults.collect::<Vec<Value>>(),
-            outputs: [Type::One(ty)].into_iter().collect(),
+            outputs: [Type::Scalar(ty)].into_iter().collect(),
             origin: Origin {
                 span: Span::NONE,
                 flow: None,
@@ -244,29 +254,29 @@ impl Merger {
 }
 
 /// Returns the primitive of an operation for values of a type.
-fn member(operation: &str, scalar: Scalar) -> Option<PrimId> {
-    let takes = |port: &rpi_image::InPort| port.ty == PortType::One(scalar);
+fn primitive_for(operation: &str, scalar: Scalar) -> Option<PrimId> {
+    let takes = |port: &rpi_image::InPort| port.ty == PortType::Scalar(scalar);
     let mut prims = registry().iter();
     let prim = prims.find(|prim| {
         prim.desc.name.ends_with(operation) && prim.desc.inputs.first().is_some_and(takes)
     })?;
-    PrimId::of(prim.desc.name)
+    PrimId::from_name(prim.desc.name)
 }
 
 /// Removes nodes that nothing reads.
-fn without(mut net: Net, dead: &BTreeSet<NodeId>, choices: BTreeSet<NodeId>) -> Merged {
+fn remove_nodes(mut net: Net, dead: &BTreeSet<NodeId>, choices: BTreeSet<NodeId>) -> MergedNet {
     let kept: Vec<NodeId> = net.node_ids().filter(|id| !dead.contains(id)).collect();
     let mut now = vec![NodeId(u32::MAX); net.nodes.len()];
     for (new, old) in (0..).zip(&kept) {
         now[old.index()] = NodeId(new);
     }
-    links::each(&mut net, &mut |port, _| port.node = now[port.node.index()]);
+    links::for_each_link(&mut net, &mut |port, _| port.node = now[port.node.index()]);
     let mut ids = net.node_ids();
     net.nodes
         .retain(|_| ids.next().is_some_and(|id| !dead.contains(&id)));
-    Merged {
+    MergedNet {
         net,
-        old: kept.into_iter().map(Some).collect(),
-        choices: choices.into_iter().map(|id| now[id.index()]).collect(),
+        original: kept.into_iter().map(Some).collect(),
+        selectors: choices.into_iter().map(|id| now[id.index()]).collect(),
     }
 }

@@ -5,28 +5,30 @@
 //! compiled program is the original net, node by node. This module must not depend on the checker.
 
 mod constants;
-mod ends;
 mod links;
 mod merge;
 mod names;
 mod nodes;
 mod operators;
 mod order;
+mod results;
 mod values;
 
 use std::collections::BTreeSet;
 
-use rpi_net::passes::live::live;
-use rpi_net::passes::{Presences, Sureness, analyse};
-use rpi_net::{Absent, Activation, FragmentId, Input, Net, NodeId, PortRef, Restart, Tree};
-use rpi_syntax::Mode;
+use rpi_net::passes::mark_live::mark_live;
+use rpi_net::passes::{FlowPresence, Presences, analyse};
+use rpi_net::{
+    AbsentPolicy, Activation, FragmentId, FragmentTree, Input, Net, NodeId, PortRef, Restart,
+};
+use rpi_syntax::Dialect;
 
-use merge::Merged;
+use merge::MergedNet;
 use names::Names;
 
 /// Program made from a net.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Imported {
+pub struct ImportedProgram {
     /// Text of the program, one command.
     pub text: String,
     /// For each named node its path in the net and its path in the compiled program.
@@ -41,20 +43,20 @@ pub fn to_program(net: &Net) -> String {
 
 /// Converts a net to a program of one command, and returns the mapping of names.
 #[must_use]
-pub fn import(net: &Net) -> Imported {
-    let merged = merge::merged(net);
+pub fn import(net: &Net) -> ImportedProgram {
+    let merged = merge::merge_writers(net);
     let writer = Writer::new(&merged);
     let text = writer.command();
-    Imported {
-        text: rpi_syntax::format(&text, Mode::Rpi).unwrap_or(text),
-        names: writer.renamed(net, &merged.old),
+    ImportedProgram {
+        text: rpi_syntax::format(&text, Dialect::Rpi).unwrap_or(text),
+        names: writer.renamed(net, &merged.original),
     }
 }
 
 /// Writer of the program for one net.
 struct Writer<'n> {
     net: &'n Net,
-    tree: Tree,
+    tree: FragmentTree,
     names: Names,
     /// Presence of flows, if the passes succeeded.
     presences: Option<Presences>,
@@ -65,26 +67,26 @@ struct Writer<'n> {
 }
 
 impl<'n> Writer<'n> {
-    fn new(merged: &'n Merged) -> Self {
+    fn new(merged: &'n MergedNet) -> Self {
         let net = &merged.net;
         // The flow of a delay is declared optional, so everything that reads it is optional as well, even if the net
         // proves presence.
         let may_be_absent = |port: PortRef| nodes::is_delay(net.node(port.node));
         Writer {
-            tree: Tree::new(net),
+            tree: FragmentTree::new(net),
             names: Names::new(net, &unused(net)),
             presences: analyse(net.clone(), may_be_absent)
                 .ok()
                 .map(|a| a.presences),
-            constants: constants::used_in_place(net),
-            choices: &merged.choices,
+            constants: constants::inlined_constants(net),
+            choices: &merged.selectors,
             net,
         }
     }
 
     fn command(&self) -> String {
         let body = self.body(FragmentId::ROOT);
-        let ends = self.ends();
+        let ends = self.results();
         let Net {
             name,
             nodes,
@@ -100,7 +102,7 @@ impl<'n> Writer<'n> {
     fn body(&self, fragment: FragmentId) -> String {
         let mut declared = String::new();
         let mut equations = String::new();
-        for node in order::sources_first(self.net, fragment) {
+        for node in order::topological_order(self.net, fragment) {
             if !self.is_inlined(node) {
                 declared.extend(self.declaration(node));
                 equations.push_str(&self.equation(node));
@@ -127,8 +129,11 @@ impl<'n> Writer<'n> {
         };
         let when = match &fragment.activation {
             Activation::Always => String::new(),
-            Activation::When { condition, absent } => {
-                let otherwise = (*absent == Absent::Active).to_string();
+            Activation::When {
+                condition,
+                if_absent: absent,
+            } => {
+                let otherwise = (*absent == AbsentPolicy::Active).to_string();
                 let condition = self.total(*condition, around, &otherwise);
                 format!("when {condition}{restart}")
             }
@@ -141,8 +146,8 @@ impl<'n> Writer<'n> {
     fn total(&self, port: PortRef, at: FragmentId, absent: &str) -> String {
         let flow = self.flow(port, at);
         let is_total = self.presences.as_ref().is_some_and(|presences| {
-            let seen = presences.seen(self.net, &self.tree, at, &Input::Port(port));
-            seen == Sureness::Total
+            let seen = presences.presence_at(self.net, &self.tree, at, &Input::Port(port));
+            seen == FlowPresence::Total
         });
         match is_total {
             true => flow,
@@ -176,7 +181,7 @@ impl<'n> Writer<'n> {
     fn fragment_path(&self, id: FragmentId) -> Vec<&str> {
         let mut parts: Vec<&str> = self
             .net
-            .enclosing(id)
+            .ancestors(id)
             .filter(|id| *id != FragmentId::ROOT)
             .map(|id| self.names.fragment(id))
             .collect();
@@ -188,7 +193,7 @@ impl<'n> Writer<'n> {
 /// Returns the nodes without effect that nothing reads, and one node of each dependency cycle that only feeds itself.
 /// Their names get a leading `_`, so that the compiler does not warn about them.
 fn unused(net: &Net) -> BTreeSet<NodeId> {
-    let live = live(net);
+    let live = mark_live(net);
     let inputs = net.nodes.iter().flat_map(|node| &node.inputs);
     let read: BTreeSet<NodeId> = inputs.filter_map(Input::port).map(|p| p.node).collect();
     let dead = || net.node_ids().filter(|id| !live[id.index()]);

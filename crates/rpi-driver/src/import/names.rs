@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use rpi_net::{FragmentId, Net, NodeId};
-use rpi_syntax::{KEYWORDS, Mode, is_name};
+use rpi_syntax::{Dialect, KEYWORDS, is_name};
 
 /// Predeclared names, and names that this importer declares.
 const TAKEN: &[&str] = &[
@@ -79,7 +79,7 @@ fn identifier(name: &str, prefix: &str) -> String {
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
         .collect();
     let begins = plain.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-    match begins && is_name(&plain, Mode::Rpi) {
+    match begins && is_name(&plain, Dialect::Rpi) {
         true => plain,
         false => format!("{prefix}{plain}"),
     }

@@ -1,6 +1,6 @@
 //! Conversion of primitives to equations.
 
-use rpi_image::{Need, PortDefault, PortType, PrimDesc, Role, Scalar, Type, Value};
+use rpi_image::{Fallback, PortDefault, PortType, PrimDesc, Role, Scalar, Type, Value};
 use rpi_net::{FragmentId, Input, Node, NodeId, PortRef};
 
 use super::{Writer, operators, values};
@@ -28,7 +28,8 @@ impl Writer<'_> {
     /// Returns the expression of a node, as seen in its fragment.
     fn value(&self, node: &Node) -> String {
         let operator = self.operands(node);
-        let operator = operator.and_then(|given| operators::written(node.desc().name, &given));
+        let operator =
+            operator.and_then(|given| operators::operator_expr(node.desc().name, &given));
         operator.unwrap_or_else(|| self.call(node))
     }
 
@@ -52,7 +53,7 @@ impl Writer<'_> {
     /// Returns the constant that an in-port reads, directly or from a constant node.
     pub(super) fn constant<'v>(&'v self, input: &'v Input) -> Option<&'v Value> {
         match input {
-            Input::Open => None,
+            Input::Unconnected => None,
             Input::Const(value) => Some(value),
             Input::Port(port) if self.constants.contains(&port.node) => {
                 self.net.node(port.node).params.first()
@@ -78,7 +79,7 @@ impl Writer<'_> {
     fn arguments(&self, node: &Node, desc: &PrimDesc) -> String {
         let given = desc.inputs.iter().zip(&node.inputs);
         let given = given
-            .filter(|(port, input)| !stands_in(port.need, port.ty, input))
+            .filter(|(port, input)| !is_port_default(port.fallback, port.ty, input))
             .filter_map(|(port, input)| {
                 let source = self.source(input, node.fragment)?;
                 Some(format!("{}: {source}", port.name))
@@ -125,18 +126,18 @@ pub(super) fn is_delay(node: &Node) -> bool {
 }
 
 fn is_default(default: PortDefault, value: &Value) -> bool {
-    let ty = value.ty().unwrap_or(Type::One(Scalar::Bool));
+    let ty = value.ty().unwrap_or(Type::Scalar(Scalar::Bool));
     default.value(ty).as_ref() == Some(value)
 }
 
 /// Returns whether a constant equals the default of the in-port, so that it can be omitted.
-fn stands_in(need: Need, ty: PortType, input: &Input) -> bool {
+fn is_port_default(need: Fallback, ty: PortType, input: &Input) -> bool {
     let Input::Const(value) = input else {
         return false;
     };
     match (need, ty) {
-        (Need::Param(_, default), PortType::One(_)) => is_default(default, value),
-        (Need::Params(parts, make), _) => {
+        (Fallback::Param(_, default), PortType::Scalar(_)) => is_default(default, value),
+        (Fallback::ComposedOfParams(parts, make), _) => {
             let reals: Vec<f64> = parts.iter().map(|(_, default)| *default).collect();
             make(&reals) == **value
         }
@@ -152,7 +153,7 @@ fn type_text(ty: Type) -> String {
         other => other.name(),
     };
     match ty {
-        Type::One(scalar) => name(scalar).to_owned(),
+        Type::Scalar(scalar) => name(scalar).to_owned(),
         Type::Array(scalar, n) => format!("{}^{n}", name(scalar)),
         Type::Matrix(rows, cols) => format!("real^{cols}^{rows}"),
     }

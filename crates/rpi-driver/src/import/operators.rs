@@ -42,7 +42,7 @@ const CHOICE: &[&str] = &[
 ];
 
 /// Returns the expression for a primitive with these operands, if it can be written as an operator.
-pub(super) fn written(prim: &str, operands: &[String]) -> Option<String> {
+pub(super) fn operator_expr(prim: &str, operands: &[String]) -> Option<String> {
     let of =
         |table: &[(&str, &'static str)]| table.iter().find(|row| row.0 == prim).map(|row| row.1);
     match operands {

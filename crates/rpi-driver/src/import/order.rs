@@ -12,7 +12,7 @@ enum Visit {
 }
 
 /// Returns the nodes directly in a fragment, each after the nodes that it reads. Delays do not count as readers.
-pub(super) fn sources_first(net: &Net, fragment: FragmentId) -> Vec<NodeId> {
+pub(super) fn topological_order(net: &Net, fragment: FragmentId) -> Vec<NodeId> {
     let mut visits = vec![Visit::Open; net.nodes.len()];
     let mut order = Vec::new();
     let is_here = |id: &NodeId| net.node(*id).fragment == fragment;

@@ -6,14 +6,14 @@ use rpi_image::{Scalar, Type, Value};
 pub(super) fn value(value: &Value) -> String {
     match value {
         Value::Str(text) => quoted(text),
-        Value::Cells { ty, cells } => typed(*ty, cells),
+        Value::Slots { ty, cells } => typed(*ty, cells),
     }
 }
 
 fn typed(ty: Type, cells: &[u64]) -> String {
     match ty {
-        Type::One(scalar) => one(scalar, cells),
-        Type::Array(scalar, _) => list(cells.chunks(scalar.cells() as usize), Type::One(scalar)),
+        Type::Scalar(scalar) => scalar_value(scalar, cells),
+        Type::Array(scalar, _) => list(cells.chunks(scalar.slots() as usize), Type::Scalar(scalar)),
         Type::Matrix(_, cols) => list(cells.chunks(cols as usize), Type::Array(Scalar::Real, cols)),
     }
 }
@@ -23,7 +23,7 @@ fn list<'c>(parts: impl Iterator<Item = &'c [u64]>, ty: Type) -> String {
     format!("[{}]", parts.join(", "))
 }
 
-fn one(scalar: Scalar, cells: &[u64]) -> String {
+fn scalar_value(scalar: Scalar, cells: &[u64]) -> String {
     let first = cells.first().copied().unwrap_or(0);
     let (linear, rest) = cells.split_at(cells.len().min(3));
     match scalar {
@@ -31,12 +31,14 @@ fn one(scalar: Scalar, cells: &[u64]) -> String {
         Scalar::Int => first.cast_signed().to_string(),
         Scalar::Real => real(f64::from_bits(first)),
         Scalar::Time => time(first.cast_signed()),
-        Scalar::Vector => made("World::VectorFromXYZ", ["inX", "inY", "inZ"], reals(cells)),
+        Scalar::Vector => {
+            constructor_call("World::VectorFromXYZ", ["inX", "inY", "inZ"], reals(cells))
+        }
         Scalar::Rotation => rotation(cells),
-        Scalar::Pose => made(
+        Scalar::Pose => constructor_call(
             "World::FrameFromPosRot",
             ["inPos", "inRot"],
-            [one(Scalar::Vector, linear), rotation(rest)],
+            [scalar_value(Scalar::Vector, linear), rotation(rest)],
         ),
         Scalar::Twist => parts("World::TwistFromVelocities", linear, rest),
         Scalar::Wrench => parts("Rpi::WrenchFromParts", linear, rest),
@@ -45,16 +47,16 @@ fn one(scalar: Scalar, cells: &[u64]) -> String {
 
 /// Returns the call that makes a value of a linear and an angular vector.
 fn parts(make: &str, linear: &[u64], angular: &[u64]) -> String {
-    let [linear, angular] = [linear, angular].map(|cells| one(Scalar::Vector, cells));
+    let [linear, angular] = [linear, angular].map(|cells| scalar_value(Scalar::Vector, cells));
     format!("{make}({linear}, {angular})")
 }
 
 fn rotation(cells: &[u64]) -> String {
-    let angles = rpi_literal::angles(cells).map(real);
-    made("World::RotationFromABC", ["inA", "inB", "inC"], angles)
+    let angles = rpi_literal::euler_angles(cells).map(real);
+    constructor_call("World::RotationFromABC", ["inA", "inB", "inC"], angles)
 }
 
-fn made<const N: usize>(make: &str, ports: [&str; N], values: [String; N]) -> String {
+fn constructor_call<const N: usize>(make: &str, ports: [&str; N], values: [String; N]) -> String {
     let given: Vec<String> = ports
         .iter()
         .zip(values)

@@ -8,7 +8,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, Run};
 use std::collections::BTreeMap;
 
-use crate::source::Front;
+use crate::program::AnalysedProgram;
 
 /// Command with its arguments.
 #[derive(Clone, PartialEq, Debug)]
@@ -25,18 +25,18 @@ pub(crate) struct Instance {
 
 /// Value of a parameter, and its text in the names of nets.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Given {
+pub(super) struct TaskArgument {
     pub(super) param: Name,
     pub(super) value: Argument,
     pub(super) name: String,
 }
 
 /// Returns the default values of the parameters of a unit.
-pub(super) fn by_itself(front: &Front<'_>, unit: &Unit) -> Vec<Given> {
+pub(super) fn default_arguments(front: &AnalysedProgram<'_>, unit: &Unit) -> Vec<TaskArgument> {
     let params = elab::parameters(unit).into_iter().map(|id| unit.flow(id));
-    let given = params.map(|flow| Given {
+    let given = params.map(|flow| TaskArgument {
         param: flow.name.clone(),
-        value: front.checked.argument(front.program, flow),
+        value: front.checked.root_argument(front.program, flow),
         name: flow.name.to_string(),
     });
     given.collect()
@@ -47,12 +47,12 @@ pub(super) fn by_itself(front: &Front<'_>, unit: &Unit) -> Vec<Given> {
 ///
 /// # Errors
 /// A noun phrase for the argument that has no value before the task runs.
-pub(super) fn given(
-    front: &Front<'_>,
+pub(super) fn step_arguments(
+    front: &AnalysedProgram<'_>,
     unit: &Unit,
-    known: &[Given],
+    known: &[TaskArgument],
     (step, run): (&TaskStep, &Run),
-) -> Result<Vec<Given>, String> {
+) -> Result<Vec<TaskArgument>, String> {
     let callee = front.checked.unit(step.unit);
     let values: Vec<Argument> = known.iter().map(|given| given.value.clone()).collect();
     let mut all = Vec::new();
@@ -61,7 +61,7 @@ pub(super) fn given(
         let Some(id) = *arg else {
             // A value taken over from the predecessor (`given`) is not a parameter.
             if elab::parameters(callee).contains(flow) {
-                all.push(Given {
+                all.push(TaskArgument {
                     param: param.clone(),
                     value: Argument::Default,
                     name: param.to_string(),
@@ -69,8 +69,8 @@ pub(super) fn given(
             }
             continue;
         };
-        let value = elab::argument(&front.checked.units, unit, id, &values);
-        let passed = named(run, unit.expr(id).span).map(|name| called(known, name));
+        let value = elab::evaluate_argument(&front.checked.units, unit, id, &values);
+        let passed = argument_name(run, unit.expr(id).span).map(|name| argument_text(known, name));
         let name = match (&value, passed) {
             (Argument::Unknown, Some(name)) => {
                 return Err(format!(
@@ -84,29 +84,29 @@ pub(super) fn given(
                 ));
             }
             (_, Some(name)) => name,
-            (_, None) => text(front, unit.expr(id).span),
+            (_, None) => source_text(front, unit.expr(id).span),
         };
         let param = param.clone();
-        all.push(Given { param, value, name });
+        all.push(TaskArgument { param, value, name });
     }
     Ok(all)
 }
 
 /// Returns the name at a location among the arguments of a step, if the argument is a single name.
-fn named(run: &Run, at: Span) -> Option<&Name> {
+fn argument_name(run: &Run, at: Span) -> Option<&Name> {
     let values = run.args.iter().map(|arg| arg.value.unparen());
     let at_place = |value: &&Expr| value.span == at;
     values.filter(at_place).find_map(Expr::as_name)
 }
 
 /// Returns the text of the argument for a parameter of the task; any other name is returned unchanged.
-fn called(known: &[Given], name: &Name) -> String {
+fn argument_text(known: &[TaskArgument], name: &Name) -> String {
     let param = known.iter().find(|given| given.param == *name);
     param.map_or(name.to_string(), |given| given.name.clone())
 }
 
 /// Returns the source text of an argument on one line.
-fn text(front: &Front<'_>, span: Span) -> String {
+fn source_text(front: &AnalysedProgram<'_>, span: Span) -> String {
     let words: Vec<&str> = front.sources.slice(span).split_whitespace().collect();
     words.join(" ")
 }
@@ -124,10 +124,15 @@ pub(super) struct Instances {
 impl Instances {
     /// Returns the name of the net of a command for its arguments. A command with its default arguments needs no
     /// instance if it can be run on its own.
-    pub(super) fn name(&mut self, front: &Front<'_>, step: &TaskStep, given: Vec<Given>) -> String {
+    pub(super) fn name(
+        &mut self,
+        front: &AnalysedProgram<'_>,
+        step: &TaskStep,
+        given: Vec<TaskArgument>,
+    ) -> String {
         let unit = front.checked.unit(step.unit);
         let module = front.program.decl(step.decl).module;
-        let alone = by_itself(front, unit);
+        let alone = default_arguments(front, unit);
         let names: Vec<&str> = given.iter().map(|given| given.name.as_str()).collect();
         let as_declared = alone
             .iter()
@@ -142,17 +147,17 @@ impl Instances {
             return name;
         }
         if !as_declared {
-            let is_given = |given: &&Given| given.value != Argument::Default;
+            let is_given = |given: &&TaskArgument| given.value != Argument::Default;
             let names = given.iter().filter(is_given).map(|given| &*given.name);
             name = format!("{name}({})", names.collect::<Vec<_>>().join(", "));
         }
         let args = given.into_iter().map(|given| given.value).collect();
-        self.named(name, step, args)
+        self.unique_name(name, step, args)
     }
 
     /// Returns a unique name for an instance. The same text may denote different values if tasks with parameters call
     /// one another; such instances are numbered.
-    fn named(&mut self, text: String, step: &TaskStep, args: Vec<Argument>) -> String {
+    fn unique_name(&mut self, text: String, step: &TaskStep, args: Vec<Argument>) -> String {
         let unit = step.unit;
         let same = self.by_text.entry(text.clone()).or_default();
         // `Argument` is not `Ord`, so its debug text is the key.

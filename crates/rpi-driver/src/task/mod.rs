@@ -14,13 +14,13 @@ mod plan;
 pub(crate) use instance::Instance;
 use instance::Instances;
 
-use plan::Unplanned;
-use rpi_diag::Finding;
+use plan::PlanError;
+use rpi_diag::Diagnostic;
 use rpi_image::plan::Target;
 use rpi_sema::elab::task_too_large;
 use rpi_sema::typed::{UnitId, UnitKind};
 
-use crate::source::Front;
+use crate::program::AnalysedProgram;
 
 /// Task of a program.
 #[derive(Clone, PartialEq, Debug)]
@@ -33,7 +33,7 @@ pub struct Task {
 
 /// Node of a plan. A command is identified by its name, with the arguments if these differ from the parameter names:
 /// `MoveTo(arm, home)`.
-pub type TaskNode = rpi_image::plan::Node<String>;
+pub type TaskNode = rpi_image::plan::PlanNode<String>;
 
 /// Plan of a task.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -46,20 +46,23 @@ pub struct TaskPlan {
 
 /// Returns the tasks of a program in source order, and the instances of commands that they need. Tasks that are too
 /// large are reported.
-pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task>, Vec<Instance>) {
+pub(crate) fn tasks(
+    front: &AnalysedProgram<'_>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> (Vec<Task>, Vec<Instance>) {
     let is_task = |unit: UnitId| front.checked.unit(unit).kind == UnitKind::Task;
     let mut instances = Instances::default();
     let mut tasks = Vec::new();
     for (decl, unit) in front.checked.runnable.iter().copied() {
-        if !is_task(unit) || !front.is_sound(unit) {
+        if !is_task(unit) || !front.is_error_free(unit) {
             continue;
         }
         let task = front.checked.unit(unit);
         let plan = match plan::plan(front, decl, unit, &mut instances) {
             Ok(plan) => Ok(plan),
-            Err(Unplanned::Said(why)) => Err(why),
-            Err(Unplanned::TooLarge) => {
-                findings.push(task_too_large(task));
+            Err(PlanError::Message(why)) => Err(why),
+            Err(PlanError::TooLarge) => {
+                diagnostics.push(task_too_large(task));
                 break;
             }
         };
@@ -72,14 +75,14 @@ pub(crate) fn tasks(front: &Front<'_>, findings: &mut Vec<Finding>) -> (Vec<Task
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Compiled, Input, Kind, compile};
+    use crate::{Compiled, Input, InputKind, compile};
 
     const COMMANDS: &str = "use motion;\nconst two: int = 2;\ncommand A (arm: Arm) let finish done when true; tel\ncommand B (arm: Arm) let finish done when true; tel\ncommand Wait (n: int) let finish done when time > real(n) * 1[ms]; tel\n";
 
     fn compiled(text: &str) -> Compiled {
         let input = Input {
             path: "t.rpi".into(),
-            kind: Kind::Rpi,
+            kind: InputKind::Rpi,
             bytes: text.into(),
         };
         compile(&input).expect("it is text")
@@ -87,7 +90,7 @@ mod tests {
 
     fn planned(task: &str) -> Result<TaskPlan, String> {
         let mut compiled = compiled(&format!("{COMMANDS}{task}"));
-        assert!(!compiled.has_errors(), "{:?}", compiled.findings);
+        assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
         compiled.tasks.pop().expect("there is a task").plan
     }
 
@@ -103,11 +106,11 @@ mod tests {
         match &plan.nodes[at.expect("it goes on")] {
             TaskNode::Run {
                 command,
-                on,
+                on_result: on,
                 on_fail,
-                otherwise,
+                default: otherwise,
             } => (command, on, *on_fail, *otherwise),
-            TaskNode::Pass(then) => run(plan, *then),
+            TaskNode::Goto(then) => run(plan, *then),
             other => panic!("{other:?} is no command"),
         }
     }
@@ -145,7 +148,10 @@ mod tests {
             "task T (arm: Arm) let Inner(arm) on fail then b | on any then end; b: B(arm); tel";
         let plan = planned(&format!("{inner}{outer}")).unwrap();
         let parallel = |node: &TaskNode| match node {
-            TaskNode::Parallel { strands, then } => Some((strands.clone(), *then)),
+            TaskNode::Parallel {
+                branches: strands,
+                then,
+            } => Some((strands.clone(), *then)),
             _ => None,
         };
         let (strands, then) = plan.nodes.iter().find_map(parallel).unwrap();
@@ -153,7 +159,7 @@ mod tests {
         let (command, _, fail, otherwise) = run(&plan, strands[0]);
         assert_eq!(command, "A");
         assert_eq!(plan.nodes[otherwise.unwrap().unwrap()], TaskNode::Join);
-        let TaskNode::Leave { then, .. } = plan.nodes[fail.unwrap().unwrap()] else {
+        let TaskNode::CancelBranches { then, .. } = plan.nodes[fail.unwrap().unwrap()] else {
             panic!("an error leaves the strands");
         };
         assert_eq!(run(&plan, then).0, "B");
@@ -177,11 +183,16 @@ mod tests {
         let plan = compiled.tasks[1].plan.as_ref().unwrap();
         let (command, _, _, then) = run(plan, plan.start);
         assert_eq!(command, "A(left)");
-        let Some(TaskNode::Enter(at)) = then.and_then(Target::from).map(|at| &plan.nodes[at])
+        let Some(TaskNode::EnterLoop(at)) = then.and_then(Target::from).map(|at| &plan.nodes[at])
         else {
             panic!("a repetition follows");
         };
-        let TaskNode::Repeat { times, body, then } = &plan.nodes[*at] else {
+        let TaskNode::Repeat {
+            count: times,
+            body,
+            next: then,
+        } = &plan.nodes[*at]
+        else {
             panic!("a repetition follows");
         };
         assert_eq!(

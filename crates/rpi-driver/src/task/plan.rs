@@ -2,33 +2,33 @@
 
 use rpi_diag::Span;
 use rpi_image::plan::Target;
-use rpi_sema::elab::{self, Argument, MAX_STEPS, MAX_TASKS_IN_A_ROW};
+use rpi_sema::elab::{self, Argument, MAX_STEPS, MAX_TASK_DEPTH};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::typed::{TaskStep, Unit, UnitId, UnitKind};
-use rpi_syntax::ast::{Branch, Next, OnResult, Run, Step, StepKind, Strand};
+use rpi_syntax::ast::{Branch, NextStep, ParallelBranch, ResultPattern, Run, Step, StepKind};
 
-use super::instance::{self, Given, Instances};
+use super::instance::{self, Instances, TaskArgument};
 use super::{TaskNode, TaskPlan};
-use crate::source::Front;
+use crate::program::AnalysedProgram;
 
 /// Reason why a task has no plan.
 #[derive(Debug)]
-pub(super) enum Unplanned {
+pub(super) enum PlanError {
     /// Message that is shown when the task is to be run.
-    Said(String),
+    Message(String),
     /// The task is too large after inlining.
     TooLarge,
 }
 
-impl From<String> for Unplanned {
+impl From<String> for PlanError {
     fn from(said: String) -> Self {
-        Unplanned::Said(said)
+        PlanError::Message(said)
     }
 }
 
-impl From<&str> for Unplanned {
+impl From<&str> for PlanError {
     fn from(said: &str) -> Self {
-        Unplanned::Said(said.to_owned())
+        PlanError::Message(said.to_owned())
     }
 }
 
@@ -37,18 +37,18 @@ impl From<&str> for Unplanned {
 /// # Errors
 /// The reason why the task has no plan.
 pub(super) fn plan(
-    front: &Front<'_>,
+    front: &AnalysedProgram<'_>,
     decl: DeclId,
     unit: UnitId,
     instances: &mut Instances,
-) -> Result<TaskPlan, Unplanned> {
+) -> Result<TaskPlan, PlanError> {
     let mut builder = Builder {
         front,
         nodes: Vec::new(),
         depth: 0,
         instances,
         unit: front.checked.unit(unit),
-        known: instance::by_itself(front, front.checked.unit(unit)),
+        known: instance::default_arguments(front, front.checked.unit(unit)),
     };
     let start = builder.task(decl, None, None)?;
     let nodes = builder.nodes;
@@ -57,7 +57,7 @@ pub(super) fn plan(
 }
 
 struct Builder<'f> {
-    front: &'f Front<'f>,
+    front: &'f AnalysedProgram<'f>,
     nodes: Vec<TaskNode>,
     /// Current depth of nested tasks.
     depth: usize,
@@ -65,7 +65,7 @@ struct Builder<'f> {
     /// Task that is being inlined.
     unit: &'f Unit,
     /// Values of its parameters.
-    known: Vec<Given>,
+    known: Vec<TaskArgument>,
 }
 
 /// Default targets of the steps of a task.
@@ -86,7 +86,7 @@ impl<'f> Builder<'f> {
         decl: DeclId,
         exit: Target,
         fail: Option<Target>,
-    ) -> Result<Target, Unplanned> {
+    ) -> Result<Target, PlanError> {
         let DeclKind::Task(task) = self.front.program.decl(decl).kind else {
             return Ok(exit);
         };
@@ -104,14 +104,12 @@ impl<'f> Builder<'f> {
         steps: &[Step],
         behind: Target,
         mut scope: Scope,
-    ) -> Result<Target, Unplanned> {
+    ) -> Result<Target, PlanError> {
         let first = self.nodes.len();
-        if self.instances.planned + first + steps.len() > MAX_STEPS
-            || self.depth > MAX_TASKS_IN_A_ROW
-        {
-            return Err(Unplanned::TooLarge);
+        if self.instances.planned + first + steps.len() > MAX_STEPS || self.depth > MAX_TASK_DEPTH {
+            return Err(PlanError::TooLarge);
         }
-        self.nodes.resize(first + steps.len(), TaskNode::Pass(None));
+        self.nodes.resize(first + steps.len(), TaskNode::Goto(None));
         for (at, step) in (first..).zip(steps) {
             if let StepKind::Run(run) = &step.kind
                 && let Some(label) = &run.label
@@ -137,7 +135,7 @@ impl<'f> Builder<'f> {
         Ok(start)
     }
 
-    fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, Unplanned> {
+    fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, PlanError> {
         match &step.kind {
             StepKind::Run(run) => self.run(run, next, scope),
             StepKind::Repeat { count, steps } => {
@@ -148,8 +146,8 @@ impl<'f> Builder<'f> {
                 self.repeat(times, steps, next, scope)
             }
             StepKind::Parallel(strands) => self.parallel(strands, next, scope),
-            StepKind::Start(_) => Ok(TaskNode::Pass(next)),
-            StepKind::Broken(_) => Err("a step that cannot be read".into()),
+            StepKind::Start(_) => Ok(TaskNode::Goto(next)),
+            StepKind::Error(_) => Err("a step that cannot be read".into()),
         }
     }
 
@@ -159,27 +157,32 @@ impl<'f> Builder<'f> {
         steps: &[Step],
         then: Target,
         scope: &Scope,
-    ) -> Result<TaskNode, Unplanned> {
+    ) -> Result<TaskNode, PlanError> {
         let at = self.nodes.len();
-        self.nodes.push(TaskNode::Pass(None));
+        self.nodes.push(TaskNode::Goto(None));
         let body = self.steps(steps, Some(at), scope.clone())?;
-        self.nodes[at] = TaskNode::Repeat { times, body, then };
-        Ok(TaskNode::Enter(at))
+        self.nodes[at] = TaskNode::Repeat {
+            count: times,
+            body,
+            next: then,
+        };
+        Ok(TaskNode::EnterLoop(at))
     }
 
     /// Adds the nodes of parallel branches. Each branch leads to a node that waits for the others. A branch left by an
     /// error goes through a node that ends the other branches.
     fn parallel(
         &mut self,
-        strands: &[Strand],
+        strands: &[ParallelBranch],
         then: Target,
         scope: &Scope,
-    ) -> Result<TaskNode, Unplanned> {
+    ) -> Result<TaskNode, PlanError> {
         let at = self.nodes.len();
-        self.nodes.push(TaskNode::Pass(None));
+        self.nodes.push(TaskNode::Goto(None));
         self.nodes.push(TaskNode::Join);
         let fail = scope.fail.map(|then| {
-            self.nodes.push(TaskNode::Leave { parallel: at, then });
+            self.nodes
+                .push(TaskNode::CancelBranches { parallel: at, then });
             Some(self.nodes.len() - 1)
         });
         let join = Some(at + 1);
@@ -193,20 +196,20 @@ impl<'f> Builder<'f> {
             begins.push(self.steps(&strand.steps, join, inside)?);
         }
         self.nodes[at] = TaskNode::Parallel {
-            strands: begins,
+            branches: begins,
             then,
         };
-        Ok(TaskNode::Pass(Some(at)))
+        Ok(TaskNode::Goto(Some(at)))
     }
 
-    fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, Unplanned> {
+    fn run(&mut self, run: &Run, next: Target, scope: &Scope) -> Result<TaskNode, PlanError> {
         let branches = branches(&run.branches, scope)?;
         let otherwise = branches.any.or(run.branches.is_empty().then_some(next));
         let on_fail = branches.fail.or(branches.any).or(scope.fail);
         let is_meant = |step: &&TaskStep| step.span == run.callee.span;
         let step = self.unit.steps.iter().find(is_meant);
         let step = step.ok_or("a step that cannot be read")?;
-        let given = instance::given(self.front, self.unit, &self.known, (step, run))?;
+        let given = instance::step_arguments(self.front, self.unit, &self.known, (step, run))?;
         let callee = self.front.checked.unit(step.unit);
         if callee.kind == UnitKind::Task {
             let unit = std::mem::replace(&mut self.unit, callee);
@@ -215,24 +218,24 @@ impl<'f> Builder<'f> {
             let start = self.task(step.decl, otherwise.unwrap_or(next), on_fail)?;
             self.depth -= 1;
             (self.unit, self.known) = (unit, known);
-            return Ok(TaskNode::Pass(start));
+            return Ok(TaskNode::Goto(start));
         }
         Ok(TaskNode::Run {
             command: self.instances.name(self.front, step, given),
-            on: branches.named,
+            on_result: branches.named,
             on_fail,
-            otherwise,
+            default: otherwise,
         })
     }
 
     /// Returns the number of repetitions.
-    fn times(&self, count: Span) -> Result<u64, Unplanned> {
-        let mut counts = self.unit.counts.iter();
+    fn times(&self, count: Span) -> Result<u64, PlanError> {
+        let mut counts = self.unit.repeat_counts.iter();
         let (_, id) = counts
             .find(|(span, _)| *span == count)
             .ok_or("a number of repetitions that cannot be read")?;
         let known: Vec<Argument> = self.known.iter().map(|given| given.value.clone()).collect();
-        match elab::argument(&self.front.checked.units, self.unit, *id, &known) {
+        match elab::evaluate_argument(&self.front.checked.units, self.unit, *id, &known) {
             Argument::Value(leaves) => {
                 let times = leaves.first().and_then(|leaf| leaf.as_int()).unwrap_or(0);
                 u64::try_from(times)
@@ -254,15 +257,15 @@ struct Branches {
 fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
     let mut found = Branches::default();
     for branch in all {
-        let then = match &branch.then {
-            Next::End(_) => scope.exit,
-            Next::Step(label) => Some(labelled(scope, &label.name.to_string())?),
+        let then = match &branch.next {
+            NextStep::End(_) => scope.exit,
+            NextStep::Step(label) => Some(labelled(scope, &label.name.to_string())?),
         };
-        for on in &branch.on {
+        for on in &branch.results {
             match on {
-                OnResult::Named(result) => found.named.push((result.name.to_string(), then)),
-                OnResult::Fail(_) => found.fail = found.fail.or(Some(then)),
-                OnResult::Any(_) => found.any = found.any.or(Some(then)),
+                ResultPattern::Named(result) => found.named.push((result.name.to_string(), then)),
+                ResultPattern::Fail(_) => found.fail = found.fail.or(Some(then)),
+                ResultPattern::Any(_) => found.any = found.any.or(Some(then)),
             }
         }
     }

@@ -28,7 +28,7 @@ fn write(name: &str, folder: &Path, words: &Path) -> std::io::Result<usize> {
     fs::create_dir_all(folder)?;
     fs::write(words, rpi_fuzz::dictionary())?;
     let mut seeds = (entry.seeds)();
-    seeds.extend(rpi_fuzz::found(name));
+    seeds.extend(rpi_fuzz::saved_inputs(name));
     for seed in &seeds {
         fs::write(folder.join(&seed.name), &seed.bytes)?;
     }

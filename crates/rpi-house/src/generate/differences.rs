@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use rpi_prims::differences::{DIFFERENCES, Difference, When};
+use rpi_prims::differences::{Condition, DIFFERENCES, Difference};
 
-use super::MARK;
+use super::GENERATED_NOTICE;
 
 pub(super) fn chapter() -> String {
-    let mut out = format!("{MARK}# Differences to the reference system\n\n");
+    let mut out = format!("{GENERATED_NOTICE}# Differences to the reference system\n\n");
     out.push_str(
         "Nets of the Robotics API behave as in the reference system, except for the faults below, which are not reproduced. \
          `rpi replay` accepts a differing recorded value only if one of these entries explains it, counts such \
@@ -28,12 +28,12 @@ fn entry(difference: &Difference) -> String {
         quoted(difference.types),
         quoted(difference.ports)
     );
-    let _ = writeln!(out, "- Visible: {}", shows(difference.when));
+    let _ = writeln!(out, "- Visible: {}", visibility(difference.condition));
     let _ = writeln!(out, "- The reference {}.", difference.fault);
     let _ = writeln!(
         out,
         "- Correct behaviour: {}. Checked by the test `{}`.",
-        difference.right, difference.test
+        difference.correct, difference.test
     );
     out
 }
@@ -43,19 +43,25 @@ fn quoted(names: &[&str]) -> String {
     quoted.join(", ")
 }
 
-fn shows(when: When) -> &'static str {
+fn visibility(when: Condition) -> &'static str {
     match when {
-        When::Gives(_) => {
+        Condition::FaultModel(_) => {
             "where the recorded value is exactly what the fault computes from the recorded inputs"
         }
-        When::Always => "in every value",
-        When::NothingRecorded => "where nothing was recorded although there is a value",
-        When::NotAllConnected => "where nothing was recorded and not all in-ports are connected",
-        When::AliasedSource => {
+        Condition::Always => "in every value",
+        Condition::NothingRecorded => "where nothing was recorded although there is a value",
+        Condition::NotAllConnected => {
+            "where nothing was recorded and not all in-ports are connected"
+        }
+        Condition::AliasedSource => {
             "where parts of the recorded value belong to an object that its producer continues to modify"
         }
-        When::ReadsAliased => "where an input is an object that its producer continues to modify",
-        When::FirstCycleAfterPause => "in the first cycle in which the fragment is active again",
-        When::OtherType => "where the recorded text is not a value of the port's type",
+        Condition::ReadsAliased => {
+            "where an input is an object that its producer continues to modify"
+        }
+        Condition::FirstCycleAfterPause => {
+            "in the first cycle in which the fragment is active again"
+        }
+        Condition::OtherType => "where the recorded text is not a value of the port's type",
     }
 }

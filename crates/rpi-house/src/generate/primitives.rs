@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
-use rpi_image::{Need, ParamType, PortType, PrimDesc};
+use rpi_image::{Fallback, ParamType, PortType, PrimDesc};
 use rpi_prims::registry;
 
-use super::MARK;
+use super::GENERATED_NOTICE;
 
 pub(super) fn chapter() -> String {
-    let mut out = format!("{MARK}# Primitives\n\nBuilding blocks of nets, by registered name. ");
+    let mut out =
+        format!("{GENERATED_NOTICE}# Primitives\n\nBuilding blocks of nets, by registered name. ");
     out.push_str("An in-port listed with a parameter uses that parameter if it is not connected. ");
     out.push_str(
         "The work bound is the number of elementary operations in one cycle; an addition of two reals is one.\n",
@@ -27,8 +28,8 @@ pub(super) fn chapter() -> String {
 
 fn entry(desc: &PrimDesc) -> String {
     let mut out = format!("\n### {}\n\n{}\n\n", desc.name, unindent(desc.doc));
-    let inputs = desc.inputs.iter().map(|port| match port.need {
-        Need::Param(name, _) => format!("`{}: {}` or `{name}`", port.name, port_type(port.ty)),
+    let inputs = desc.inputs.iter().map(|port| match port.fallback {
+        Fallback::Param(name, _) => format!("`{}: {}` or `{name}`", port.name, port_type(port.ty)),
         _ => format!("`{}: {}`", port.name, port_type(port.ty)),
     });
     line(&mut out, "In", inputs);
@@ -68,7 +69,7 @@ fn unindent(doc: &str) -> String {
 
 fn port_type(ty: PortType) -> String {
     match ty {
-        PortType::One(scalar) => scalar.to_string(),
+        PortType::Scalar(scalar) => scalar.to_string(),
         PortType::Array(scalar) => format!("{scalar}^n"),
         PortType::Matrix => "matrix".to_owned(),
     }
@@ -76,7 +77,7 @@ fn port_type(ty: PortType) -> String {
 
 fn param_type(ty: ParamType) -> String {
     match ty {
-        ParamType::One(scalar) => scalar.to_string(),
+        ParamType::Scalar(scalar) => scalar.to_string(),
         ParamType::Array(scalar) => format!("{scalar}^n"),
         ParamType::Str => "text".to_owned(),
     }

@@ -4,7 +4,7 @@
 //! not after `.` and not before `=`, `:`, `,` or `)`.
 
 use rpi_syntax::ops::{BINARY, UNARY};
-use rpi_syntax::{KEYWORDS, Place};
+use rpi_syntax::{KEYWORDS, KeywordContext};
 use serde_json::{Value, json};
 
 const NAME: &str = "[A-Za-z_][A-Za-z0-9_']*";
@@ -38,7 +38,7 @@ pub(super) fn grammar() -> String {
             "literals": { "patterns": literals() },
             "declarations": { "patterns": declarations() },
             "words": { "patterns": words() },
-            "operators": { "patterns": [one("keyword.operator", r"->|=>|\?\?|<>|<=|>=|<<|>>|\*\*|[-+*/%^|#=<>?]")] },
+            "operators": { "patterns": [match_rule("keyword.operator", r"->|=>|\?\?|<>|<=|>=|<<|>>|\*\*|[-+*/%^|#=<>?]")] },
         },
     });
     // A value of strings and lists can always be serialised.
@@ -47,11 +47,11 @@ pub(super) fn grammar() -> String {
 
 fn comments() -> Value {
     json!([
-        one("comment.line.documentation", r"--\|.*$"),
-        one("comment.line.double-dash", r"--.*$"),
-        one("comment.line.double-slash", r"//.*$"),
-        between("comment.block", r"\(\*", r"\*\)"),
-        between("comment.block", r"/\*", r"\*/"),
+        match_rule("comment.line.documentation", r"--\|.*$"),
+        match_rule("comment.line.double-dash", r"--.*$"),
+        match_rule("comment.line.double-slash", r"//.*$"),
+        begin_end_rule("comment.block", r"\(\*", r"\*\)"),
+        begin_end_rule("comment.block", r"/\*", r"\*/"),
     ])
 }
 
@@ -59,7 +59,7 @@ fn literals() -> Value {
     let number = r"(\b0[xX][0-9a-fA-F]+|\b[0-9]+(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?|\.[0-9]+(?:[eE][-+]?[0-9]+)?)";
     json!([
         { "name": scope("string.quoted.double"), "begin": "\"", "end": "\"|$",
-          "patterns": [one("constant.character.escape", r"\\.")] },
+          "patterns": [match_rule("constant.character.escape", r"\\.")] },
         { "match": format!(r"{number}(?:(\[)([^\]]*)(\]))?"),
           "captures": { "1": { "name": scope("constant.numeric") }, "3": { "name": scope("keyword.other.unit") } } },
     ])
@@ -70,7 +70,7 @@ fn declarations() -> Value {
     let words = alternatives(
         KEYWORDS
             .iter()
-            .filter(|w| w.place == Place::Declaration)
+            .filter(|w| w.context == KeywordContext::Declaration)
             .map(|w| w.text),
     );
     json!([{
@@ -80,8 +80,9 @@ fn declarations() -> Value {
 }
 
 fn words() -> Value {
-    let (reserved, by_place): (Vec<_>, Vec<_>) =
-        KEYWORDS.iter().partition(|w| w.place == Place::Reserved);
+    let (reserved, by_place): (Vec<_>, Vec<_>) = KEYWORDS
+        .iter()
+        .partition(|w| w.context == KeywordContext::Reserved);
     let reserved = reserved.iter().map(|w| w.text);
     let special: Vec<&str> = [TYPES, CONSTANTS].concat();
     let (operators, control): (Vec<&str>, Vec<&str>) = reserved
@@ -89,15 +90,15 @@ fn words() -> Value {
         .partition(|text| is_operator(text));
     let contextual = alternatives(by_place.iter().map(|w| w.text));
     json!([
-        whole("storage.type", TYPES),
-        whole("constant.language", CONSTANTS),
-        whole("keyword.operator.word", &operators),
-        whole("keyword.control", &control),
-        one(
+        words_rule("storage.type", TYPES),
+        words_rule("constant.language", CONSTANTS),
+        words_rule("keyword.operator.word", &operators),
+        words_rule("keyword.control", &control),
+        match_rule(
             "keyword.control.contextual",
             &format!(r"(?<![.\w'])(?:{contextual})(?![\w'])(?!\s*[=:,)])")
         ),
-        whole("variable.language", PREDECLARED),
+        words_rule("variable.language", PREDECLARED),
     ])
 }
 
@@ -105,8 +106,8 @@ fn is_operator(text: &str) -> bool {
     BINARY.iter().any(|row| row.spelling == text) || UNARY.iter().any(|row| row.spelling == text)
 }
 
-fn whole(name: &str, words: &[&str]) -> Value {
-    one(
+fn words_rule(name: &str, words: &[&str]) -> Value {
+    match_rule(
         name,
         &format!(
             r"(?<![.\w'])(?:{})(?![\w'])",
@@ -121,11 +122,11 @@ fn alternatives<'a>(words: impl Iterator<Item = &'a str>) -> String {
     words.join("|")
 }
 
-fn one(name: &str, pattern: &str) -> Value {
+fn match_rule(name: &str, pattern: &str) -> Value {
     json!({ "name": scope(name), "match": pattern })
 }
 
-fn between(name: &str, begin: &str, end: &str) -> Value {
+fn begin_end_rule(name: &str, begin: &str, end: &str) -> Value {
     json!({ "name": scope(name), "begin": begin, "end": end })
 }
 

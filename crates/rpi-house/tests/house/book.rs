@@ -13,33 +13,33 @@ use rpi_testkit::{files_below, workspace_root};
 
 /// Kind of check for the blocks of a language.
 #[derive(Clone, Copy, PartialEq)]
-enum Held {
+enum BlockKind {
     /// Compiled without diagnostics, checked in `docs.rs`.
     Compiled,
     /// Written to files that commands in the document use.
-    Used,
+    Written,
     /// Run, and the output compared.
     Run,
     /// Parsed as cell descriptions.
     Cell,
     /// Not checked: figures, formats, and settings and commands of other tools.
-    Shown,
+    Unchecked,
 }
 
-const LANGUAGES: &[(&str, Held)] = &[
-    ("rpi", Held::Compiled),
-    ("rpi,wrong", Held::Used),
-    ("lus", Held::Compiled),
-    ("rpinet", Held::Compiled),
-    ("csv", Held::Used),
-    ("console", Held::Run),
-    ("toml", Held::Cell),
-    ("json", Held::Shown),
-    ("sh", Held::Shown),
-    ("text", Held::Shown),
-    ("lua", Held::Shown),
-    ("python", Held::Shown),
-    ("", Held::Shown),
+const LANGUAGES: &[(&str, BlockKind)] = &[
+    ("rpi", BlockKind::Compiled),
+    ("rpi,wrong", BlockKind::Written),
+    ("lus", BlockKind::Compiled),
+    ("rpinet", BlockKind::Compiled),
+    ("csv", BlockKind::Written),
+    ("console", BlockKind::Run),
+    ("toml", BlockKind::Cell),
+    ("json", BlockKind::Unchecked),
+    ("sh", BlockKind::Unchecked),
+    ("text", BlockKind::Unchecked),
+    ("lua", BlockKind::Unchecked),
+    ("python", BlockKind::Unchecked),
+    ("", BlockKind::Unchecked),
 ];
 
 /// Documents whose TOML blocks are settings of an editor, not cell descriptions.
@@ -65,7 +65,7 @@ fn cells_in_documents_are_right() {
     for (path, fence) in all_fences() {
         let place = format!("{}:{}", path.display(), fence.line);
         let other = OTHER_TOML.iter().any(|other| path.ends_with(other));
-        if held(&fence) == Some(Held::Cell) && !other {
+        if block_kind(&fence) == Some(BlockKind::Cell) && !other {
             count += 1;
             let read = Cell::parse(&place, &fence.code);
             assert!(read.is_ok(), "{place}: {:?}", read.err());
@@ -86,12 +86,12 @@ fn commands_in_documents_print_what_is_shown() {
             if let Some(name) = fence.info.split(' ').nth(1) {
                 std::fs::write(dir.path().join(name), &fence.code).expect("it can be written");
             }
-            if held(&fence) != Some(Held::Run) {
+            if block_kind(&fence) != Some(BlockKind::Run) {
                 continue;
             }
             for (command, shown) in commands(&fence.code) {
                 count += 1;
-                let printed = printed(&command, dir.path());
+                let printed = run_command(&command, dir.path());
                 if !matches(&shown, &printed) {
                     now = now.replacen(&block(&command, &shown), &block(&command, &printed), 1);
                     let place = format!("{}:{}", path.display(), fence.line);
@@ -127,7 +127,7 @@ fn commands(code: &str) -> Vec<(String, String)> {
 }
 
 /// Returns the output of a command that is run in a folder.
-fn printed(command: &str, dir: &Path) -> String {
+fn run_command(command: &str, dir: &Path) -> String {
     let mut words = command.split(' ');
     let tool = words.next().unwrap_or_default();
     let args: Vec<&str> = words.collect();
@@ -193,7 +193,7 @@ fn language(fence: &Fence) -> &str {
     fence.info.split(' ').next().unwrap_or_default()
 }
 
-fn held(fence: &Fence) -> Option<Held> {
+fn block_kind(fence: &Fence) -> Option<BlockKind> {
     let found = LANGUAGES.iter().find(|(name, _)| *name == language(fence));
     found.map(|(_, held)| *held)
 }

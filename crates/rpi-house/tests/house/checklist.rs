@@ -4,7 +4,7 @@ use rpi_house::functions;
 use rpi_testkit::workspace_root;
 
 /// Number of rows.
-const PROMISES: usize = 38;
+const ROWS: usize = 38;
 
 #[test]
 fn every_promise_names_what_shows_it() {
@@ -24,7 +24,7 @@ fn every_promise_names_what_shows_it() {
         assert!(!named.is_empty(), "promise {number} names nothing");
         named.iter().for_each(|place| exists(number, place));
     }
-    assert_eq!(number, PROMISES);
+    assert_eq!(number, ROWS);
 }
 
 /// Checks a reference of the form `path/to/file` or `path/to/file.rs::test`.

@@ -45,7 +45,7 @@ fn pages_carry_their_title_and_both_programs() {
 /// The message of a diagnostic is written beside the check that has the facts, hence in one crate.
 #[test]
 fn a_code_is_raised_in_one_crate() {
-    let raisers = raisers();
+    let raisers = reporting_crates();
     for code in Code::ALL {
         let crates = raisers.get(code.as_str()).cloned().unwrap_or_default();
         assert!(
@@ -56,7 +56,7 @@ fn a_code_is_raised_in_one_crate() {
 }
 
 /// Returns, for each code, the crates that report it.
-fn raisers() -> BTreeMap<String, BTreeSet<String>> {
+fn reporting_crates() -> BTreeMap<String, BTreeSet<String>> {
     let mut raisers: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for file in source_files()
         .iter()

@@ -10,7 +10,7 @@ use rpi_diag::{Code, Style, render};
 use rpi_house::{Fence, fences};
 use rpi_testkit::files_below;
 
-use crate::compile::{Said, check};
+use crate::compile::{CheckOutput, check};
 
 /// Languages of fences that contain whole programs.
 const RIGHT: &[&str] = &["rpi", "lus", "rpinet"];
@@ -86,16 +86,25 @@ fn programs_of_the_project_compile() {
 
 /// Returns the diagnostics of a program that should have none.
 fn complaint(place: &str, fence: &Fence) -> Option<String> {
-    let Said { findings, sources } = check(file_name(fence)?, &fence.code);
-    let shown = render(&findings, &sources, Style::PLAIN);
-    (!findings.is_empty()).then(|| format!("{place}: should be right\n{shown}"))
+    let CheckOutput {
+        diagnostics,
+        sources,
+    } = check(file_name(fence)?, &fence.code);
+    let shown = render(&diagnostics, &sources, Style::PLAIN);
+    (!diagnostics.is_empty()).then(|| format!("{place}: should be right\n{shown}"))
 }
 
 /// Returns the diagnostics of a wrong program unless they are exactly one with the expected code.
 fn other_than(code: Code, fence: &Fence) -> Option<String> {
-    let Said { findings, sources } = check(file_name(fence)?, &fence.code);
-    let codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
-    let shown = render(&findings, &sources, Style::PLAIN);
+    let CheckOutput {
+        diagnostics,
+        sources,
+    } = check(file_name(fence)?, &fence.code);
+    let codes: Vec<Code> = diagnostics
+        .iter()
+        .map(|diagnostic| diagnostic.code)
+        .collect();
+    let shown = render(&diagnostics, &sources, Style::PLAIN);
     (codes != [code]).then(|| format!("{code}, wrong program: gives {codes:?}\n{shown}"))
 }
 

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_diag::Finding;
+use rpi_diag::Diagnostic;
 use rpi_testkit::{files_below, workspace_root};
 
 use crate::compile::check;
@@ -28,18 +28,22 @@ fn wrong(path: &Path) -> Option<String> {
     let name = short(path);
     let (place, words) = expected(&text).unwrap_or_else(|| panic!("{name} begins with two lines"));
     let said = check(&name, &text);
-    let [finding] = &said.findings[..] else {
-        let messages: Vec<&str> = said.findings.iter().map(|f| f.message.as_str()).collect();
+    let [diagnostic] = &said.diagnostics[..] else {
+        let messages: Vec<&str> = said
+            .diagnostics
+            .iter()
+            .map(|f| f.message.as_str())
+            .collect();
         return Some(format!(
             "{name}: one diagnostic expected, found {messages:?}"
         ));
     };
-    let found = said.sources.line_col(finding.span());
+    let found = said.sources.line_col(diagnostic.span());
     let found = format!("{}:{}", found.line, found.col);
     if found != place {
         return Some(format!("{name}: expected at {place}, found at {found}"));
     }
-    let all = in_words(finding);
+    let all = in_words(diagnostic);
     let lacks: Vec<&str> = words
         .into_iter()
         .filter(|word| !all.contains(word))
@@ -47,7 +51,7 @@ fn wrong(path: &Path) -> Option<String> {
     if !lacks.is_empty() {
         return Some(format!("{name}: {lacks:?} not in\n{all}"));
     }
-    let has_way_out = !finding.help.is_empty() || !finding.fixes.is_empty();
+    let has_way_out = !diagnostic.help.is_empty() || !diagnostic.fixes.is_empty();
     (!has_way_out).then(|| format!("{name}: no help and no fix"))
 }
 
@@ -61,11 +65,11 @@ fn expected(text: &str) -> Option<(&str, Vec<&str>)> {
 }
 
 /// Returns all texts of a diagnostic.
-fn in_words(finding: &Finding) -> String {
-    let mut all = vec![finding.message.clone()];
-    all.extend(finding.labels.iter().map(|label| label.text.clone()));
-    all.extend(finding.help.iter().cloned());
-    for fix in &finding.fixes {
+fn in_words(diagnostic: &Diagnostic) -> String {
+    let mut all = vec![diagnostic.message.clone()];
+    all.extend(diagnostic.labels.iter().map(|label| label.text.clone()));
+    all.extend(diagnostic.help.iter().cloned());
+    for fix in &diagnostic.fixes {
         all.push(fix.title.clone());
         all.extend(fix.edits.iter().map(|edit| edit.text.clone()));
     }

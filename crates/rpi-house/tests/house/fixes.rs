@@ -4,17 +4,17 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use rpi_diag::{Applicability, Code, Finding, Fix, Severity, apply};
+use rpi_diag::{Applicability, Code, Diagnostic, Fix, Severity, apply};
 use rpi_house::fences;
 
-use crate::compile::{Said, check};
-use crate::ui::{name, programs};
+use crate::compile::{CheckOutput, check};
+use crate::ui::{checked_programs, name};
 
 #[test]
 fn each_fix_of_a_broken_program_mends_it() {
     let mut wrong = Vec::new();
     let mut count = 0;
-    for path in programs() {
+    for path in checked_programs() {
         let text = std::fs::read_to_string(&path).expect("it is UTF-8");
         count += try_fixes(&name(&path), &text, &mut wrong);
     }
@@ -48,14 +48,19 @@ fn language(info: &str) -> Option<&'static str> {
 
 /// Applies each fix alone. Returns the number of fixes.
 fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
-    let Said { findings, .. } = check(name, text);
+    let CheckOutput { diagnostics, .. } = check(name, text);
     let mut count = 0;
-    for finding in &findings {
-        for fix in &finding.fixes {
+    for diagnostic in &diagnostics {
+        for fix in &diagnostic.fixes {
             count += 1;
             let mended = apply(text, fix.edits.iter());
-            if let Err(why) = judge(&findings, finding, fix, &check(name, &mended).findings) {
-                let what = format!("{} {}", finding.code, finding.message);
+            if let Err(why) = judge(
+                &diagnostics,
+                diagnostic,
+                fix,
+                &check(name, &mended).diagnostics,
+            ) {
+                let what = format!("{} {}", diagnostic.code, diagnostic.message);
                 wrong.push(format!(
                     "{name}: {what}\n  fix: {}: {why}\n{mended}",
                     fix.title
@@ -67,7 +72,12 @@ fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
 }
 
 /// Returns an error if the diagnostic is still reported, or if the fix causes an error that it must not cause.
-fn judge(before: &[Finding], mended: &Finding, fix: &Fix, after: &[Finding]) -> Result<(), String> {
+fn judge(
+    before: &[Diagnostic],
+    mended: &Diagnostic,
+    fix: &Fix,
+    after: &[Diagnostic],
+) -> Result<(), String> {
     let (old, new) = (counted(before), counted(after));
     let key = key(mended);
     if new.get(&key) >= old.get(&key) {
@@ -86,14 +96,14 @@ fn judge(before: &[Finding], mended: &Finding, fix: &Fix, after: &[Finding]) -> 
 
 type Key = (Code, String);
 
-fn key(finding: &Finding) -> Key {
-    (finding.code, finding.message.clone())
+fn key(diagnostic: &Diagnostic) -> Key {
+    (diagnostic.code, diagnostic.message.clone())
 }
 
-fn counted(findings: &[Finding]) -> BTreeMap<Key, usize> {
+fn counted(diagnostics: &[Diagnostic]) -> BTreeMap<Key, usize> {
     let mut counts = BTreeMap::new();
-    for finding in findings {
-        *counts.entry(key(finding)).or_default() += 1;
+    for diagnostic in diagnostics {
+        *counts.entry(key(diagnostic)).or_default() += 1;
     }
     counts
 }

@@ -116,7 +116,7 @@ fn third_party_crates_have_the_owners_of_the_table() {
 #[test]
 fn tests_use_what_is_listed_or_owned() {
     for package in packages() {
-        for tool in package.third_party().filter(|d| d.dev) {
+        for tool in package.third_party().filter(|d| d.is_dev) {
             let known = TEST_TOOLS.contains(&tool.name.as_str())
                 || OWNERS.iter().any(|(name, _)| *name == tool.name);
             assert!(
@@ -132,7 +132,7 @@ fn tests_use_what_is_listed_or_owned() {
 fn used() -> BTreeMap<String, BTreeSet<String>> {
     let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for package in packages() {
-        for dependency in package.third_party().filter(|d| !d.dev) {
+        for dependency in package.third_party().filter(|d| !d.is_dev) {
             used.entry(dependency.name.clone())
                 .or_default()
                 .insert(package.name.clone());

@@ -62,7 +62,7 @@ fn sensors_only_give_and_actuators_only_take() {
             Role::Actuator(device) => {
                 actuators += 1;
                 assert!(!desc.inputs.is_empty(), "{} has no in-ports", desc.name);
-                assert_eq!(names.len(), device.answers.len(), "{}", desc.name);
+                assert_eq!(names.len(), device.responses.len(), "{}", desc.name);
                 let answers = names.iter().all(|name| is_answer(name));
                 assert!(answers, "{} has the out-ports {names:?}", desc.name);
             }
@@ -87,7 +87,7 @@ fn names_in_other_crates_are_registered() {
     {
         for name in quoted_names(file.without_tests()) {
             assert!(
-                PrimId::of(name).is_some(),
+                PrimId::from_name(name).is_some(),
                 "{}: no primitive {name}",
                 file.path.display()
             );

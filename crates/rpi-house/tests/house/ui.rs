@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use rpi_diag::{Code, Style, render};
-use rpi_testkit::{differs, files_below, workspace_root};
+use rpi_testkit::{compare_with_expected, files_below, workspace_root};
 
-use crate::compile::{Said, check};
+use crate::compile::{CheckOutput, check};
 
 /// Time limit. A check of a page of text takes microseconds; one that takes this long hangs.
 const HANG: Duration = Duration::from_secs(30);
@@ -17,17 +17,17 @@ const HANG: Duration = Duration::from_secs(30);
 const PROGRAMS: &[&str] = &[".rpi", ".lus", ".rpinet"];
 
 /// Folders of `tests/ui` whose programs pass the check; the tests of the tools run them.
-const TOLD_BY_TOOLS: &[&str] = &["emitting", "emitting_lustre", "running", "testing"];
+const RUN_BY_TOOLS: &[&str] = &["emitting", "emitting_lustre", "running", "testing"];
 
 /// Codes that no known program can cause.
 const NO_PROGRAM: &[Code] = &[Code::RPI7003, Code::RPI9021, Code::RPI9201, Code::RPI9901];
 
 /// Returns the programs that are checked here.
-pub(crate) fn programs() -> Vec<PathBuf> {
+pub(crate) fn checked_programs() -> Vec<PathBuf> {
     let mut paths = files_below("tests/ui", PROGRAMS);
     paths.retain(|path| {
         let folder = path.parent().and_then(Path::file_name);
-        !TOLD_BY_TOOLS
+        !RUN_BY_TOOLS
             .iter()
             .any(|name| folder.is_some_and(|folder| folder == *name))
     });
@@ -36,8 +36,8 @@ pub(crate) fn programs() -> Vec<PathBuf> {
 
 #[test]
 fn programs_give_the_messages_beside_them() {
-    let programs = programs().into_iter();
-    let wrong = programs.filter_map(|path| differs(&path, &message(&path)));
+    let programs = checked_programs().into_iter();
+    let wrong = programs.filter_map(|path| compare_with_expected(&path, &message(&path)));
     let wrong: Vec<String> = wrong.collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -77,14 +77,14 @@ fn every_code_has_a_program() {
 /// Every prefix of every program here and of every example must compile without a panic, within the time limit.
 #[test]
 fn no_prefix_of_a_program_makes_the_compiler_panic_or_hang() {
-    let programs = [programs(), files_below("examples", PROGRAMS)].concat();
+    let programs = [checked_programs(), files_below("examples", PROGRAMS)].concat();
     for path in programs {
         let text = std::fs::read_to_string(&path).expect("it is UTF-8");
         for (end, _) in text.char_indices() {
             let start = Instant::now();
             let said = check(&name(&path), &text[..end]);
-            let shown = render(&said.findings, &said.sources, Style::PLAIN);
-            assert_eq!(shown.is_empty(), said.findings.is_empty());
+            let shown = render(&said.diagnostics, &said.sources, Style::PLAIN);
+            assert_eq!(shown.is_empty(), said.diagnostics.is_empty());
             assert!(
                 start.elapsed() < HANG,
                 "{} up to byte {end}",
@@ -96,8 +96,11 @@ fn no_prefix_of_a_program_makes_the_compiler_panic_or_hang() {
 
 fn message(path: &Path) -> String {
     let text = std::fs::read_to_string(path).expect("it is UTF-8");
-    let Said { findings, sources } = check(&name(path), &text);
-    render(&findings, &sources, Style::PLAIN)
+    let CheckOutput {
+        diagnostics,
+        sources,
+    } = check(&name(path), &text);
+    render(&diagnostics, &sources, Style::PLAIN)
 }
 
 /// Returns the name under which messages show a program, without folders of this machine.

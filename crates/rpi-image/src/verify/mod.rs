@@ -11,12 +11,12 @@
 //! - Skips jump forward and nest. A commit copy does not read a slot that the commit phase has already overwritten.
 
 mod access;
-mod rows;
+mod run_steps;
 mod steps;
 mod tables;
 
 use crate::desc::PrimDesc;
-use crate::hash::signature;
+use crate::hash::prim_signature;
 use crate::image::{Image, TRUE};
 use alloc::string::String;
 use alloc::vec;
@@ -24,11 +24,11 @@ use alloc::vec::Vec;
 use core::fmt;
 
 /// Look-up of the declaration of a primitive by registered name.
-pub type Catalogue<'a> = &'a dyn Fn(&str) -> Option<&'static PrimDesc>;
+pub type PrimLookup<'a> = &'a dyn Fn(&str) -> Option<&'static PrimDesc>;
 
 /// Position of an error in an image.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum At {
+pub enum ErrorLocation {
     /// Entry of a table: name of the table and index.
     Table(&'static str, usize),
     /// Step of the evaluation phase with this index.
@@ -41,17 +41,17 @@ pub enum At {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
     /// Position of the error.
-    pub at: At,
+    pub location: ErrorLocation,
     /// Description of the error, with the numbers of the slots.
-    pub what: String,
+    pub message: String,
 }
 
 impl fmt::Display for VerifyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.at {
-            At::Table(name, index) => write!(f, "{name} {index}: {}", self.what),
-            At::Step(pc) => write!(f, "step {pc}: {}", self.what),
-            At::Commit(pc) => write!(f, "commit step {pc}: {}", self.what),
+        match self.location {
+            ErrorLocation::Table(name, index) => write!(f, "{name} {index}: {}", self.message),
+            ErrorLocation::Step(pc) => write!(f, "step {pc}: {}", self.message),
+            ErrorLocation::Commit(pc) => write!(f, "commit step {pc}: {}", self.message),
         }
     }
 }
@@ -62,15 +62,15 @@ impl core::error::Error for VerifyError {}
 ///
 /// # Errors
 /// Returns all errors, in the order of the image, at most 100. The image must not be used.
-pub fn verify(image: &Image, catalogue: Catalogue<'_>) -> Result<(), Vec<VerifyError>> {
-    let mut check = Check::new(image);
+pub fn verify(image: &Image, catalogue: PrimLookup<'_>) -> Result<(), Vec<VerifyError>> {
+    let mut check = Verifier::new(image);
     check.layout();
     if check.errors.is_empty() {
         let prims = check.prims(catalogue);
         check.tables();
         check.evaluation(&prims);
         check.commit();
-        check.results();
+        check.check_results();
     }
     match check.errors.is_empty() {
         true => Ok(()),
@@ -79,7 +79,7 @@ pub fn verify(image: &Image, catalogue: Catalogue<'_>) -> Result<(), Vec<VerifyE
 }
 
 /// Maximum number of collected errors.
-const ENOUGH: usize = 100;
+const MAX_ERRORS: usize = 100;
 /// Scope of a slot that no step has written yet.
 const UNWRITTEN: u32 = u32::MAX;
 
@@ -93,13 +93,13 @@ struct Scope {
 }
 
 /// State of the verification: the image, the errors so far and the knowledge about each slot.
-struct Check<'a> {
+struct Verifier<'a> {
     image: &'a Image,
     errors: Vec<VerifyError>,
-    at: At,
+    location: ErrorLocation,
     /// Scope of the writer of each slot: 0 outside all skips. Constants, external slots and state slots have scope 0,
     /// as they are readable at any time.
-    writer: Vec<u32>,
+    writer_scope: Vec<u32>,
     /// Whether each state slot has an owner.
     owned: Vec<bool>,
     /// The root scope and the scopes of all skips so far.
@@ -107,16 +107,16 @@ struct Check<'a> {
     /// Index of the innermost open scope.
     scope: u32,
     /// Number of open scopes with this guard, for each slot. The slot is known to be true here if it is not 0.
-    holds: Vec<u32>,
+    open_guards: Vec<u32>,
 }
 
-impl<'a> Check<'a> {
+impl<'a> Verifier<'a> {
     fn new(image: &'a Image) -> Self {
-        Check {
+        Verifier {
             image,
             errors: Vec::new(),
-            at: At::Table("layout", 0),
-            writer: Vec::new(),
+            location: ErrorLocation::Table("layout", 0),
+            writer_scope: Vec::new(),
             owned: Vec::new(),
             scopes: vec![Scope {
                 outer: 0,
@@ -124,33 +124,36 @@ impl<'a> Check<'a> {
                 is_final: true,
             }],
             scope: 0,
-            holds: Vec::new(),
+            open_guards: Vec::new(),
         }
     }
 
-    fn fail(&mut self, what: String) {
-        if self.errors.len() < ENOUGH {
-            self.errors.push(VerifyError { at: self.at, what });
+    fn report(&mut self, what: String) {
+        if self.errors.len() < MAX_ERRORS {
+            self.errors.push(VerifyError {
+                location: self.location,
+                message: what,
+            });
         }
     }
 
-    fn demand(&mut self, holds: bool, what: impl FnOnce() -> String) {
+    fn require(&mut self, holds: bool, what: impl FnOnce() -> String) {
         if !holds {
-            self.fail(what());
+            self.report(what());
         }
     }
 
     /// Returns the declarations of the used primitives; `None` for one that is unknown or has another signature.
-    fn prims(&mut self, catalogue: Catalogue<'_>) -> Vec<Option<&'static PrimDesc>> {
-        let mut found = Vec::with_capacity(self.image.prims.len());
-        for (k, used) in self.image.prims.iter().enumerate() {
-            self.at = At::Table("primitive", k);
+    fn prims(&mut self, catalogue: PrimLookup<'_>) -> Vec<Option<&'static PrimDesc>> {
+        let mut found = Vec::with_capacity(self.image.prims_used.len());
+        for (k, used) in self.image.prims_used.iter().enumerate() {
+            self.location = ErrorLocation::Table("primitive", k);
             let desc = catalogue(&used.name);
-            let same = desc.filter(|d| signature(d) == used.signature);
-            self.demand(desc.is_some(), || {
+            let same = desc.filter(|d| prim_signature(d) == used.signature);
+            self.require(desc.is_some(), || {
                 alloc::format!("unknown primitive {}", used.name)
             });
-            self.demand(desc.is_none() || same.is_some(), || {
+            self.require(desc.is_none() || same.is_some(), || {
                 alloc::format!("{} is declared differently in this build", used.name)
             });
             found.push(same);

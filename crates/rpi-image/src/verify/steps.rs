@@ -1,63 +1,63 @@
 //! Checks of the two step lists: jumps, writers and the order of reads.
 
-use super::{At, Check, Scope};
+use super::{ErrorLocation, Scope, Verifier};
 use crate::desc::PrimDesc;
-use crate::image::{Cells, Form, Step, TRUE};
-use crate::operands::{Field, fields, group};
+use crate::image::{Form, SlotRange, Step, TRUE};
+use crate::operands::{Operand, group_words, operand_layout};
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
 /// Used primitive with the operand layouts of its two forms.
-pub(super) struct Known {
+pub(super) struct PrimLayout {
     pub desc: &'static PrimDesc,
-    pub forms: [(Vec<Field>, usize); 2],
+    pub forms: [(Vec<Operand>, usize); 2],
 }
 
-impl Known {
-    fn of(desc: &'static PrimDesc) -> Self {
+impl PrimLayout {
+    fn new(desc: &'static PrimDesc) -> Self {
         let form = |form| {
-            let fields = fields(desc, form);
-            let words = group(&fields);
+            let fields = operand_layout(desc, form);
+            let words = group_words(&fields);
             (fields, words)
         };
-        Known {
+        PrimLayout {
             desc,
             forms: [form(Form::Total), form(Form::Optional)],
         }
     }
 }
 
-impl Check<'_> {
+impl Verifier<'_> {
     /// Checks the evaluation phase in one pass from the first to the last step.
     pub(super) fn evaluation(&mut self, prims: &[Option<&'static PrimDesc>]) {
-        let known: Vec<Option<Known>> = prims.iter().map(|p| p.map(Known::of)).collect();
-        let mut used = Used::new(self.image.actuators.len(), self.image.functions.len());
+        let known: Vec<Option<PrimLayout>> = prims.iter().map(|p| p.map(PrimLayout::new)).collect();
+        let mut used = UsedPorts::new(self.image.actuators.len(), self.image.functions.len());
         let mut ends = Vec::new();
         for (pc, step) in self.image.steps.iter().enumerate() {
-            self.at = At::Step(pc);
-            self.close(&mut ends, pc);
+            self.location = ErrorLocation::Step(pc);
+            self.leave_skips(&mut ends, pc);
             match *step {
                 Step::Run {
                     prim,
                     form,
-                    at,
+                    start: at,
                     len,
-                } => self.run(&known, prim, form, Cells { at, len }),
-                Step::Copy { at, len } => self.copies(Cells { at, len }),
-                Step::Skip { unless, to } => {
-                    self.decides(unless);
-                    self.enter(&mut ends, pc, to, unless, self.image.steps.len());
+                } => self.run(&known, prim, form, SlotRange { start: at, len }),
+                Step::Copy { at, len } => self.check_copies(SlotRange { start: at, len }),
+                Step::Skip { unless, target: to } => {
+                    self.check_control_read(unless);
+                    self.enter_skip(&mut ends, pc, to, unless, self.image.steps.len());
                 }
                 Step::Reset { unless, fragment } => {
-                    self.decides(unless);
+                    self.check_control_read(unless);
                     let known = (fragment as usize) < self.image.fragments.len();
-                    self.demand(known, || format!("there is no fragment {fragment}"));
+                    self.require(known, || format!("there is no fragment {fragment}"));
                 }
                 Step::Actuate { actuator } => self.actuate(actuator, &mut used),
                 Step::Call { function } => self.call(function, &mut used),
             }
         }
-        self.close(&mut ends, self.image.steps.len());
+        self.leave_skips(&mut ends, self.image.steps.len());
     }
 
     /// Checks the commit phase: its copies write only state, and no later copy reads an overwritten slot.
@@ -65,35 +65,37 @@ impl Check<'_> {
         let mut ends = Vec::new();
         let mut gone = vec![false; self.owned.len()];
         for (pc, step) in self.image.commit.iter().enumerate() {
-            self.at = At::Commit(pc);
-            self.close(&mut ends, pc);
+            self.location = ErrorLocation::Commit(pc);
+            self.leave_skips(&mut ends, pc);
             match *step {
-                Step::Copy { at, len } => self.latches(Cells { at, len }, &mut gone),
-                Step::Skip { unless, to } => {
-                    self.decided(unless);
-                    self.enter(&mut ends, pc, to, unless, self.image.commit.len());
+                Step::Copy { at, len } => {
+                    self.check_commit_copies(SlotRange { start: at, len }, &mut gone)
+                }
+                Step::Skip { unless, target: to } => {
+                    self.check_commit_control_read(unless);
+                    self.enter_skip(&mut ends, pc, to, unless, self.image.commit.len());
                 }
                 Step::Run { .. }
                 | Step::Reset { .. }
                 | Step::Actuate { .. }
                 | Step::Call { .. } => {
-                    self.fail("only skips and copies are allowed in the commit phase".into());
+                    self.report("only skips and copies are allowed in the commit phase".into());
                 }
             }
         }
-        self.close(&mut ends, self.image.commit.len());
+        self.leave_skips(&mut ends, self.image.commit.len());
     }
 
-    fn enter(&mut self, ends: &mut Vec<usize>, pc: usize, to: u32, guard: u32, len: usize) {
+    fn enter_skip(&mut self, ends: &mut Vec<usize>, pc: usize, to: u32, guard: u32, len: usize) {
         let outer = ends.last().map_or(len, |e| *e);
         let to = to as usize;
         if to <= pc || to > outer {
-            return self.fail(format!(
+            return self.report(format!(
                 "skip to {to} must lie after {pc} and not beyond {outer}"
             ));
         }
         ends.push(to);
-        if let Some(count) = self.holds.get_mut(guard as usize) {
+        if let Some(count) = self.open_guards.get_mut(guard as usize) {
             *count += 1;
         }
         let outer = core::mem::replace(&mut self.scope, self.scopes.len() as u32);
@@ -114,49 +116,49 @@ impl Check<'_> {
         !state || place.is_some_and(|at| self.owned.get(at).is_some_and(|owned| *owned))
     }
 
-    fn close(&mut self, ends: &mut Vec<usize>, pc: usize) {
+    fn leave_skips(&mut self, ends: &mut Vec<usize>, pc: usize) {
         while ends.pop_if(|end| *end <= pc).is_some() {
             let Scope { outer, guard, .. } = self.scopes[self.scope as usize];
-            if let Some(count) = self.holds.get_mut(guard as usize) {
+            if let Some(count) = self.open_guards.get_mut(guard as usize) {
                 *count -= 1;
             }
             self.scope = outer;
         }
     }
 
-    fn copies(&mut self, words: Cells) {
-        let Some(words) = self.words(words, 2) else {
+    fn check_copies(&mut self, words: SlotRange) {
+        let Some(words) = self.operand_words(words, 2) else {
             return;
         };
         for pair in words.chunks_exact(2) {
-            self.reads(Cells {
-                at: pair[0],
+            self.check_read(SlotRange {
+                start: pair[0],
                 len: 1,
             });
-            self.writes(Cells {
-                at: pair[1],
+            self.check_write(SlotRange {
+                start: pair[1],
                 len: 1,
             });
         }
     }
 
-    fn latches(&mut self, words: Cells, gone: &mut [bool]) {
+    fn check_commit_copies(&mut self, words: SlotRange, gone: &mut [bool]) {
         let first = self.image.layout.external;
-        let Some(words) = self.words(words, 2) else {
+        let Some(words) = self.operand_words(words, 2) else {
             return;
         };
         for pair in words.chunks_exact(2) {
             let state = |cell: u32| cell.checked_sub(first).map(|k| k as usize);
-            self.reads(Cells {
-                at: pair[0],
+            self.check_read(SlotRange {
+                start: pair[0],
                 len: 1,
             });
             let stale = state(pair[0]).and_then(|k| gone.get(k)) == Some(&true);
-            self.demand(!stale, || {
+            self.require(!stale, || {
                 format!("slot {} was overwritten by an earlier copy", pair[0])
             });
-            self.owns(Cells {
-                at: pair[1],
+            self.check_state_write(SlotRange {
+                start: pair[1],
                 len: 1,
             });
             if let Some(flag) = state(pair[1]).and_then(|k| gone.get_mut(k)) {
@@ -165,31 +167,31 @@ impl Check<'_> {
         }
     }
 
-    fn actuate(&mut self, actuator: u32, used: &mut Used) {
+    fn actuate(&mut self, actuator: u32, used: &mut UsedPorts) {
         let Some(a) = self.image.actuators.get(actuator as usize) else {
-            return self.fail(format!("there is no actuator {actuator}"));
+            return self.report(format!("there is no actuator {actuator}"));
         };
-        self.demand(Used::once(&mut used.actuators, actuator), || {
+        self.require(UsedPorts::mark_used(&mut used.actuators, actuator), || {
             "actuator port is set twice".into()
         });
-        a.inputs.iter().for_each(|c| self.reads(*c));
-        a.answers
+        a.inputs.iter().for_each(|c| self.check_read(*c));
+        a.responses
             .iter()
-            .for_each(|(_, at)| self.writes(Cells { at: *at, len: 1 }));
+            .for_each(|(_, at)| self.check_write(SlotRange { start: *at, len: 1 }));
     }
 
-    fn call(&mut self, function: u32, used: &mut Used) {
+    fn call(&mut self, function: u32, used: &mut UsedPorts) {
         let Some(f) = self.image.functions.get(function as usize) else {
-            return self.fail(format!("there is no function {function}"));
+            return self.report(format!("there is no function {function}"));
         };
-        self.demand(Used::once(&mut used.functions, function), || {
+        self.require(UsedPorts::mark_used(&mut used.functions, function), || {
             "device function is called twice".into()
         });
-        f.arguments.iter().for_each(|c| self.reads(*c));
-        f.results.iter().for_each(|c| self.writes(*c));
+        f.arguments.iter().for_each(|c| self.check_read(*c));
+        f.results.iter().for_each(|c| self.check_write(*c));
         if f.present != TRUE {
-            self.writes(Cells {
-                at: f.present,
+            self.check_write(SlotRange {
+                start: f.present,
                 len: 1,
             });
         }
@@ -197,21 +199,21 @@ impl Check<'_> {
 }
 
 /// Actuator ports and device functions used so far. Each may be used only once.
-struct Used {
+struct UsedPorts {
     actuators: Vec<bool>,
     functions: Vec<bool>,
 }
 
-impl Used {
+impl UsedPorts {
     fn new(actuators: usize, functions: usize) -> Self {
-        Used {
+        UsedPorts {
             actuators: vec![false; actuators],
             functions: vec![false; functions],
         }
     }
 
     /// Returns true for the first use of an index, false for further uses and for an index out of range.
-    fn once(flags: &mut [bool], index: u32) -> bool {
+    fn mark_used(flags: &mut [bool], index: u32) -> bool {
         let flag = flags.get_mut(index as usize);
         flag.is_some_and(|f| !core::mem::replace(f, true))
     }

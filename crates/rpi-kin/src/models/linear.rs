@@ -1,25 +1,26 @@
 //! Linear unit: a carriage on a rail.
 
-use crate::chain::Twist;
-use crate::model::{ArmModel, Inverse};
+use crate::chain::LinkTwist;
+use crate::model::{ArmModel, InverseKinematics};
 use crate::{AxisLimits, Chain, Convention, Link};
 
 /// Carriage that moves along z of its base frame. Stroke and limits are placeholders; the cell description sets its
 /// own.
 pub static LINEAR_UNIT: ArmModel = ArmModel {
     id: "linear-unit",
-    title: "linear unit",
+    display_name: "linear unit",
     source: "none; the cell description sets its own limits",
     chain: Chain {
         convention: Convention::Standard,
         links: &LINKS,
-        tail: &[],
+        fixed_links: &[],
     },
     limits: &LIMITS,
-    inverse: Inverse::Unknown,
+    inverse: InverseKinematics::NoClosedForm,
 };
 
-static LINKS: [Link; 1] = [Link::new(0.0, Twist::NONE, 0.0).sliding()];
+static LINKS: [Link; 1] = [Link::new(0.0, LinkTwist::NONE, 0.0).prismatic()];
 
 /// Limits in m, m/s, m/s² and m/s³.
-static LIMITS: [AxisLimits; 1] = [AxisLimits::radians(0.0, 1.0, 1.0).changing(2.0, 20.0)];
+static LIMITS: [AxisLimits; 1] =
+    [AxisLimits::from_radians(0.0, 1.0, 1.0).with_acceleration_and_jerk(2.0, 20.0)];

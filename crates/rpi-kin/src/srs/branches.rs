@@ -1,8 +1,8 @@
 //! The eight solutions for one pose and one position of the elbow.
 
-use super::{Joints, Reach};
+use super::{ElbowTriangle, Joints};
 use crate::angle::HALF_TURN;
-use crate::ball::{self, Ball, STRAIGHT};
+use crate::spherical_joint::{self, STRAIGHT_TOLERANCE, SphericalJoint};
 use nalgebra::Vector3;
 
 /// One of the eight solutions, identified by the axes (2, 4, 6) that bend in the negative sense of the canonical chain.
@@ -30,26 +30,26 @@ impl Branch {
 
     /// Returns whether axis 2 (shoulder) bends in the negative sense.
     #[must_use]
-    pub const fn shoulder(self) -> bool {
+    pub const fn is_shoulder_negative(self) -> bool {
         self.0 & 1 != 0
     }
 
     /// Returns whether axis 4 (elbow) bends in the negative sense.
     #[must_use]
-    pub const fn elbow(self) -> bool {
+    pub const fn is_elbow_negative(self) -> bool {
         self.0 & 2 != 0
     }
 
     /// Returns whether axis 6 (wrist) bends in the negative sense.
     #[must_use]
-    pub const fn wrist(self) -> bool {
+    pub const fn is_wrist_negative(self) -> bool {
         self.0 & 4 != 0
     }
 
     /// Returns the canonical angles of this branch from those of the first one, not wrapped. The opposite bend needs
     /// half a turn of both adjacent axes.
     #[must_use]
-    pub fn of(self, first: &Joints) -> Joints {
+    pub fn apply(self, first: &Joints) -> Joints {
         let bend = |negative: bool, angle: f64| if negative { -angle } else { angle };
         let turn = |one: bool, other: bool, angle: f64| {
             if one == other {
@@ -59,13 +59,17 @@ impl Branch {
             }
         };
         [
-            turn(self.shoulder(), false, first[0]),
-            bend(self.shoulder(), first[1]),
-            turn(self.shoulder(), self.elbow(), first[2]),
-            bend(self.elbow(), first[3]),
-            turn(self.elbow(), self.wrist(), first[4]),
-            bend(self.wrist(), first[5]),
-            turn(self.wrist(), false, first[6]),
+            turn(self.is_shoulder_negative(), false, first[0]),
+            bend(self.is_shoulder_negative(), first[1]),
+            turn(
+                self.is_shoulder_negative(),
+                self.is_elbow_negative(),
+                first[2],
+            ),
+            bend(self.is_elbow_negative(), first[3]),
+            turn(self.is_elbow_negative(), self.is_wrist_negative(), first[4]),
+            bend(self.is_wrist_negative(), first[5]),
+            turn(self.is_wrist_negative(), false, first[6]),
         ]
     }
 }
@@ -77,27 +81,29 @@ impl Branch {
 /// Each joint is computed from the remaining rotation after the previous joints. Near a straight joint the single
 /// angles are ill-conditioned, but a later joint compensates the error of an earlier one, so that the pose stays exact.
 #[must_use]
-pub fn first_branch(reach: &Reach, elbow: &Vector3<f64>, hint: &Joints) -> Joints {
-    let upper = reach.axis * reach.lift.cos + elbow * reach.lift.sin;
-    let shoulder = Ball::towards(&upper, hint[0]);
-    let fore = shoulder.undo(&forearm(reach, elbow));
-    let p3 = if reach.bend.sin > STRAIGHT {
+pub fn first_branch(reach: &ElbowTriangle, elbow: &Vector3<f64>, hint: &Joints) -> Joints {
+    let upper = reach.line * reach.shoulder_angle.cos + elbow * reach.shoulder_angle.sin;
+    let shoulder = SphericalJoint::pointing_at(&upper, hint[0]);
+    let fore = shoulder.inverse_rotate(&forearm(reach, elbow));
+    let p3 = if reach.elbow_bend.sin > STRAIGHT_TOLERANCE {
         libm::atan2(fore.y, fore.x)
     } else {
         hint[2]
     };
-    let p4 = libm::atan2(reach.bend.sin, reach.bend.cos);
-    let elbow = Ball {
-        bent: reach.bend,
-        ..Ball::of(p3, p4)
+    let p4 = libm::atan2(reach.elbow_bend.sin, reach.elbow_bend.cos);
+    let elbow = SphericalJoint {
+        bend_sin_cos: reach.elbow_bend,
+        ..SphericalJoint::new(p3, p4)
     };
-    let seen = |column: usize| elbow.undo(&shoulder.undo(&reach.flange.column(column).into()));
-    let [p5, p6, p7] = ball::angles(&seen(0), &seen(2), hint[4]);
+    let seen = |column: usize| {
+        elbow.inverse_rotate(&shoulder.inverse_rotate(&reach.flange_rotation.column(column).into()))
+    };
+    let [p5, p6, p7] = spherical_joint::zyz_angles(&seen(0), &seen(2), hint[4]);
     [shoulder.turn, shoulder.bend, p3, p4, p5, p6, p7]
 }
 
 /// Returns the direction of the forearm.
-fn forearm(reach: &Reach, elbow: &Vector3<f64>) -> Vector3<f64> {
-    let tilt = reach.lift.minus(reach.bend);
-    reach.axis * tilt.cos + elbow * tilt.sin
+fn forearm(reach: &ElbowTriangle, elbow: &Vector3<f64>) -> Vector3<f64> {
+    let tilt = reach.shoulder_angle.difference(reach.elbow_bend);
+    reach.line * tilt.cos + elbow * tilt.sin
 }

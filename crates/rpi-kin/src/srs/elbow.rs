@@ -6,25 +6,25 @@ use nalgebra::Vector3;
 
 /// Length of the horizontal part below which the line from shoulder to wrist counts as vertical. There, "up" is not
 /// defined on the circle.
-const VERTICAL: f64 = 1e-9;
+const VERTICAL_TOLERANCE: f64 = 1e-9;
 
 /// Circle of possible elbow positions: its axis, its upward direction, and the direction a quarter turn from it. All
 /// three are orthogonal unit vectors.
 #[derive(Clone, Copy, Debug)]
-pub struct Circle {
+pub struct ElbowCircle {
     pub(super) axis: Vector3<f64>,
     pub(super) up: Vector3<f64>,
     pub(super) side: Vector3<f64>,
     vertical: bool,
 }
 
-impl Circle {
+impl ElbowCircle {
     /// Creates the circle about the unit vector `axis`. If the axis is vertical, x of the base frame, rotated into the
     /// plane of the circle, replaces the upward direction.
     #[must_use]
-    pub fn about(axis: Vector3<f64>) -> Self {
+    pub fn new(axis: Vector3<f64>) -> Self {
         let level = libm::sqrt(axis.x * axis.x + axis.y * axis.y);
-        let vertical = level <= VERTICAL;
+        let vertical = level <= VERTICAL_TOLERANCE;
         let up = if vertical {
             let turned = Vector3::new(axis.z, 0.0, -axis.x);
             turned / libm::sqrt(turned.norm_squared())
@@ -51,7 +51,7 @@ impl Circle {
     pub fn arm_angle(&self, direction: &Vector3<f64>) -> Option<SinCos> {
         let (cos, sin) = (direction.dot(&self.up), direction.dot(&self.side));
         let length = libm::sqrt(cos * cos + sin * sin);
-        (length > VERTICAL).then(|| SinCos {
+        (length > VERTICAL_TOLERANCE).then(|| SinCos {
             sin: sin / length,
             cos: cos / length,
         })
@@ -60,23 +60,23 @@ impl Circle {
 
 /// Elbow position of a set of joint values.
 #[derive(Clone, Copy, Debug)]
-pub struct Elbow {
-    circle: Circle,
+pub struct ElbowPosition {
+    circle: ElbowCircle,
     /// Unit vector from the line to the elbow. For a straight arm, the direction in which the elbow would leave the
     /// line if it bent in its present sense.
     direction: Vector3<f64>,
 }
 
-impl Elbow {
+impl ElbowPosition {
     /// Computes the elbow position of the canonical angles `p`. `None` if the forearm is folded back to the shoulder.
     #[must_use]
-    pub fn of(geometry: &Geometry, p: &Joints) -> Option<Self> {
+    pub fn from_joints(geometry: &Geometry, p: &Joints) -> Option<Self> {
         let (upper, front) = upper_arm(p);
-        let s4 = SinCos::of(p[3]);
+        let s4 = SinCos::from_angle(p[3]);
         let along = geometry.upper + geometry.fore * s4.cos;
         let across = geometry.fore * s4.sin;
         let distance = libm::sqrt(along * along + across * across);
-        if distance <= VERTICAL {
+        if distance <= VERTICAL_TOLERANCE {
             return None;
         }
         let axis = (upper * along + front * across) / distance;
@@ -84,7 +84,7 @@ impl Elbow {
         let away = if s4.sin.is_sign_negative() { 1.0 } else { -1.0 };
         let direction = (front * along - upper * across) * (away / distance);
         Some(Self {
-            circle: Circle::about(axis),
+            circle: ElbowCircle::new(axis),
             direction,
         })
     }
@@ -100,7 +100,7 @@ impl Elbow {
     /// Returns the arm angle that keeps this elbow on another circle: the same angle or, if one of both lines is
     /// vertical and the angles are not comparable, the same direction in space.
     #[must_use]
-    pub fn kept_on(&self, circle: &Circle) -> SinCos {
+    pub fn arm_angle_on(&self, circle: &ElbowCircle) -> SinCos {
         let by_side = if self.circle.vertical || circle.vertical {
             circle.arm_angle(&self.direction)
         } else {
@@ -113,7 +113,11 @@ impl Elbow {
 /// Returns the direction of the upper arm, and the orthogonal direction to which a positive bend of the elbow tilts the
 /// forearm.
 fn upper_arm(p: &Joints) -> (Vector3<f64>, Vector3<f64>) {
-    let (s1, s2, s3) = (SinCos::of(p[0]), SinCos::of(p[1]), SinCos::of(p[2]));
+    let (s1, s2, s3) = (
+        SinCos::from_angle(p[0]),
+        SinCos::from_angle(p[1]),
+        SinCos::from_angle(p[2]),
+    );
     let upper = Vector3::new(s1.cos * s2.sin, s1.sin * s2.sin, s2.cos);
     let front = Vector3::new(
         s1.cos * s2.cos * s3.cos - s1.sin * s3.sin,

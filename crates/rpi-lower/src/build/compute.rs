@@ -1,18 +1,18 @@
 //! Lowering of nodes whose primitives have code of their own.
 
-use super::links::{Flow, Link};
-use super::{Builder, Flows, Links};
-use crate::flat::{ScopeId, Work};
-use crate::slots::{Region, Slot};
+use super::inputs::{Flow, InputFlow};
+use super::{Builder, Flows, InputFlows};
+use crate::flat_net::{OpKind, ScopeId};
+use crate::registers::{Region, Register};
 use rpi_image::image::Form;
-use rpi_image::operands::Part;
-use rpi_image::{ParamType, Presence, PrimDesc, SizeArgs, State, Type, Value};
-use rpi_net::passes::Sureness;
+use rpi_image::operands::OperandRole;
+use rpi_image::{ParamType, Presence, PrimDesc, SizeArgs, StateSize, Type, Value};
+use rpi_net::passes::FlowPresence;
 use rpi_net::{NodeId, PortRef};
 use smallvec::SmallVec;
 
 /// Strict primitives with at least this much work are skipped instead of run on stale values.
-const DEAR: u32 = 32;
+const EXPENSIVE_WORK: u32 = 32;
 
 impl Builder<'_> {
     pub(super) fn compute(&mut self, id: NodeId) {
@@ -20,14 +20,14 @@ impl Builder<'_> {
         let desc = self.desc(id);
         if desc.outputs.iter().all(|o| o.presence == Presence::Strict) {
             self.strict(id, &links);
-        } else if total(id, self, &links) {
-            self.sure(id, &links);
+        } else if is_total(id, self, &links) {
+            self.total(id, &links);
         } else {
             self.optional(id, &links);
         }
     }
 
-    pub(super) fn links(&mut self, id: NodeId) -> Links {
+    pub(super) fn links(&mut self, id: NodeId) -> InputFlows {
         (0..self.desc(id).inputs.len())
             .map(|k| self.link(id, k))
             .collect()
@@ -35,103 +35,111 @@ impl Builder<'_> {
 
     /// The scope in which a strict primitive runs and the presence of its outputs; `None` if it never runs. Opens a new
     /// scope for an expensive primitive (`dear`).
-    pub(super) fn guarded(
+    pub(super) fn open_guard(
         &mut self,
         id: NodeId,
-        links: &[Link],
+        links: &[InputFlow],
         dear: bool,
-    ) -> Option<(ScopeId, Slot)> {
+    ) -> Option<(ScopeId, Register)> {
         let scope = self.scope_of(id);
-        let connected = links.iter().filter(|l| !l.open);
-        let present = connected.fold(Slot::TRUE, |all, l| {
+        let connected = links.iter().filter(|l| !l.is_open);
+        let present = connected.fold(Register::TRUE, |all, l| {
             self.logic.and(&mut self.flat, scope, all, l.flow.present)
         });
         match present {
-            Slot::FALSE => None,
-            Slot::TRUE => Some((scope, present)),
+            Register::FALSE => None,
+            Register::TRUE => Some((scope, present)),
             _ if dear => Some((self.flat.open(scope, present), present)),
             _ => Some((scope, present)),
         }
     }
 
     /// Closes the scope opened by [`Builder::guarded`], if any.
-    pub(super) fn unguard(&mut self, id: NodeId, scope: ScopeId) {
+    pub(super) fn close_guard(&mut self, id: NodeId, scope: ScopeId) {
         if scope != self.scope_of(id) {
             self.flat.close(scope);
         }
     }
 
-    fn strict(&mut self, id: NodeId, links: &[Link]) {
+    fn strict(&mut self, id: NodeId, links: &[InputFlow]) {
         let desc = self.desc(id);
-        let dear = !matches!(desc.state, State::None) || desc.may_fault || desc.work >= DEAR;
-        let Some((scope, present)) = self.guarded(id, links, dear) else {
+        let dear =
+            !matches!(desc.state, StateSize::None) || desc.may_fault || desc.work >= EXPENSIVE_WORK;
+        let Some((scope, present)) = self.open_guard(id, links, dear) else {
             return;
         };
         let outputs = self.outputs(id, present);
         self.run(id, Form::Total, scope, links, &outputs);
-        self.unguard(id, scope);
+        self.close_guard(id, scope);
     }
 
-    fn sure(&mut self, id: NodeId, links: &[Link]) {
-        let outputs = self.outputs(id, Slot::TRUE);
+    fn total(&mut self, id: NodeId, links: &[InputFlow]) {
+        let outputs = self.outputs(id, Register::TRUE);
         self.run(id, Form::Total, self.scope_of(id), links, &outputs);
     }
 
-    fn optional(&mut self, id: NodeId, links: &[Link]) {
+    fn optional(&mut self, id: NodeId, links: &[InputFlow]) {
         let mut outputs = Flows::new();
         for port in ports(id, self.desc(id)) {
-            let present = self.flat.slots.add(Region::Value, 1);
+            let present = self.flat.registers.add(Region::Value, 1);
             let mut flow = self.output(port, present);
             outputs.push(flow);
-            if self.plan.presences.own(port) == Sureness::Total {
-                flow.present = Slot::TRUE;
+            if self.plan.presences.own(port) == FlowPresence::Total {
+                flow.present = Register::TRUE;
                 self.set(port, flow);
             }
         }
         self.run(id, Form::Optional, self.scope_of(id), links, &outputs);
     }
 
-    pub(super) fn outputs(&mut self, id: NodeId, present: Slot) -> Flows {
+    pub(super) fn outputs(&mut self, id: NodeId, present: Register) -> Flows {
         let scope = self.scope_of(id);
         let ports = ports(id, self.desc(id));
         ports
             .map(|port| {
-                let present = self.forcible(scope, port, present);
+                let present = self.forcible_presence(scope, port, present);
                 self.output(port, present)
             })
             .collect()
     }
 
     /// Adds the operation, with words as laid out by [`rpi_image::operands`].
-    fn run(&mut self, id: NodeId, form: Form, scope: ScopeId, links: &[Link], outputs: &[Flow]) {
+    fn run(
+        &mut self,
+        id: NodeId,
+        form: Form,
+        scope: ScopeId,
+        links: &[InputFlow],
+        outputs: &[Flow],
+    ) {
         let node = self.net.node(id);
         let mut words: SmallVec<[u32; 12]> = SmallVec::new();
         let fields = self.fields(node.prim, form);
         for field in fields.iter() {
-            let (flow, ty) = match field.part {
-                Part::Input(k) => (links[k].flow, links[k].ty),
-                Part::Output(k) => (outputs[k], node.outputs[k]),
-                Part::Param(k) => self.param(node.desc(), k, &node.params[k]),
-                Part::State => self.state(id),
+            let (flow, ty) = match field.role {
+                OperandRole::Input(k) => (links[k].flow, links[k].ty),
+                OperandRole::Output(k) => (outputs[k], node.outputs[k]),
+                OperandRole::Param(k) => self.param(node.desc(), k, &node.params[k]),
+                OperandRole::State => self.state(id),
             };
             words.push(flow.value.0);
-            words.extend_from_slice(&sizes(ty)[..field.sizes]);
-            if field.presence {
+            words.extend_from_slice(&sizes(ty)[..field.size_words]);
+            if field.has_presence {
                 words.push(flow.present.0);
             }
         }
         self.flat
-            .push(scope, Work::Run(node.prim, form), &words, id.0);
+            .push(scope, OpKind::Run(node.prim, form), &words, id.0);
     }
 
     fn param(&mut self, desc: &PrimDesc, k: usize, value: &Value) -> (Flow, Type) {
         let flow = Flow {
-            value: self.flat.slots.value(value),
-            present: Slot::TRUE,
+            value: self.flat.registers.value(value),
+            present: Register::TRUE,
         };
         let declared = match desc.params[k].ty {
-            ParamType::One(s) | ParamType::Array(s) => Type::One(s),
-            ParamType::Str => Type::One(rpi_image::Scalar::Bool),
+            ParamType::Scalar(s) | ParamType::Array(s) => Type::Scalar(s),
+            ParamType::Str => Type::Scalar(rpi_image::Scalar::Bool),
         };
         (flow, value.ty().unwrap_or(declared))
     }
@@ -144,22 +152,22 @@ impl Builder<'_> {
             dt: self.options.dt(),
         };
         let cells = match node.desc().state {
-            State::None => 0,
-            State::Cells(n) => n,
-            State::Sized(size) => size(&args),
+            StateSize::None => 0,
+            StateSize::Fixed(n) => n,
+            StateSize::Computed(size) => size(&args),
         };
         let region = Region::State(node.fragment);
         let value = match node.prim.prim().init {
-            None => self.flat.slots.add(region, cells),
+            None => self.flat.registers.add(region, cells),
             Some(init) => {
                 let mut content = vec![0; cells as usize];
                 init(&args, &mut content);
-                self.flat.slots.add_with(region, &content)
+                self.flat.registers.add_with_initial(region, &content)
             }
         };
         let flow = Flow {
             value,
-            present: Slot::TRUE,
+            present: Register::TRUE,
         };
         (flow, Type::Array(rpi_image::Scalar::Int, cells))
     }
@@ -175,14 +183,14 @@ pub(super) fn ports(id: NodeId, desc: &'static PrimDesc) -> impl Iterator<Item =
 /// Length word of an array, or the two shape words of a matrix.
 fn sizes(ty: Type) -> [u32; 2] {
     match ty {
-        Type::One(_) => [0, 0],
+        Type::Scalar(_) => [0, 0],
         Type::Array(_, n) => [n, 0],
         Type::Matrix(rows, cols) => [rows, cols],
     }
 }
 
 /// True if all inputs are certainly present and the primitive has a form without presences.
-fn total(id: NodeId, builder: &Builder<'_>, links: &[Link]) -> bool {
-    let there = links.iter().all(|l| l.flow.present == Slot::TRUE);
+fn is_total(id: NodeId, builder: &Builder<'_>, links: &[InputFlow]) -> bool {
+    let there = links.iter().all(|l| l.flow.present == Register::TRUE);
     there && builder.net.node(id).prim.prim().total.is_some()
 }

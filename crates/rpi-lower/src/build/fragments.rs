@@ -1,10 +1,10 @@
 //! Lowering of fragments: scopes that are skipped as a whole, and their restarts.
 
 use super::Builder;
-use crate::flat::{ScopeId, index};
-use crate::slots::{Region, Slot};
-use rpi_image::image::{self, Cells};
-use rpi_net::{Absent, Activation, FragmentId, PortRef, Restart};
+use crate::flat_net::{ScopeId, index};
+use crate::registers::{Region, Register};
+use rpi_image::image::{self, SlotRange};
+use rpi_net::{AbsentPolicy, Activation, FragmentId, PortRef, Restart};
 
 impl Builder<'_> {
     /// Adds one table entry per fragment of the net. The activation is filled in when the fragment is built.
@@ -15,8 +15,8 @@ impl Builder<'_> {
             self.flat.tables.fragments.push(image::Fragment {
                 path: parent.map_or(String::new(), |p| self.net.path(p, &fragment.name)),
                 parent: parent.map(|p| p.0),
-                active: Slot::TRUE.0,
-                state: Cells::default(),
+                active: Register::TRUE.0,
+                state: SlotRange::default(),
             });
         }
     }
@@ -27,14 +27,14 @@ impl Builder<'_> {
         let Some(parent) = fragment.parent else {
             return;
         };
-        let is_again = self.times[id.index()] > 0;
+        let is_again = self.entry_counts[id.index()] > 0;
         let active = match is_again {
             true => self.active[id.index()],
             false => self.activity(id, parent),
         };
         self.active[id.index()] = active;
         self.flat.tables.fragments[id.index()].active = active.0;
-        if active == Slot::TRUE && fragment.restart == Restart::Never {
+        if active == Register::TRUE && fragment.restart == Restart::Never {
             self.scope[id.index()] = self.scope[parent.index()];
             return self.items(id);
         }
@@ -49,18 +49,23 @@ impl Builder<'_> {
     }
 
     /// The Boolean that activates a fragment, computed in the scope of its parent.
-    fn activity(&mut self, id: FragmentId, parent: FragmentId) -> Slot {
+    fn activity(&mut self, id: FragmentId, parent: FragmentId) -> Register {
         let net = self.net;
-        let Activation::When { condition, absent } = net.fragment(id).activation else {
-            return Slot::TRUE;
+        let Activation::When {
+            condition,
+            if_absent: absent,
+        } = net.fragment(id).activation
+        else {
+            return Register::TRUE;
         };
-        let flow = self.view(condition, parent).flow;
+        let flow = self.seen_from(condition, parent).flow;
         let scope = self.scope[parent.index()];
         match absent {
-            Absent::Inactive => self
-                .logic
-                .and(&mut self.flat, scope, flow.value, flow.present),
-            Absent::Active => {
+            AbsentPolicy::Inactive => {
+                self.logic
+                    .and(&mut self.flat, scope, flow.value, flow.present)
+            }
+            AbsentPolicy::Active => {
                 let missing = self.logic.not(&mut self.flat, scope, flow.present);
                 self.logic.or(&mut self.flat, scope, flow.value, missing)
             }
@@ -71,15 +76,15 @@ impl Builder<'_> {
         let unless = match self.net.fragment(id).restart {
             Restart::Never => return,
             Restart::OnActivation => self.was_active(id, parent),
-            Restart::Every(condition) => self.not_asked(condition, parent, scope),
+            Restart::Every(condition) => self.restart_not_requested(condition, parent, scope),
         };
         self.flat.scopes[scope.index()].reset = Some((unless, index(id.index())));
     }
 
     /// True if the fragment was active when its parent last was. It is part of the parent's state, so that a pause of
     /// the parent does not end the activation of the child.
-    fn was_active(&mut self, id: FragmentId, parent: FragmentId) -> Slot {
-        let was = self.flat.slots.add(Region::State(parent), 1);
+    fn was_active(&mut self, id: FragmentId, parent: FragmentId) -> Register {
+        let was = self.flat.registers.add(Region::State(parent), 1);
         let active = self.active[id.index()];
         let outer = self.scope[parent.index()];
         self.flat.scopes[outer.index()].latches.push((active, was));
@@ -87,8 +92,13 @@ impl Builder<'_> {
     }
 
     /// Negated restart condition; an absent condition counts as false.
-    fn not_asked(&mut self, condition: PortRef, parent: FragmentId, scope: ScopeId) -> Slot {
-        let flow = self.view(condition, parent).flow;
+    fn restart_not_requested(
+        &mut self,
+        condition: PortRef,
+        parent: FragmentId,
+        scope: ScopeId,
+    ) -> Register {
+        let flow = self.seen_from(condition, parent).flow;
         let outer = self.flat.scopes[scope.index()]
             .parent
             .unwrap_or(ScopeId::ROOT);
@@ -105,7 +115,7 @@ impl Builder<'_> {
             let scope = self.scope_of(id);
             let latches = &mut self.flat.scopes[scope.index()].latches;
             latches.push((link.flow.value, kept.value));
-            if kept.present != Slot::TRUE {
+            if kept.present != Register::TRUE {
                 latches.push((link.flow.present, kept.present));
             }
         }

@@ -6,19 +6,19 @@
 //! of its own.
 
 mod compute;
-mod ends;
 mod fragments;
-mod links;
+mod inputs;
+mod outputs;
 mod roles;
 
-use crate::flat::{Flat, ScopeId, Work};
-use crate::logic::Logic;
+use crate::boolean_ops::BooleanOps;
+use crate::flat_net::{FlatNet, OpKind, ScopeId};
 use crate::options::{LowerOptions, Observe};
 use crate::plan::Plan;
-use crate::slots::{Region, Slot};
-use links::{Flow, Link};
+use crate::registers::{Region, Register};
+use inputs::{Flow, InputFlow};
 use rpi_image::image::Form;
-use rpi_image::operands::{Field, fields};
+use rpi_image::operands::{Operand, operand_layout};
 use rpi_image::{PrimDesc, Role};
 use rpi_net::passes::Item;
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
@@ -29,12 +29,12 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// Translates a net into the flat representation.
-pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Flat {
+pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> FlatNet {
     let mut builder = Builder::new(net, plan, options);
     builder.fragments_table();
     builder.items(FragmentId::ROOT);
     builder.latches();
-    builder.ends();
+    builder.exports_and_results();
     if options.observe == Observe::All {
         builder.probes();
     }
@@ -42,7 +42,7 @@ pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> F
 }
 
 /// Flows at the in-ports of one node.
-type Links = SmallVec<[Link; 4]>;
+type InputFlows = SmallVec<[InputFlow; 4]>;
 /// Flows at the out-ports of one node.
 type Flows = SmallVec<[Flow; 2]>;
 
@@ -50,23 +50,23 @@ struct Builder<'a> {
     net: &'a Net,
     plan: &'a Plan<'a>,
     options: &'a LowerOptions<'a>,
-    flat: Flat,
-    logic: Logic,
+    flat: FlatNet,
+    logic: BooleanOps,
     /// For each node, the index of its first out-port in `flows`.
-    first: Vec<u32>,
+    first_output: Vec<u32>,
     /// The flow of every out-port; [`Flow::NONE`] until it is built.
     flows: Vec<Flow>,
     /// The scope of each fragment.
     scope: Vec<ScopeId>,
     /// For each fragment, whether it is active, given that its parent is.
-    active: Vec<Slot>,
+    active: Vec<Register>,
     /// Number of entries into each fragment so far.
-    times: Vec<u32>,
+    entry_counts: Vec<u32>,
     /// The flow `first` of each fragment that uses it.
-    firsts: BTreeMap<FragmentId, Slot>,
+    first_flows: BTreeMap<FragmentId, Register>,
     /// Delays, with the registers that keep value and presence.
     delays: Vec<(NodeId, Flow)>,
-    fields: FxHashMap<(PrimId, Form), Rc<[Field]>>,
+    fields: FxHashMap<(PrimId, Form), Rc<[Operand]>>,
 }
 
 impl<'a> Builder<'a> {
@@ -81,14 +81,14 @@ impl<'a> Builder<'a> {
             net,
             plan,
             options,
-            flat: Flat::new(net.nodes.len()),
-            logic: Logic::default(),
-            first,
+            flat: FlatNet::new(net.nodes.len()),
+            logic: BooleanOps::default(),
+            first_output: first,
             flows: vec![Flow::NONE; ports as usize],
             scope: vec![ScopeId::ROOT; net.fragments.len()],
-            active: vec![Slot::TRUE; net.fragments.len()],
-            times: vec![0; net.fragments.len()],
-            firsts: BTreeMap::new(),
+            active: vec![Register::TRUE; net.fragments.len()],
+            entry_counts: vec![0; net.fragments.len()],
+            first_flows: BTreeMap::new(),
             delays: Vec::new(),
             fields: FxHashMap::default(),
         }
@@ -97,8 +97,8 @@ impl<'a> Builder<'a> {
     /// Builds the items of a fragment that run at its next entry, in schedule order.
     fn items(&mut self, fragment: FragmentId) {
         let plan = self.plan;
-        let time = self.times[fragment.index()];
-        self.times[fragment.index()] += 1;
+        let time = self.entry_counts[fragment.index()];
+        self.entry_counts[fragment.index()] += 1;
         for item in plan.schedule.run(fragment, time as usize) {
             match item {
                 Item::Node(id) => self.node(*id),
@@ -132,38 +132,38 @@ impl<'a> Builder<'a> {
         self.scope[self.net.node(id).fragment.index()]
     }
 
-    fn fields(&mut self, prim: PrimId, form: Form) -> Rc<[Field]> {
+    fn fields(&mut self, prim: PrimId, form: Form) -> Rc<[Operand]> {
         let found = self.fields.entry((prim, form));
-        let made = found.or_insert_with(|| fields(prim.desc(), form).into());
+        let made = found.or_insert_with(|| operand_layout(prim.desc(), form).into());
         Rc::clone(made)
     }
 
     /// Adds a copy of a value that runs whenever `scope` is active.
-    fn copy(&mut self, scope: ScopeId, from: Slot, to: Slot, node: u32) {
-        self.flat.push(scope, Work::Copy, &[from.0, to.0], node);
+    fn copy(&mut self, scope: ScopeId, from: Register, to: Register, node: u32) {
+        self.flat.push(scope, OpKind::Copy, &[from.0, to.0], node);
     }
 
     /// New registers for an out-port.
-    fn output(&mut self, port: PortRef, present: Slot) -> Flow {
+    fn output(&mut self, port: PortRef, present: Register) -> Flow {
         let ty = self.net.node(port.node).outputs[usize::from(port.port)];
-        let value = self.flat.slots.add(Region::Value, ty.cells());
+        let value = self.flat.registers.add(Region::Value, ty.slots());
         let flow = Flow { value, present };
         self.set(port, flow);
         flow
     }
 
     fn set(&mut self, port: PortRef, flow: Flow) {
-        let at = self.first[port.node.index()] as usize + usize::from(port.port);
+        let at = self.first_output[port.node.index()] as usize + usize::from(port.port);
         self.flows[at] = flow;
     }
 
     /// A separate presence register for a port that may be forced to be absent, set to `present` before the node runs.
-    fn forcible(&mut self, scope: ScopeId, port: PortRef, present: Slot) -> Slot {
+    fn forcible_presence(&mut self, scope: ScopeId, port: PortRef, present: Register) -> Register {
         if !(self.options.may_be_absent)(port) {
             return present;
         }
-        let own = self.flat.slots.add(Region::Value, 1);
-        self.copy(scope, present, own, crate::flat::NO_NODE);
+        let own = self.flat.registers.add(Region::Value, 1);
+        self.copy(scope, present, own, crate::flat_net::NO_NODE);
         own
     }
 }

@@ -2,25 +2,25 @@
 
 use super::Builder;
 use super::compute::ports;
-use super::links::{Flow, Link};
-use crate::flat::{self, NO_NODE, Work, index};
-use crate::slots::{Region, Slot};
+use super::inputs::{Flow, InputFlow};
+use crate::flat_net::{self, NO_NODE, OpKind, index};
+use crate::registers::{Region, Register};
 use rpi_image::image::{self, DevicePort, Signal};
-use rpi_image::{CommandFlow, DevicePorts, DeviceUse, Presence, Scalar, Type, Value};
-use rpi_net::passes::Sureness;
+use rpi_image::{CommandFlow, DevicePortNames, DeviceUse, Presence, Scalar, Type, Value};
+use rpi_net::passes::FlowPresence;
 use rpi_net::{NodeId, PortRef};
 
 impl Builder<'_> {
     pub(super) fn constant(&mut self, id: NodeId) {
         let net = self.net;
         let value = net.node(id).params.first();
-        let value = value.map_or(Slot::FALSE, |v| self.flat.slots.value(v));
+        let value = value.map_or(Register::FALSE, |v| self.flat.registers.value(v));
         for port in ports(id, self.desc(id)) {
             self.set(
                 port,
                 Flow {
                     value,
-                    present: Slot::TRUE,
+                    present: Register::TRUE,
                 },
             );
         }
@@ -36,21 +36,21 @@ impl Builder<'_> {
         };
         let scope = self.scope_of(id);
         let first = Value::neutral(*ty);
-        let total = self.plan.presences.own(port) == Sureness::Total;
+        let total = self.plan.presences.own(port) == FlowPresence::Total;
         let present_at_first = self.desc(id).outputs[0].presence != Presence::Maybe;
         let kept = Flow {
-            value: self.flat.slots.add_with(region, first.cells()),
+            value: self.flat.registers.add_with_initial(region, first.slots()),
             present: match total {
-                true => Slot::TRUE,
+                true => Register::TRUE,
                 false => self
                     .flat
-                    .slots
-                    .add_with(region, &[u64::from(present_at_first)]),
+                    .registers
+                    .add_with_initial(region, &[u64::from(present_at_first)]),
             },
         };
         let present = match total {
-            true => Slot::TRUE,
-            false => self.flat.slots.add(Region::Value, 1),
+            true => Register::TRUE,
+            false => self.flat.registers.add(Region::Value, 1),
         };
         if !total {
             self.copy(scope, kept.present, present, NO_NODE);
@@ -64,40 +64,43 @@ impl Builder<'_> {
         let link = self.link(id, 0);
         let scope = self.scope_of(id);
         let value = self.logic.not(&mut self.flat, scope, link.flow.present);
-        self.own_value(id, value);
+        self.copy_to_output(id, value);
     }
 
     pub(super) fn first(&mut self, id: NodeId) {
         let fragment = self.net.node(id).fragment;
-        let kept = match self.firsts.get(&fragment) {
+        let kept = match self.first_flows.get(&fragment) {
             Some(kept) => *kept,
             None => {
-                let kept = self.flat.slots.add_with(Region::State(fragment), &[1]);
+                let kept = self
+                    .flat
+                    .registers
+                    .add_with_initial(Region::State(fragment), &[1]);
                 self.flat.scopes[self.scope[fragment.index()].index()]
                     .latches
-                    .push((Slot::FALSE, kept));
-                self.firsts.insert(fragment, kept);
+                    .push((Register::FALSE, kept));
+                self.first_flows.insert(fragment, kept);
                 kept
             }
         };
-        self.own_value(id, kept);
+        self.copy_to_output(id, kept);
     }
 
     /// Copies a value to a new register for the node's out-port, so that it can be observed and forced.
-    fn own_value(&mut self, id: NodeId, value: Slot) {
+    fn copy_to_output(&mut self, id: NodeId, value: Register) {
         let scope = self.scope_of(id);
         let port = PortRef { node: id, port: 0 };
-        let present = self.forcible(scope, port, Slot::TRUE);
+        let present = self.forcible_presence(scope, port, Register::TRUE);
         let own = self.output(port, present);
         self.copy(scope, value, own.value, id.0);
     }
 
     pub(super) fn sensor(&mut self, id: NodeId, device: DeviceUse) {
         for (k, port) in ports(id, self.desc(id)).enumerate() {
-            let flow = self.external(port);
+            let flow = self.external_flow(port);
             let value = self.signal(flow, self.ty(port));
             let port = self.device_port(id, device, k, value.ty);
-            let sensor = image::Sensor { port, value };
+            let sensor = image::SensorPort { port, value };
             self.flat.tables.sensors.push((sensor, id.0));
         }
     }
@@ -106,9 +109,9 @@ impl Builder<'_> {
         let start = self.start_value(id);
         let mut signals = Vec::new();
         for (k, port) in ports(id, self.desc(id)).enumerate() {
-            let flow = self.external(port);
+            let flow = self.external_flow(port);
             if let (0, Some(content)) = (k, &start) {
-                self.flat.slots.start(flow.value, content);
+                self.flat.registers.set_initial(flow.value, content);
             }
             signals.push(self.signal(flow, self.ty(port)));
         }
@@ -118,7 +121,7 @@ impl Builder<'_> {
             self.flat.tables.inputs.push(image::InputPort {
                 key,
                 value,
-                updated,
+                last_updated: updated,
             });
         }
     }
@@ -128,14 +131,17 @@ impl Builder<'_> {
         let node = self.net.node(id);
         let value = node.params.get(node.desc().param("Value")?)?;
         let fits = value.ty() == node.outputs.first().copied();
-        (fits && value.cells().iter().any(|c| *c != 0)).then(|| value.cells().to_vec())
+        (fits && value.slots().iter().any(|c| *c != 0)).then(|| value.slots().to_vec())
     }
 
     pub(super) fn flow(&mut self, id: NodeId, flow: CommandFlow) {
         for port in ports(id, self.desc(id)) {
-            let slots = self.external(port);
+            let slots = self.external_flow(port);
             let value = self.signal(slots, self.ty(port));
-            self.flat.tables.flows.push(image::Flow { flow, value });
+            self.flat
+                .tables
+                .flows
+                .push(image::CoreFlow { kind: flow, value });
         }
     }
 
@@ -148,25 +154,25 @@ impl Builder<'_> {
 
     pub(super) fn actuator(&mut self, id: NodeId, device: DeviceUse) {
         let links = self.links(id);
-        let Some((scope, present)) = self.guarded(id, &links, true) else {
+        let Some((scope, present)) = self.open_guard(id, &links, true) else {
             return;
         };
-        let port = self.device_port(id, device, 0, one_type(connected_types(&links)));
+        let port = self.device_port(id, device, 0, concatenated_type(connected_types(&links)));
         let outputs = self.outputs(id, present);
         let words = words(&links, &outputs);
         let actuators = &mut self.flat.tables.actuators;
         let number = index(actuators.len());
-        let answers = device.answers;
-        actuators.push(flat::Actuator { port, answers });
+        let answers = device.responses;
+        actuators.push(flat_net::Actuator { port, answers });
         let inputs = index(words.len() - outputs.len());
         self.flat
-            .push(scope, Work::Actuate(number, inputs), &words, id.0);
-        self.unguard(id, scope);
+            .push(scope, OpKind::Actuate(number, inputs), &words, id.0);
+        self.close_guard(id, scope);
     }
 
     pub(super) fn function(&mut self, id: NodeId, device: DeviceUse) {
         let links = self.links(id);
-        let Some((scope, present)) = self.guarded(id, &links, true) else {
+        let Some((scope, present)) = self.open_guard(id, &links, true) else {
             return;
         };
         let outputs = self.outputs(id, present);
@@ -176,27 +182,27 @@ impl Builder<'_> {
             .iter()
             .any(|o| o.presence == Presence::Maybe);
         let types = self.net.node(id).outputs.iter().copied();
-        let port = self.device_port(id, device, 0, one_type(types));
+        let port = self.device_port(id, device, 0, concatenated_type(types));
         let mut words = words(&links, &outputs);
         let inputs = index(words.len() - outputs.len());
-        let mut found = Slot::TRUE;
+        let mut found = Register::TRUE;
         if maybe {
-            found = self.flat.slots.add(Region::Value, 1);
+            found = self.flat.registers.add(Region::Value, 1);
             words.push(found.0);
         }
         let number = index(self.flat.tables.functions.len());
+        self.flat.tables.functions.push(flat_net::Function {
+            port,
+            may_fail: maybe,
+        });
         self.flat
-            .tables
-            .functions
-            .push(flat::Function { port, maybe });
-        self.flat
-            .push(scope, Work::Call(number, inputs), &words, id.0);
-        self.unguard(id, scope);
-        self.present_if(id, &outputs, found);
+            .push(scope, OpKind::Call(number, inputs), &words, id.0);
+        self.close_guard(id, scope);
+        self.restrict_presence(id, &outputs, found);
     }
 
     /// Makes the presence of out-ports also depend on `also`.
-    fn present_if(&mut self, id: NodeId, outputs: &[Flow], also: Slot) {
+    fn restrict_presence(&mut self, id: NodeId, outputs: &[Flow], also: Register) {
         let scope = self.scope_of(id);
         for (port, flow) in ports(id, self.desc(id)).zip(outputs) {
             let present = self.logic.and(&mut self.flat, scope, flow.present, also);
@@ -211,11 +217,16 @@ impl Builder<'_> {
     }
 
     /// External registers for an out-port, with a presence if it may be absent.
-    fn external(&mut self, port: PortRef) -> Flow {
-        let value = self.flat.slots.add(Region::External, self.ty(port).cells());
+    fn external_flow(&mut self, port: PortRef) -> Flow {
+        let value = self
+            .flat
+            .registers
+            .add(Region::External, self.ty(port).slots());
         let present = match self.plan.presences.own(port) {
-            Sureness::Total => Slot::TRUE,
-            Sureness::Optional | Sureness::Never => self.flat.slots.add(Region::External, 1),
+            FlowPresence::Total => Register::TRUE,
+            FlowPresence::Optional | FlowPresence::Never => {
+                self.flat.registers.add(Region::External, 1)
+            }
         };
         let flow = Flow { value, present };
         self.set(port, flow);
@@ -228,7 +239,7 @@ impl Builder<'_> {
 
     pub(super) fn signal(&self, flow: Flow, ty: Type) -> Signal {
         Signal {
-            at: flow.value.0,
+            start: flow.value.0,
             present: flow.present.0,
             ty,
         }
@@ -253,8 +264,8 @@ impl Builder<'_> {
         DevicePort {
             device: text(device.device),
             port: match device.ports {
-                DevicePorts::Fixed(names) => names.get(k).copied().unwrap_or("").to_owned(),
-                DevicePorts::Param(name) => text(name),
+                DevicePortNames::Fixed(names) => names.get(k).copied().unwrap_or("").to_owned(),
+                DevicePortNames::Param(name) => text(name),
             },
             // An invalid index becomes one that no device has, so that loading reports it.
             index: index.map_or(0, |i| u32::try_from(i).unwrap_or(u32::MAX)),
@@ -269,23 +280,23 @@ impl Builder<'_> {
 }
 
 /// Words of connected inputs, then of outputs.
-fn words(links: &[Link], outputs: &[Flow]) -> Vec<u32> {
-    let inputs = links.iter().filter(|l| !l.open).map(|l| l.flow);
+fn words(links: &[InputFlow], outputs: &[Flow]) -> Vec<u32> {
+    let inputs = links.iter().filter(|l| !l.is_open).map(|l| l.flow);
     inputs
         .chain(outputs.iter().copied())
         .map(|f| f.value.0)
         .collect()
 }
 
-fn connected_types(links: &[Link]) -> impl Iterator<Item = Type> {
-    links.iter().filter(|l| !l.open).map(|l| l.ty)
+fn connected_types(links: &[InputFlow]) -> impl Iterator<Item = Type> {
+    links.iter().filter(|l| !l.is_open).map(|l| l.ty)
 }
 
 /// Type of the concatenation of several ports.
-fn one_type(types: impl Iterator<Item = Type>) -> Type {
+fn concatenated_type(types: impl Iterator<Item = Type>) -> Type {
     let types: Vec<Type> = types.collect();
     match types[..] {
         [one] => one,
-        _ => Type::Array(Scalar::Real, types.iter().map(|ty| ty.cells()).sum()),
+        _ => Type::Array(Scalar::Real, types.iter().map(|ty| ty.slots()).sum()),
     }
 }

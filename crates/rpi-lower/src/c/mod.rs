@@ -13,7 +13,7 @@ mod writer;
 use crate::options::{LowerOptions, Observe};
 use crate::plan::Plan;
 use crate::{build, passes};
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Diagnostic};
 use rpi_net::Net;
 
 /// Translates a net to C99.
@@ -24,22 +24,22 @@ pub fn emit_c(
     net: &Net,
     plan: &Plan<'_>,
     options: &LowerOptions<'_>,
-) -> Result<String, Vec<Finding>> {
+) -> Result<String, Vec<Diagnostic>> {
     // Variable names are derived from ports, so all ports must be observable.
     let named = LowerOptions {
         observe: Observe::All,
         ..*options
     };
     let mut flat = build::build(net, plan, &named);
-    passes::tidy(&mut flat, options.clock());
+    passes::run_readable(&mut flat, options.clock());
     let missing = writer::unsupported(net, &flat);
     if missing.is_empty() {
         return Ok(writer::write(net, &flat, options));
     }
-    let finding = |(prim, span): (&str, rpi_diag::Span)| {
-        Finding::new(Code::RPI9101, format!("`{prim}` cannot be written as C"))
-            .at(span, "used here")
+    let diagnostic = |(prim, span): (&str, rpi_diag::Span)| {
+        Diagnostic::new(Code::RPI9101, format!("`{prim}` cannot be written as C"))
+            .primary(span, "used here")
             .help("run the net itself, or leave this part of it out")
     };
-    Err(missing.into_iter().map(finding).collect())
+    Err(missing.into_iter().map(diagnostic).collect())
 }

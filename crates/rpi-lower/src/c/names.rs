@@ -1,23 +1,23 @@
 //! C names of registers, taken from the source where possible.
 
-use crate::flat::Flat;
-use crate::slots::{Region, Slot};
+use crate::flat_net::FlatNet;
+use crate::registers::{Region, Register};
 use rpi_net::{Net, NodeId};
 use std::collections::{HashMap, HashSet};
 
 /// C names of registers.
-pub(super) struct Names {
-    names: HashMap<Slot, String>,
+pub(super) struct VariableNames {
+    names: HashMap<Register, String>,
 }
 
-impl Names {
+impl VariableNames {
     /// Names derived from the ports of nodes. Equal names are numbered.
-    pub(super) fn new(net: &Net, flat: &Flat) -> Self {
+    pub(super) fn new(net: &Net, flat: &FlatNet) -> Self {
         let mut taken = HashSet::new();
         let mut names = HashMap::new();
         for (node, port, signal) in &flat.tables.probes {
-            let slot = Slot(signal.at);
-            if flat.slots.region(slot) == Region::Constant || names.contains_key(&slot) {
+            let slot = Register(signal.start);
+            if flat.registers.region(slot) == Region::Constant || names.contains_key(&slot) {
                 continue;
             }
             let node = net.node(NodeId(*node));
@@ -32,21 +32,21 @@ impl Names {
             let name = unique(name, &mut taken);
             names.insert(slot, name);
         }
-        Names { names }
+        VariableNames { names }
     }
 
     /// The variable of memory slot `k` of a register.
-    pub(super) fn cell(&self, flat: &Flat, slot: Slot, k: u32) -> String {
+    pub(super) fn cell(&self, flat: &FlatNet, slot: Register, k: u32) -> String {
         let name = match self.names.get(&slot) {
             Some(name) => name.clone(),
             None => format!("t{}", slot.0),
         };
-        let name = match flat.slots.region(slot) {
+        let name = match flat.registers.region(slot) {
             Region::Constant | Region::Value => name,
             Region::External => format!("in->{name}"),
             Region::State(_) => format!("state->s{}", slot.0),
         };
-        match flat.slots.cells(slot) {
+        match flat.registers.size(slot) {
             1 => name,
             _ => format!("{name}_{k}"),
         }

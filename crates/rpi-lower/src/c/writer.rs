@@ -1,32 +1,32 @@
 //! Writer of the C file: structs, `reset`, `step`.
 
 use super::forms::{self, CForm, PRELUDE};
-use super::names::{Names, identifier};
+use super::names::{VariableNames, identifier};
 use super::types::{c_type, expected, scalar, types};
-use crate::flat::{Flat, Item, NO_NODE, Op, ScopeId, Work};
+use crate::flat_net::{FlatNet, Item, NO_NODE, Op, OpKind, ScopeId};
 use crate::options::LowerOptions;
-use crate::passes::order::ops;
-use crate::slots::{Region, Slot};
+use crate::passes::traversal::ops_in_order;
+use crate::registers::{Region, Register};
 use rpi_diag::Span;
-use rpi_image::image::{End, Form, Signal};
-use rpi_image::operands::{Part, fields};
-use rpi_image::{PrimDesc, Scalar, State};
+use rpi_image::image::{CommandEnd, Form, Signal};
+use rpi_image::operands::{OperandRole, operand_layout};
+use rpi_image::{PrimDesc, Scalar, StateSize};
 use rpi_net::{Net, NodeId};
 use rpi_prims::PrimId;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Operations without a C form, each with the first place of its use.
-pub(super) fn unsupported(net: &Net, flat: &Flat) -> Vec<(&'static str, Span)> {
+pub(super) fn unsupported(net: &Net, flat: &FlatNet) -> Vec<(&'static str, Span)> {
     let mut missing = BTreeMap::new();
-    for (number, _) in ops(flat) {
+    for (number, _) in ops_in_order(flat) {
         let op = flat.ops[number as usize];
-        let name = match op.work {
-            Work::Run(prim, form) => forms::form(prim.desc().name, form)
+        let name = match op.kind {
+            OpKind::Run(prim, form) => forms::form(prim.desc().name, form)
                 .is_none()
                 .then_some(prim.desc().name),
-            Work::Call(..) => Some("device function"),
-            Work::Copy | Work::Actuate(..) => None,
+            OpKind::Call(..) => Some("device function"),
+            OpKind::Copy | OpKind::Actuate(..) => None,
         };
         let span = match op.node {
             NO_NODE => Span::NONE,
@@ -40,11 +40,11 @@ pub(super) fn unsupported(net: &Net, flat: &Flat) -> Vec<(&'static str, Span)> {
 }
 
 /// Writes the C file.
-pub(super) fn write(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> String {
-    let mut writer = Writer {
+pub(super) fn write(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>) -> String {
+    let mut writer = CWriter {
         net,
         flat,
-        names: Names::new(net, flat),
+        names: VariableNames::new(net, flat),
         types: types(flat),
         dt: options.dt(),
         tick_ns: options.tick_ns,
@@ -57,10 +57,10 @@ pub(super) fn write(net: &Net, flat: &Flat, options: &LowerOptions<'_>) -> Strin
     writer.file(options).unwrap_or_default()
 }
 
-struct Writer<'a> {
+struct CWriter<'a> {
     net: &'a Net,
-    flat: &'a Flat,
-    names: Names,
+    flat: &'a FlatNet,
+    names: VariableNames,
     types: Vec<Scalar>,
     dt: f64,
     tick_ns: u64,
@@ -69,7 +69,7 @@ struct Writer<'a> {
     body: String,
 }
 
-impl Writer<'_> {
+impl CWriter<'_> {
     fn file(&self, options: &LowerOptions<'_>) -> Result<String, std::fmt::Error> {
         let mut out = String::new();
         let net = &self.net.name;
@@ -93,9 +93,9 @@ impl Writer<'_> {
         let mut any = false;
         for signal in self.external() {
             any = true;
-            self.members(out, Slot(signal.at), scalar(signal.ty))?;
-            if self.flat.slots.region(Slot(signal.present)) != Region::Constant {
-                self.members(out, Slot(signal.present), Scalar::Bool)?;
+            self.members(out, Register(signal.start), scalar(signal.ty))?;
+            if self.flat.registers.region(Register(signal.present)) != Region::Constant {
+                self.members(out, Register(signal.present), Scalar::Bool)?;
             }
         }
         out.push_str(if any {
@@ -111,7 +111,7 @@ impl Writer<'_> {
         }
         out.push_str("  bool ends;\n} Outputs;\n\ntypedef struct {\n");
         for slot in self.kept() {
-            for k in 0..self.flat.slots.cells(slot) {
+            for k in 0..self.flat.registers.size(slot) {
                 let name = self.names.cell(self.flat, slot, k);
                 let ty = c_type(self.types[slot.index()]);
                 writeln!(out, "  {ty} {};", name.trim_start_matches("state->"))?;
@@ -124,8 +124,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    fn members(&self, out: &mut String, slot: Slot, ty: Scalar) -> std::fmt::Result {
-        for k in 0..self.flat.slots.cells(slot) {
+    fn members(&self, out: &mut String, slot: Register, ty: Scalar) -> std::fmt::Result {
+        for k in 0..self.flat.registers.size(slot) {
             let name = self.names.cell(self.flat, slot, k);
             writeln!(out, "  {} {};", c_type(ty), name.trim_start_matches("in->"))?;
         }
@@ -138,7 +138,7 @@ impl Writer<'_> {
         let inputs = t
             .inputs
             .iter()
-            .flat_map(|i| std::iter::once(i.value).chain(i.updated));
+            .flat_map(|i| std::iter::once(i.value).chain(i.last_updated));
         let sensors = t.sensors.iter().map(|s| s.0.value);
         sensors
             .chain(inputs)
@@ -156,7 +156,7 @@ impl Writer<'_> {
             all.push((
                 name,
                 c_type(scalar(export.value.ty)),
-                export.value.ty.cells(),
+                export.value.ty.slots(),
             ));
         }
         for (k, actuator) in self.flat.tables.actuators.iter().enumerate() {
@@ -165,20 +165,20 @@ impl Writer<'_> {
             all.push((
                 name,
                 c_type(scalar(actuator.port.ty)),
-                actuator.port.ty.cells(),
+                actuator.port.ty.slots(),
             ));
         }
         all
     }
 
     /// State registers of delays, in order.
-    fn kept(&self) -> Vec<Slot> {
+    fn kept(&self) -> Vec<Register> {
         let latched = self
             .flat
             .scopes
             .iter()
             .flat_map(|s| s.latches.iter().map(|l| l.1));
-        let mut kept: Vec<Slot> = latched.collect();
+        let mut kept: Vec<Register> = latched.collect();
         kept.sort_unstable();
         kept.dedup();
         kept
@@ -188,7 +188,7 @@ impl Writer<'_> {
         out.push_str("/* The state before the first cycle. */\nvoid reset(State *state) {\n  *state = (State){0};\n");
         for slot in self.kept() {
             let mut content = Vec::new();
-            self.flat.slots.content(slot, &mut content);
+            self.flat.registers.append_initial(slot, &mut content);
             for (k, bits) in (0..).zip(content).filter(|c| c.1 != 0) {
                 let value = literal(bits, self.types[slot.index()]);
                 writeln!(out, "  {} = {value};", self.names.cell(self.flat, slot, k))?;
@@ -200,12 +200,12 @@ impl Writer<'_> {
 
     /// Declares the variables that are assigned inside an `if`.
     fn guarded_variables(&self, out: &mut String) -> std::fmt::Result {
-        for (number, scope) in ops(self.flat) {
+        for (number, scope) in ops_in_order(self.flat) {
             if scope == ScopeId::ROOT {
                 continue;
             }
             for slot in self.flat.writes(self.flat.ops[number as usize]) {
-                for k in 0..self.flat.slots.cells(slot) {
+                for k in 0..self.flat.registers.size(slot) {
                     let ty = c_type(self.types[slot.index()]);
                     writeln!(out, "  {ty} {} = 0;", self.names.cell(self.flat, slot, k))?;
                 }
@@ -220,22 +220,22 @@ impl Writer<'_> {
     fn outputs(&self, out: &mut String) -> std::fmt::Result {
         for export in &self.flat.tables.exports {
             let (name, s) = (identifier(&export.key), export.value);
-            let present = self.bool(Slot(s.present));
+            let present = self.bool(Register(s.present));
             writeln!(out, "  out->{name}_present = {present};")?;
-            for k in 0..s.ty.cells() {
-                let value = self.cell(Slot(s.at), k, scalar(s.ty));
-                writeln!(out, "  out->{} = {value};", indexed(&name, s.ty.cells(), k))?;
+            for k in 0..s.ty.slots() {
+                let value = self.cell(Register(s.start), k, scalar(s.ty));
+                writeln!(out, "  out->{} = {value};", indexed(&name, s.ty.slots(), k))?;
             }
         }
         let ends: Vec<Signal> = match &self.flat.tables.end {
-            End::Results(results) => results.iter().map(|r| r.condition).collect(),
-            End::Ports { terminate, .. } => terminate.iter().copied().collect(),
+            CommandEnd::Results(results) => results.iter().map(|r| r.condition).collect(),
+            CommandEnd::Ports { terminate, .. } => terminate.iter().copied().collect(),
         };
         let asks = ends.iter().map(|s| {
             format!(
                 "({} && {})",
-                self.bool(Slot(s.present)),
-                self.bool(Slot(s.at))
+                self.bool(Register(s.present)),
+                self.bool(Register(s.start))
             )
         });
         let asks: Vec<String> = std::iter::once("false".to_owned()).chain(asks).collect();
@@ -266,7 +266,7 @@ impl Writer<'_> {
 
     fn open(&mut self, id: ScopeId, depth: usize) -> usize {
         let guard = self.flat.scopes[id.index()].guard;
-        if guard == Slot::TRUE {
+        if guard == Register::TRUE {
             return depth;
         }
         let guard = self.bool(guard);
@@ -287,11 +287,11 @@ impl Writer<'_> {
         };
         let mut lines = Vec::new();
         for slot in self.kept() {
-            let Region::State(f) = self.flat.slots.region(slot) else {
+            let Region::State(f) = self.flat.registers.region(slot) else {
                 continue;
             };
             let mut content = Vec::new();
-            self.flat.slots.content(slot, &mut content);
+            self.flat.registers.append_initial(slot, &mut content);
             for (k, bits) in (0..).zip(content).filter(|_| inside(f.0)) {
                 let value = literal(bits, self.types[slot.index()]);
                 lines.push(format!(
@@ -311,19 +311,19 @@ impl Writer<'_> {
 
     fn op(&mut self, op: Op, depth: usize, declares: bool) {
         let words = self.flat.words(op).to_vec();
-        match op.work {
-            Work::Run(prim, form) => self.run(op, prim, form, depth, declares),
-            Work::Copy => {
-                let (from, to) = (Slot(words[0]), Slot(words[1]));
-                for k in 0..self.flat.slots.cells(to) {
+        match op.kind {
+            OpKind::Run(prim, form) => self.run(op, prim, form, depth, declares),
+            OpKind::Copy => {
+                let (from, to) = (Register(words[0]), Register(words[1]));
+                for k in 0..self.flat.registers.size(to) {
                     let value = self.cell(from, k, self.types[to.index()]);
                     self.assign(depth, declares, to, k, &value);
                 }
             }
-            Work::Actuate(number, inputs) => {
+            OpKind::Actuate(number, inputs) => {
                 self.set_point(number, &words[..inputs as usize], depth)
             }
-            Work::Call(..) => {}
+            OpKind::Call(..) => {}
         }
     }
 
@@ -332,14 +332,14 @@ impl Writer<'_> {
         self.line(depth, &format!("out->{name}_present = true;"));
         let ty = self.flat.tables.actuators[number as usize].port.ty;
         let cells = inputs.iter().flat_map(|s| {
-            let slot = Slot(*s);
-            (0..self.flat.slots.cells(slot)).map(move |k| (slot, k))
+            let slot = Register(*s);
+            (0..self.flat.registers.size(slot)).map(move |k| (slot, k))
         });
         let cells: Vec<String> = cells
             .map(|(slot, k)| self.cell(slot, k, scalar(ty)))
             .collect();
         for (k, value) in (0..).zip(cells) {
-            let target = indexed(&name, ty.cells(), k);
+            let target = indexed(&name, ty.slots(), k);
             self.line(depth, &format!("out->{target} = {value};"));
         }
     }
@@ -355,7 +355,7 @@ impl Writer<'_> {
         }
         let mut cell = 0;
         for (slot, present) in operands.outputs.clone() {
-            for k in 0..self.flat.slots.cells(slot) {
+            for k in 0..self.flat.registers.size(slot) {
                 let text = self.fill(row.cell(cell), &operands, k);
                 self.assign(depth, declares, slot, k, &text);
                 cell += 1;
@@ -367,9 +367,9 @@ impl Writer<'_> {
         }
     }
 
-    fn assign(&mut self, depth: usize, declares: bool, slot: Slot, k: u32, value: &str) {
+    fn assign(&mut self, depth: usize, declares: bool, slot: Register, k: u32, value: &str) {
         let name = self.names.cell(self.flat, slot, k);
-        let declares = declares && self.flat.slots.region(slot) == Region::Value;
+        let declares = declares && self.flat.registers.region(slot) == Region::Value;
         let line = match declares {
             true => format!(
                 "const {} {name} = {value};",
@@ -388,17 +388,17 @@ impl Writer<'_> {
         };
         let words = self.flat.words(op);
         let mut at = 0;
-        for field in fields(desc, form) {
-            let (slot, last) = (Slot(words[at]), words[at + field.words() - 1]);
-            let present = field.presence.then_some(Slot(last));
+        for field in operand_layout(desc, form) {
+            let (slot, last) = (Register(words[at]), words[at + field.words() - 1]);
+            let present = field.has_presence.then_some(Register(last));
             at += field.words();
-            match field.part {
-                Part::Output(_) => operands.outputs.push((slot, present)),
-                Part::State => operands.state = format!("state->s{}", slot.0),
+            match field.role {
+                OperandRole::Output(_) => operands.outputs.push((slot, present)),
+                OperandRole::State => operands.state = format!("state->s{}", slot.0),
                 part => operands.inputs.push((slot, expected(desc, part), present)),
             }
         }
-        if !matches!(desc.state, State::None) {
+        if !matches!(desc.state, StateSize::None) {
             let name = operands.state.trim_start_matches("state->").to_owned();
             self.state.push((row.state[0], name));
         }
@@ -425,7 +425,7 @@ impl Writer<'_> {
         match name {
             "s" => return operands.state.clone(),
             "dt" => return literal(self.dt.to_bits(), Scalar::Real),
-            "tick" => return real(self.tick_ns as f64),
+            "tick" => return real_literal(self.tick_ns as f64),
             _ => {}
         }
         let (letter, rest) = name.split_at(1);
@@ -435,22 +435,22 @@ impl Writer<'_> {
         };
         match rest {
             "?" => present.map_or("true".to_owned(), |p| self.bool(p)),
-            "" => self.cell(slot, k.min(self.flat.slots.cells(slot) - 1), ty),
+            "" => self.cell(slot, k.min(self.flat.registers.size(slot) - 1), ty),
             cell => self.cell(slot, cell.parse().unwrap_or(0), ty),
         }
     }
 
-    fn bool(&self, slot: Slot) -> String {
+    fn bool(&self, slot: Register) -> String {
         self.cell(slot, 0, Scalar::Bool)
     }
 
     /// The expression for slot `k` of a register: a variable or a constant.
-    fn cell(&self, slot: Slot, k: u32, ty: Scalar) -> String {
-        if self.flat.slots.region(slot) != Region::Constant {
+    fn cell(&self, slot: Register, k: u32, ty: Scalar) -> String {
+        if self.flat.registers.region(slot) != Region::Constant {
             return self.names.cell(self.flat, slot, k);
         }
         let mut content = Vec::new();
-        self.flat.slots.content(slot, &mut content);
+        self.flat.registers.append_initial(slot, &mut content);
         literal(content.get(k as usize).copied().unwrap_or(0), ty)
     }
 
@@ -467,7 +467,7 @@ impl Writer<'_> {
             }
         }
         for (from, to) in &scope.latches {
-            for k in 0..flat.slots.cells(*to) {
+            for k in 0..flat.registers.size(*to) {
                 let value = self.cell(*from, k, self.types[to.index()]);
                 let name = self.names.cell(flat, *to, k);
                 self.line(inner, &format!("{name} = {value};"));
@@ -484,8 +484,8 @@ impl Writer<'_> {
 /// Operands of one operation.
 struct Operands {
     /// Inputs, then parameters.
-    inputs: Vec<(Slot, Scalar, Option<Slot>)>,
-    outputs: Vec<(Slot, Option<Slot>)>,
+    inputs: Vec<(Register, Scalar, Option<Register>)>,
+    outputs: Vec<(Register, Option<Register>)>,
     state: String,
 }
 
@@ -502,11 +502,11 @@ fn literal(bits: u64, ty: Scalar) -> String {
         Scalar::Bool => if bits != 0 { "true" } else { "false" }.to_owned(),
         Scalar::Int | Scalar::Time if bits == 1 << 63 => "INT64_MIN".to_owned(),
         Scalar::Int | Scalar::Time => format!("INT64_C({})", bits.cast_signed()),
-        _ => real(f64::from_bits(bits)),
+        _ => real_literal(f64::from_bits(bits)),
     }
 }
 
-fn real(v: f64) -> String {
+fn real_literal(v: f64) -> String {
     if v.is_nan() {
         return "NAN".to_owned();
     }

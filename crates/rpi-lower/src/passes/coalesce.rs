@@ -4,23 +4,23 @@
 //! A latch from x to s can be removed if x can be written to s at once. This is safe if all readers of the old content
 //! of s run before the writer of x, and if x is computed in the scope of the latch.
 
-use super::delays::read_late;
-use super::order::Writers;
-use super::rename::Renames;
+use super::delays::read_outside_ops;
+use super::substitution::Substitution;
+use super::traversal::Writers;
 use crate::access::Access;
-use crate::flat::{Flat, Op, ScopeId, Work};
-use crate::slots::{Region, Slot};
-use rpi_prims::Clock;
+use crate::flat_net::{FlatNet, Op, OpKind, ScopeId};
+use crate::registers::{Region, Register};
+use rpi_prims::CycleTime;
 
-pub(super) fn coalesce(flat: &mut Flat, _: Clock) {
-    let facts = Facts::new(flat);
-    let mut renames = Renames::new(flat);
-    let mut moved = vec![false; flat.slots.len()];
+pub(super) fn coalesce(flat: &mut FlatNet, _: CycleTime) {
+    let facts = AccessOrder::new(flat);
+    let mut renames = Substitution::new(flat);
+    let mut moved = vec![false; flat.registers.len()];
     for k in 0..flat.scopes.len() {
         let scope = ScopeId(k as u32);
         let latches = std::mem::take(&mut flat.scopes[k].latches);
         let kept = latches.into_iter().filter(|&(from, to)| {
-            let fits = !moved[from.index()] && facts.fits(flat, scope, from, to);
+            let fits = !moved[from.index()] && facts.can_coalesce(flat, scope, from, to);
             if fits {
                 moved[from.index()] = true;
                 renames.set(from, to);
@@ -32,12 +32,12 @@ pub(super) fn coalesce(flat: &mut Flat, _: Clock) {
     if !moved.contains(&true) {
         return;
     }
-    writes(flat, &renames);
+    redirect_writers(flat, &renames);
     renames.apply(flat);
 }
 
 /// Redirects the writers of coalesced registers.
-fn writes(flat: &mut Flat, renames: &Renames) {
+fn redirect_writers(flat: &mut FlatNet, renames: &Substitution) {
     for number in 0..flat.ops.len() {
         let op = flat.ops[number];
         flat.replace(op, |a| a == Access::Write, |s| renames.get(s));
@@ -45,19 +45,19 @@ fn writes(flat: &mut Flat, renames: &Renames) {
 }
 
 /// Writer and last reader of each register, in execution order.
-struct Facts {
+struct AccessOrder {
     writers: Writers,
     /// For each register, the position of its last reader.
     last_read: Vec<u32>,
     read_late: Vec<bool>,
 }
 
-impl Facts {
-    fn new(flat: &Flat) -> Self {
-        let mut facts = Facts {
+impl AccessOrder {
+    fn new(flat: &FlatNet) -> Self {
+        let mut facts = AccessOrder {
             writers: Writers::new(flat),
-            last_read: vec![0; flat.slots.len()],
-            read_late: read_late(flat),
+            last_read: vec![0; flat.registers.len()],
+            read_late: read_outside_ops(flat),
         };
         for (place, (number, _)) in (0..).zip(&facts.writers.order) {
             for slot in flat.reads(flat.ops[*number as usize]) {
@@ -67,26 +67,26 @@ impl Facts {
         facts
     }
 
-    fn fits(&self, flat: &Flat, scope: ScopeId, from: Slot, to: Slot) -> bool {
-        let Some((place, number, written_in)) = self.writers.of(from) else {
+    fn can_coalesce(&self, flat: &FlatNet, scope: ScopeId, from: Register, to: Register) -> bool {
+        let Some((place, number, written_in)) = self.writers.writer_of(from) else {
             return false;
         };
-        flat.slots.region(from) == Region::Value
+        flat.registers.region(from) == Region::Value
             && written_in == scope
             && self.last_read[to.index()] <= place
             && !self.read_late[to.index()]
-            && writes_at_the_end(flat, flat.ops[number as usize])
+            && reads_before_writing(flat, flat.ops[number as usize])
     }
 }
 
 /// True if the operation reads all inputs before it writes and its faults are not identified by its output slot.
-fn writes_at_the_end(flat: &Flat, op: Op) -> bool {
-    match op.work {
-        Work::Run(prim, _) => {
+fn reads_before_writing(flat: &FlatNet, op: Op) -> bool {
+    match op.kind {
+        OpKind::Run(prim, _) => {
             let arrays = (0..op.len as usize).any(|k| flat.access(op, k) == Access::Number);
             !prim.desc().may_fault && !arrays
         }
-        Work::Copy => true,
-        Work::Actuate(..) | Work::Call(..) => false,
+        OpKind::Copy => true,
+        OpKind::Actuate(..) | OpKind::Call(..) => false,
     }
 }

@@ -4,32 +4,32 @@
 //! results and set-points keep their bits; each register has one writer, which runs before its readers.
 
 mod coalesce;
-mod dead;
+mod cse;
+mod dce;
 mod delays;
 mod fold;
 mod fuse;
-mod laws;
-pub(crate) mod order;
-mod rename;
-mod rows;
+mod identities;
+mod list_schedule;
 mod sensors;
-mod share;
+mod substitution;
+pub(crate) mod traversal;
 
-use crate::flat::Flat;
-use rpi_prims::Clock;
+use crate::flat_net::FlatNet;
+use rpi_prims::CycleTime;
 
 /// A pass over a flat net.
 pub(crate) struct Pass {
     /// Name of the pass in messages and listings.
     pub(crate) name: &'static str,
     /// One-line description.
-    pub(crate) what: &'static str,
-    pub(crate) run: fn(&mut Flat, Clock),
+    pub(crate) description: &'static str,
+    pub(crate) run: fn(&mut FlatNet, CycleTime),
 }
 
 const FOLD: Pass = Pass {
     name: "fold",
-    what: "evaluate constant expressions at compile time",
+    description: "evaluate constant expressions at compile time",
     run: fold::fold,
 };
 
@@ -37,50 +37,50 @@ const FOLD: Pass = Pass {
 pub(crate) const PASSES: &[Pass] = &[
     Pass {
         name: "sensors",
-        what: "read each device port once per cycle",
-        run: sensors::share,
+        description: "read each device port once per cycle",
+        run: sensors::merge_sensors,
     },
     FOLD,
     Pass {
         name: "start",
-        what: "turn a constant first value into the initial content of its delay",
-        run: delays::start,
+        description: "turn a constant first value into the initial content of its delay",
+        run: delays::fold_initial_values,
     },
     FOLD,
     Pass {
         name: "share",
-        what: "compute common subexpressions once",
-        run: share::share,
+        description: "compute common subexpressions once",
+        run: cse::eliminate,
     },
     Pass {
         name: "direct",
-        what: "read delayed values directly from the state",
-        run: delays::direct,
+        description: "read delayed values directly from the state",
+        run: delays::read_state_directly,
     },
     Pass {
         name: "dead",
-        what: "remove computations without an effect",
-        run: dead::remove,
+        description: "remove computations without an effect",
+        run: dce::remove,
     },
     Pass {
         name: "fuse",
-        what: "fuse two primitives if one feeds only the other",
+        description: "fuse two primitives if one feeds only the other",
         run: fuse::fuse,
     },
     Pass {
         name: "rows",
-        what: "group calls of the same primitive",
-        run: rows::arrange,
+        description: "group calls of the same primitive",
+        run: list_schedule::arrange,
     },
     Pass {
         name: "coalesce",
-        what: "compute a value directly in the state of its delay",
+        description: "compute a value directly in the state of its delay",
         run: coalesce::coalesce,
     },
 ];
 
 /// Runs all passes and calls `check` after each.
-pub(crate) fn run(flat: &mut Flat, clock: Clock, mut check: impl FnMut(&Flat, &Pass)) {
+pub(crate) fn run(flat: &mut FlatNet, clock: CycleTime, mut check: impl FnMut(&FlatNet, &Pass)) {
     for pass in PASSES {
         (pass.run)(flat, clock);
         check(flat, pass);
@@ -88,7 +88,7 @@ pub(crate) fn run(flat: &mut Flat, clock: Clock, mut check: impl FnMut(&Flat, &P
 }
 
 /// Runs the passes that keep the net readable, for generated C code.
-pub(crate) fn tidy(flat: &mut Flat, clock: Clock) {
+pub(crate) fn run_readable(flat: &mut FlatNet, clock: CycleTime) {
     let all = PASSES.iter().take_while(|p| p.name != "fuse");
     all.for_each(|p| (p.run)(flat, clock));
 }

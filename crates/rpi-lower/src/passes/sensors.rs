@@ -1,22 +1,25 @@
 //! Merges sensors that read the same device port.
 
-use super::rename::Renames;
-use crate::flat::Flat;
-use crate::slots::Slot;
-use rpi_image::image::{DevicePort, Sensor};
-use rpi_prims::Clock;
+use super::substitution::Substitution;
+use crate::flat_net::FlatNet;
+use crate::registers::Register;
+use rpi_image::image::{DevicePort, SensorPort};
+use rpi_prims::CycleTime;
 use rustc_hash::FxHashMap;
 
-pub(super) fn share(flat: &mut Flat, _: Clock) {
-    let mut renames = Renames::new(flat);
-    let mut known: FxHashMap<(String, String, u32), Vec<Sensor>> = FxHashMap::default();
+pub(super) fn merge_sensors(flat: &mut FlatNet, _: CycleTime) {
+    let mut renames = Substitution::new(flat);
+    let mut known: FxHashMap<(String, String, u32), Vec<SensorPort>> = FxHashMap::default();
     let sensors = std::mem::take(&mut flat.tables.sensors);
     for (sensor, node) in sensors {
         let same = known.entry(key(&sensor.port)).or_default();
-        let alike = |s: &&Sensor| s.port == sensor.port && sure(s) == sure(&sensor);
+        let alike = |s: &&SensorPort| s.port == sensor.port && is_total(s) == is_total(&sensor);
         if let Some(first) = same.iter().find(alike) {
-            renames.set(Slot(sensor.value.at), Slot(first.value.at));
-            renames.set(Slot(sensor.value.present), Slot(first.value.present));
+            renames.set(Register(sensor.value.start), Register(first.value.start));
+            renames.set(
+                Register(sensor.value.present),
+                Register(first.value.present),
+            );
             continue;
         }
         same.push(sensor.clone());
@@ -30,6 +33,6 @@ fn key(port: &DevicePort) -> (String, String, u32) {
 }
 
 /// True if the sensor must always have a sample. A missing sample is then a fault.
-fn sure(sensor: &Sensor) -> bool {
-    sensor.value.present == Slot::TRUE.0
+fn is_total(sensor: &SensorPort) -> bool {
+    sensor.value.present == Register::TRUE.0
 }

@@ -1,18 +1,19 @@
 //! Builds small nets and runs them.
 #![allow(dead_code, unreachable_pub)]
 
-use rpi_core::{Machine, Moment};
+use rpi_core::{CycleContext, Instance};
 pub use rpi_device::NoDevices;
 use rpi_diag::Span;
-use rpi_image::{Image, Need, Type, Value, desc::ShapeArgs};
+use rpi_image::{Fallback, Image, Type, Value, desc::ShapeArgs};
 use rpi_lower::LowerOptions;
 use rpi_net::{
-    Absent, Activation, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef, Restart,
+    AbsentPolicy, Activation, Fragment, FragmentId, Input, Net, Node, NodeId, Origin, PortRef,
+    Restart,
 };
 use rpi_prims::PrimId;
 
 /// A net under construction.
-pub struct Build {
+pub struct NetBuilder {
     pub net: Net,
 }
 
@@ -21,9 +22,9 @@ const NOWHERE: Origin = Origin {
     flow: None,
 };
 
-impl Build {
+impl NetBuilder {
     pub fn new() -> Self {
-        Build {
+        NetBuilder {
             net: Net::new("test"),
         }
     }
@@ -37,7 +38,7 @@ impl Build {
         inputs: &[(&str, Input)],
         params: &[(&str, Value)],
     ) -> PortRef {
-        let prim = PrimId::of(prim).unwrap_or_else(|| panic!("no primitive {prim}"));
+        let prim = PrimId::from_name(prim).unwrap_or_else(|| panic!("no primitive {prim}"));
         let desc = prim.desc();
         let given = |name: &str| params.iter().find(|p| p.0 == name).map(|p| p.1.clone());
         let params: Vec<Value> = desc
@@ -45,8 +46,8 @@ impl Build {
             .iter()
             .map(|p| {
                 let ty = match p.ty {
-                    rpi_image::ParamType::One(s) => Type::One(s),
-                    _ => Type::One(rpi_image::Scalar::Bool),
+                    rpi_image::ParamType::Scalar(s) => Type::Scalar(s),
+                    _ => Type::Scalar(rpi_image::Scalar::Bool),
                 };
                 given(p.name).unwrap_or_else(|| p.default.value(ty).expect("a default"))
             })
@@ -56,14 +57,14 @@ impl Build {
             .iter()
             .map(|p| {
                 let wired = inputs.iter().find(|i| i.0 == p.name).map(|i| i.1.clone());
-                wired.unwrap_or_else(|| match p.need {
-                    Need::Param(_, default) => {
-                        let rpi_image::PortType::One(s) = p.ty else {
-                            return Input::Open;
+                wired.unwrap_or_else(|| match p.fallback {
+                    Fallback::Param(_, default) => {
+                        let rpi_image::PortType::Scalar(s) = p.ty else {
+                            return Input::Unconnected;
                         };
-                        Input::constant(default.value(Type::One(s)).expect("a default"))
+                        Input::constant(default.value(Type::Scalar(s)).expect("a default"))
                     }
-                    _ => Input::Open,
+                    _ => Input::Unconnected,
                 })
             })
             .collect();
@@ -89,7 +90,7 @@ impl Build {
 
     fn ty(&self, input: &Input) -> Option<Type> {
         match input {
-            Input::Open => None,
+            Input::Unconnected => None,
             Input::Const(value) => value.ty(),
             Input::Port(p) => Some(self.net.node(p.node).outputs[usize::from(p.port)]),
         }
@@ -108,7 +109,7 @@ impl Build {
             parent: Some(parent),
             activation: Activation::When {
                 condition: when,
-                absent: Absent::Inactive,
+                if_absent: AbsentPolicy::Inactive,
             },
             restart,
             is_clock: false,
@@ -126,28 +127,28 @@ impl Build {
 }
 
 pub fn image(net: &Net, options: &LowerOptions<'_>) -> Image {
-    let image = rpi_bench::twin::image(net, options).expect("it can be lowered");
-    if let Err(errors) = rpi_image::verify(&image, &rpi_core::catalogue) {
+    let image = rpi_bench::image_compare::lower_net(net, options).expect("it can be lowered");
+    if let Err(errors) = rpi_image::verify(&image, &rpi_core::prim_desc) {
         let text: Vec<String> = errors.iter().map(ToString::to_string).collect();
-        let print = rpi_image::print::print(&image, &rpi_core::catalogue);
+        let print = rpi_image::text::print(&image, &rpi_core::prim_desc);
         panic!("{}\n{print}", text.join("\n"));
     }
     image
 }
 
 /// Runs one cycle up to the commit phase.
-pub fn cycle(machine: &mut Machine) {
-    machine.read(&mut NoDevices, &Moment::default());
+pub fn cycle(machine: &mut Instance) {
+    machine.read(&mut NoDevices, &CycleContext::default());
     machine.evaluate(&mut NoDevices);
 }
 
-pub fn finish(machine: &mut Machine) {
+pub fn finish(machine: &mut Instance) {
     machine.commit();
     assert!(machine.hand_over(&mut NoDevices));
 }
 
 /// The value of the probe `path.port` in this cycle; `None` if it is absent.
-pub fn probe(machine: &Machine, name: &str) -> Option<Vec<u64>> {
+pub fn probe(machine: &Instance, name: &str) -> Option<Vec<u64>> {
     let image = machine.image();
     let probe = image.probes.iter().find(|p| image.probe_name(p) == name);
     let probe = probe.unwrap_or_else(|| panic!("no probe {name}"));

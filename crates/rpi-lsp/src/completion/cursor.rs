@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use rpi_syntax::{CommentKind, Mode, Piece, PieceKind, pieces};
+use rpi_syntax::{CommentKind, Dialect, SourceToken, SourceTokenKind, source_tokens};
 
 /// Context of the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -10,25 +10,25 @@ pub(super) struct Cursor {
     /// Byte range of the part of the word before the cursor.
     pub(super) prefix: Range<usize>,
     /// Kind of name expected at the cursor.
-    pub(super) wanted: Wanted,
+    pub(super) expected: ExpectedName,
 }
 
 /// Kind of name expected at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum Wanted {
+pub(super) enum ExpectedName {
     /// Member of the path before the dot.
-    Member(Path),
+    Member(MemberPath),
     /// Unit of measure.
     Unit,
     /// Module.
     Module,
     /// Any name. At the start of an argument, also the name of a parameter.
-    Name(Option<Argument>),
+    Name(Option<ArgumentContext>),
 }
 
 /// Path before a dot: `way.pose`, `f(x).pose`.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Path {
+pub(super) struct MemberPath {
     /// First name.
     pub(super) root: String,
     /// Whether the first name is called.
@@ -39,22 +39,22 @@ pub(super) struct Path {
 
 /// Call whose argument begins at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Argument {
+pub(super) struct ArgumentContext {
     /// Name of the callee.
     pub(super) callee: String,
     /// Names of the arguments that are already passed by name.
-    pub(super) given: Vec<String>,
+    pub(super) passed: Vec<String>,
 }
 
 /// Opening brackets with their closing brackets.
 const BRACKETS: &[(&str, &str)] = &[("(", ")"), ("<<", ">>"), ("[", "]"), ("{", "}")];
 
 /// Tokens that end all open brackets.
-const ENDS: &[&str] = &[";", "let", "tel"];
+const BRACKET_ENDS: &[&str] = &[";", "let", "tel"];
 
 impl Cursor {
     /// Determines the context at a byte offset. Returns [`None`] inside comments, strings and numbers.
-    pub(super) fn at(text: &str, offset: usize, mode: Mode) -> Option<Cursor> {
+    pub(super) fn from_offset(text: &str, offset: usize, mode: Dialect) -> Option<Cursor> {
         let before = text.get(..offset)?;
         let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
         let start = before.trim_end_matches(in_word).len();
@@ -64,66 +64,72 @@ impl Cursor {
             Some(colon) if !word.contains("::") => start + colon + 1,
             _ => start,
         };
-        let all = pieces(text, mode);
-        if all.iter().any(|piece| is_closed_to_names(piece, offset)) {
+        let all = source_tokens(text, mode);
+        if all.iter().any(|piece| excludes_names(piece, offset)) {
             return None;
         }
         let words = all
             .iter()
-            .filter(|piece| !matches!(piece.kind, PieceKind::Comment(_)));
+            .filter(|piece| !matches!(piece.kind, SourceTokenKind::Comment(_)));
         let words = words.filter(|piece| piece.range.end <= start);
-        let words: Vec<Word<'_>> = words
-            .map(|piece| Word {
+        let words: Vec<CursorToken<'_>> = words
+            .map(|piece| CursorToken {
                 text: &text[piece.range.clone()],
                 kind: piece.kind,
             })
             .collect();
         Some(Cursor {
             prefix: start..offset,
-            wanted: wanted(&words),
+            expected: expected_name(&words),
         })
     }
 }
 
 /// Returns whether the offset is inside a comment, string or number, where no name is possible.
-fn is_closed_to_names(piece: &Piece, offset: usize) -> bool {
+fn excludes_names(piece: &SourceToken, offset: usize) -> bool {
     let Range { start, end } = piece.range;
     let to_line_end = match piece.kind {
-        PieceKind::Comment(kind) => !matches!(kind, CommentKind::Block | CommentKind::Contract),
-        PieceKind::Text => false,
-        PieceKind::Number => true,
-        PieceKind::Name | PieceKind::Fixed => return false,
+        SourceTokenKind::Comment(kind) => {
+            !matches!(kind, CommentKind::Block | CommentKind::Contract)
+        }
+        SourceTokenKind::String => false,
+        SourceTokenKind::Number => true,
+        SourceTokenKind::Name | SourceTokenKind::KeywordOrSymbol => return false,
     };
     start < offset && (offset < end || to_line_end && offset == end)
 }
 
 /// Token before the cursor.
 #[derive(Clone, Copy)]
-struct Word<'t> {
+struct CursorToken<'t> {
     text: &'t str,
-    kind: PieceKind,
+    kind: SourceTokenKind,
 }
 
-fn wanted(words: &[Word<'_>]) -> Wanted {
+fn expected_name(words: &[CursorToken<'_>]) -> ExpectedName {
     let Some((last, before)) = words.split_last() else {
-        return Wanted::Name(None);
+        return ExpectedName::Name(None);
     };
     if last.text == "." {
-        return path(before).map_or(Wanted::Name(None), Wanted::Member);
+        return member_path(before).map_or(ExpectedName::Name(None), ExpectedName::Member);
     }
-    if is_after_use(words) {
-        return Wanted::Module;
+    if expects_module(words) {
+        return ExpectedName::Module;
     }
-    if is_in_unit(words) {
-        return Wanted::Unit;
+    if expects_unit(words) {
+        return ExpectedName::Unit;
     }
     let begins = matches!(last.text, "(" | "<<" | "," | ";");
-    Wanted::Name(if begins { argument(words) } else { None })
+    ExpectedName::Name(if begins {
+        argument_context(words)
+    } else {
+        None
+    })
 }
 
 /// Returns whether a module name is expected: `use a, b`.
-fn is_after_use(words: &[Word<'_>]) -> bool {
-    let in_list = |word: &&Word<'_>| word.text == "," || word.kind == PieceKind::Name;
+fn expects_module(words: &[CursorToken<'_>]) -> bool {
+    let in_list = |word: &&CursorToken<'_>| word.text == "," || word.kind == SourceTokenKind::Name;
     let head = words.iter().rev().find(|word| !in_list(word));
     let begins = words
         .last()
@@ -132,30 +138,31 @@ fn is_after_use(words: &[Word<'_>]) -> bool {
 }
 
 /// Returns whether a unit is expected: `250[mm/`, `real[`.
-fn is_in_unit(words: &[Word<'_>]) -> bool {
-    let inside = |word: &Word<'_>| {
-        matches!(word.kind, PieceKind::Name | PieceKind::Number)
+fn expects_unit(words: &[CursorToken<'_>]) -> bool {
+    let inside = |word: &CursorToken<'_>| {
+        matches!(word.kind, SourceTokenKind::Name | SourceTokenKind::Number)
             || matches!(word.text, "/" | "*" | "^")
     };
     let Some(open) = words.iter().rposition(|word| !inside(word)) else {
         return false;
     };
     let of = open.checked_sub(1).map(|k| words[k]);
-    let measured = of.is_some_and(|word| word.kind == PieceKind::Number || word.text == "real");
+    let measured =
+        of.is_some_and(|word| word.kind == SourceTokenKind::Number || word.text == "real");
     words[open].text == "[" && measured
 }
 
 /// Returns the path at the end of the tokens before a dot.
-fn path(words: &[Word<'_>]) -> Option<Path> {
+fn member_path(words: &[CursorToken<'_>]) -> Option<MemberPath> {
     let mut rest = Vec::new();
     let mut left = words;
     loop {
-        left = without_closed(left, "[", "]");
-        let called = without_closed(left, "(", ")");
+        left = strip_brackets(left, "[", "]");
+        let called = strip_brackets(left, "(", ")");
         let is_call = called.len() < left.len();
-        let named = without_closed(called, "<<", ">>");
+        let named = strip_brackets(called, "<<", ">>");
         let (name, before) = named.split_last()?;
-        if name.kind != PieceKind::Name {
+        if name.kind != SourceTokenKind::Name {
             return None;
         }
         match before.split_last() {
@@ -166,7 +173,7 @@ fn path(words: &[Word<'_>]) -> Option<Path> {
             _ => {
                 rest.reverse();
                 let root = name.text.to_owned();
-                return Some(Path {
+                return Some(MemberPath {
                     root,
                     is_call,
                     rest,
@@ -177,7 +184,11 @@ fn path(words: &[Word<'_>]) -> Option<Path> {
 }
 
 /// Returns the tokens without the bracketed list at their end, if there is one.
-fn without_closed<'a, 't>(words: &'a [Word<'t>], open: &str, close: &str) -> &'a [Word<'t>] {
+fn strip_brackets<'a, 't>(
+    words: &'a [CursorToken<'t>],
+    open: &str,
+    close: &str,
+) -> &'a [CursorToken<'t>] {
     if words.last().is_none_or(|word| word.text != close) {
         return words;
     }
@@ -196,7 +207,7 @@ fn without_closed<'a, 't>(words: &'a [Word<'t>], open: &str, close: &str) -> &'a
 }
 
 /// Returns the call whose argument begins at the cursor.
-fn argument(words: &[Word<'_>]) -> Option<Argument> {
+fn argument_context(words: &[CursorToken<'_>]) -> Option<ArgumentContext> {
     let mut given = Vec::new();
     let mut closed = 0_usize;
     for (k, word) in words.iter().enumerate().rev() {
@@ -207,11 +218,14 @@ fn argument(words: &[Word<'_>]) -> Option<Argument> {
         } else if opens && closed > 0 {
             closed -= 1;
         } else if opens {
-            let callee = callee(&words[..k], word.text)?;
-            return Some(Argument { callee, given });
+            let callee = callee_name(&words[..k], word.text)?;
+            return Some(ArgumentContext {
+                callee,
+                passed: given,
+            });
         } else if closed == 0 && word.text == ":" {
             given.extend(k.checked_sub(1).map(|k| words[k].text.to_owned()));
-        } else if closed == 0 && ENDS.contains(&word.text) && !is_separator(words, k) {
+        } else if closed == 0 && BRACKET_ENDS.contains(&word.text) && !is_separator(words, k) {
             return None;
         }
     }
@@ -219,19 +233,21 @@ fn argument(words: &[Word<'_>]) -> Option<Argument> {
 }
 
 /// Returns whether a `;` separates static arguments inside `<<`, and so does not end the call.
-fn is_separator(words: &[Word<'_>], at: usize) -> bool {
+fn is_separator(words: &[CursorToken<'_>], at: usize) -> bool {
     let before = words[..at].iter().rev();
-    let mut until_end = before.take_while(|word| !ENDS[1..].contains(&word.text));
+    let mut until_end = before.take_while(|word| !BRACKET_ENDS[1..].contains(&word.text));
     words[at].text == ";" && until_end.any(|word| word.text == "<<")
 }
 
-fn callee(words: &[Word<'_>], open: &str) -> Option<String> {
+fn callee_name(words: &[CursorToken<'_>], open: &str) -> Option<String> {
     let words = match open {
-        "(" => without_closed(words, "<<", ">>"),
+        "(" => strip_brackets(words, "<<", ">>"),
         "<<" => words,
         _ => return None,
     };
-    let last = words.last().filter(|word| word.kind == PieceKind::Name)?;
+    let last = words
+        .last()
+        .filter(|word| word.kind == SourceTokenKind::Name)?;
     Some(last.text.to_owned())
 }
 
@@ -242,50 +258,57 @@ mod tests {
     /// Returns the context at `|`.
     fn at(text: &str) -> Option<Cursor> {
         let offset = text.find('|').unwrap();
-        Cursor::at(&text.replace('|', ""), offset, Mode::Rpi)
+        Cursor::from_offset(&text.replace('|', ""), offset, Dialect::Rpi)
     }
 
-    fn member(root: &str, is_call: bool, rest: &[&str]) -> Wanted {
+    fn member(root: &str, is_call: bool, rest: &[&str]) -> ExpectedName {
         let rest = rest.iter().map(|&name| name.to_owned()).collect();
         let root = root.to_owned();
-        Wanted::Member(Path {
+        ExpectedName::Member(MemberPath {
             root,
             is_call,
             rest,
         })
     }
 
-    fn argument_of(callee: &str, given: &[&str]) -> Wanted {
+    fn argument_of(callee: &str, given: &[&str]) -> ExpectedName {
         let given = given.iter().map(|&name| name.to_owned()).collect();
         let callee = callee.to_owned();
-        Wanted::Name(Some(Argument { callee, given }))
+        ExpectedName::Name(Some(ArgumentContext {
+            callee,
+            passed: given,
+        }))
     }
 
     #[test]
     fn what_is_wanted_is_told_by_what_stands_before() {
         let cases = [
-            ("x = wa|", Wanted::Name(None)),
+            ("x = wa|", ExpectedName::Name(None)),
             ("arm.tcp = way.|", member("way", false, &[])),
             ("x = F.way.po|", member("F", false, &["way"])),
             ("x = a[2].b.|", member("a", false, &["b"])),
             ("x = f<<1>>(y, z).|", member("f", true, &[])),
-            ("use mo|", Wanted::Module),
-            ("use motion, |", Wanted::Module),
-            ("x = 250[mm/|", Wanted::Unit),
-            ("x: real[|", Wanted::Unit),
-            ("x = a[i|", Wanted::Name(None)),
+            ("use mo|", ExpectedName::Module),
+            ("use motion, |", ExpectedName::Module),
+            ("x = 250[mm/|", ExpectedName::Unit),
+            ("x: real[|", ExpectedName::Unit),
+            ("x = a[i|", ExpectedName::Name(None)),
             ("way = Line<<to: c, sp|", argument_of("Line", &["to"])),
             ("way = Line<<to: c>>(fr|", argument_of("Line", &[])),
             ("x = f(g(1, b: 2), a: 3, |", argument_of("f", &["a"])),
-            ("x = f(a: |", Wanted::Name(None)),
-            ("x = f(a: y|", Wanted::Name(None)),
-            ("x = f(1); |", Wanted::Name(None)),
-            ("x = (1 + |", Wanted::Name(None)),
-            ("let |", Wanted::Name(None)),
-            ("|", Wanted::Name(None)),
+            ("x = f(a: |", ExpectedName::Name(None)),
+            ("x = f(a: y|", ExpectedName::Name(None)),
+            ("x = f(1); |", ExpectedName::Name(None)),
+            ("x = (1 + |", ExpectedName::Name(None)),
+            ("let |", ExpectedName::Name(None)),
+            ("|", ExpectedName::Name(None)),
         ];
         for (text, wanted) in cases {
-            assert_eq!(at(text).map(|cursor| cursor.wanted), Some(wanted), "{text}");
+            assert_eq!(
+                at(text).map(|cursor| cursor.expected),
+                Some(wanted),
+                "{text}"
+            );
         }
     }
 
@@ -308,7 +331,11 @@ mod tests {
         ] {
             let offset = text.rfind('|').unwrap();
             let text = format!("{}{}", &text[..offset], &text[offset + 1..]);
-            assert_eq!(Cursor::at(&text, offset, Mode::Rpi), None, "{text}");
+            assert_eq!(
+                Cursor::from_offset(&text, offset, Dialect::Rpi),
+                None,
+                "{text}"
+            );
         }
     }
 }

@@ -4,11 +4,11 @@ use std::sync::LazyLock;
 
 use rpi_diag::FileId;
 use rpi_syntax::ast::{Doc, Item, ItemKind};
-use rpi_syntax::{Mode, Name, parse};
+use rpi_syntax::{Dialect, Name, parse};
 
 /// Name of a library module.
 #[derive(Clone, Debug)]
-pub(super) struct Offer {
+pub(super) struct LibraryName {
     pub(super) module: &'static str,
     pub(super) name: Name,
     /// Header of the declaration.
@@ -17,22 +17,22 @@ pub(super) struct Offer {
 }
 
 /// Returns all library names, in the order of the modules and their texts.
-pub(super) fn offers() -> &'static [Offer] {
-    static OFFERS: LazyLock<Vec<Offer>> = LazyLock::new(|| {
+pub(super) fn library_names() -> &'static [LibraryName] {
+    static OFFERS: LazyLock<Vec<LibraryName>> = LazyLock::new(|| {
         let modules = rpi_driver::library_modules();
-        modules.flat_map(of_module).collect()
+        modules.flat_map(module_names).collect()
     });
     &OFFERS
 }
 
-fn of_module(module: &'static str) -> Vec<Offer> {
+fn module_names(module: &'static str) -> Vec<LibraryName> {
     let text = rpi_driver::library_text(module).unwrap_or_default();
-    let parsed = parse(FileId(0), text, Mode::Rpi);
+    let parsed = parse(FileId(0), text, Dialect::Rpi);
     let offer = |item: &Item| {
-        Some(Offer {
+        Some(LibraryName {
             module,
-            name: name_of(item)?,
-            head: rpi_syntax::head(item, Mode::Rpi),
+            name: declared_name(item)?,
+            head: rpi_syntax::header(item, Dialect::Rpi),
             doc: item.doc.clone(),
         })
     };
@@ -40,7 +40,7 @@ fn of_module(module: &'static str) -> Vec<Offer> {
 }
 
 /// Returns the name of a declaration. [`None`] for declarations that need no `use`, such as primitives.
-fn name_of(item: &Item) -> Option<Name> {
+fn declared_name(item: &Item) -> Option<Name> {
     match &item.kind {
         ItemKind::Node(node) => Some(node.signature.name.name.clone()),
         ItemKind::Fragment(fragment) => Some(fragment.signature.name.name.clone()),
@@ -57,7 +57,10 @@ mod tests {
 
     #[test]
     fn the_library_offers_its_names() {
-        let line = offers().iter().find(|offer| offer.name == "Line").unwrap();
+        let line = library_names()
+            .iter()
+            .find(|offer| offer.name == "Line")
+            .unwrap();
         assert_eq!(line.module, "motion");
         assert!(line.head.starts_with("fragment Line"), "{}", line.head);
         assert!(line.doc.is_some());

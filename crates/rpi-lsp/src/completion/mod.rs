@@ -4,26 +4,26 @@
 //! errors. `names.rs` collects the matching names, `library.rs` those of modules that are not imported yet.
 
 mod cursor;
+mod items;
 mod library;
-mod names;
 
 use lsp_types::{CompletionList, CompletionParams, CompletionResponse};
 
-use crate::world::World;
+use crate::workspace::Workspace;
 use cursor::Cursor;
 
 /// Handles `textDocument/completion`. Returns [`None`] inside comments, strings and numbers.
 pub(crate) fn completion(
-    world: &mut World,
+    world: &mut Workspace,
     params: CompletionParams,
 ) -> Option<CompletionResponse> {
     let at = params.text_document_position;
-    let seen = world.see(&at.text_document.uri)?;
-    let places = world.places(&seen);
+    let seen = world.analysis(&at.text_document.uri)?;
+    let places = world.locations(&seen);
     let offset = places.offset(at.position);
     let text = seen.sources.text(rpi_diag::FileId(0));
-    let cursor = Cursor::at(text, offset as usize, seen.mode())?;
-    let list = names::Names::new(&seen, &places, offset, &cursor).list();
+    let cursor = Cursor::from_offset(text, offset as usize, seen.mode())?;
+    let list = items::ItemCollector::new(&seen, &places, offset, &cursor).items();
     Some(CompletionResponse::List(CompletionList {
         // The list depends on the text typed so far: primitives are filtered by it.
         is_incomplete: true,

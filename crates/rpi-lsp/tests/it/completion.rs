@@ -9,7 +9,7 @@ fn labels(marked: &str) -> Vec<String> {
     let (text, position) = cursor(marked);
     let mut session = open(&text);
     let labels = session.labels(&position);
-    session.leave().unwrap();
+    session.shut_down().unwrap();
     labels
 }
 
@@ -103,7 +103,7 @@ fn what_is_not_used_yet_brings_its_use() {
     let (text, position) =
         cursor("const far: real = 1.0;\nfragment F () returns (y: bool)\nlet\n  y = cro|\ntel\n");
     let mut session = open(&text);
-    let list = session.at("completion", &position);
+    let list = session.request_at("completion", &position);
     let items = list["items"].as_array().unwrap();
     let crosses = items
         .iter()
@@ -113,14 +113,14 @@ fn what_is_not_used_yet_brings_its_use() {
     let expected =
         json!([{ "range": { "start": start, "end": start }, "newText": "use motion;\n\n" }]);
     assert_eq!(crosses["additionalTextEdits"], expected);
-    session.leave().unwrap();
+    session.shut_down().unwrap();
 }
 
 #[test]
 fn an_item_replaces_what_is_written_of_it() {
     let (text, position) = cursor(&in_body("x = Core::Double|"));
     let mut session = open(&text);
-    let list = session.at("completion", &position);
+    let list = session.request_at("completion", &position);
     let items = list["items"].as_array().unwrap();
     let add = items
         .iter()
@@ -128,7 +128,7 @@ fn an_item_replaces_what_is_written_of_it() {
         .unwrap();
     assert_eq!(add["textEdit"]["newText"], "Core::DoubleAdd");
     assert_eq!(add["textEdit"]["range"]["start"]["character"], json!(6));
-    session.leave().unwrap();
+    session.shut_down().unwrap();
 }
 
 #[test]
@@ -150,5 +150,5 @@ fn lustre_has_its_own_words() {
         .collect();
     assert!(labels.contains(&&json!("x")) && labels.contains(&&json!("pre")));
     assert!(!labels.contains(&&json!("command")) && !labels.contains(&&json!("Line")));
-    session.leave().unwrap();
+    session.shut_down().unwrap();
 }

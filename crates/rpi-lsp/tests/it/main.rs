@@ -1,8 +1,8 @@
 //! Integration tests of the server over pipes, as an editor uses it.
 
 mod completion;
-mod findings;
-mod life;
-mod names;
-mod prefixes;
+mod diagnostics;
+mod lifecycle;
+mod navigation;
+mod robustness;
 mod support;

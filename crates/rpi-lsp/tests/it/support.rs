@@ -36,19 +36,19 @@ pub(crate) fn open(text: &str) -> Session {
 
 impl Session {
     /// Ends the session with `shutdown` and `exit`. Returns the result of the server.
-    pub(crate) fn leave(mut self) -> std::io::Result<()> {
-        self.client.leave();
+    pub(crate) fn shut_down(mut self) -> std::io::Result<()> {
+        self.client.shutdown();
         self.server.join().unwrap()
     }
 
     /// Disconnects without `shutdown`. Returns the result of the server.
-    pub(crate) fn vanish(self) -> std::io::Result<()> {
+    pub(crate) fn disconnect(self) -> std::io::Result<()> {
         drop(self.client);
         self.server.join().unwrap()
     }
 
     /// Returns the result of a request about a position.
-    pub(crate) fn at(&mut self, method: &str, position: &Value) -> Value {
+    pub(crate) fn request_at(&mut self, method: &str, position: &Value) -> Value {
         let params = json!({
             "textDocument": { "uri": URI },
             "position": position,
@@ -60,7 +60,7 @@ impl Session {
 
     /// Returns the Markdown text of the hover at a position.
     pub(crate) fn hover(&mut self, position: &Value) -> String {
-        let hover = self.at("hover", position);
+        let hover = self.request_at("hover", position);
         hover["contents"]["value"]
             .as_str()
             .unwrap_or_default()
@@ -69,7 +69,7 @@ impl Session {
 
     /// Returns the labels of the completion items at a position.
     pub(crate) fn labels(&mut self, position: &Value) -> Vec<String> {
-        let list = self.at("completion", position);
+        let list = self.request_at("completion", position);
         let items = list["items"].as_array().cloned().unwrap_or_default();
         let label = |item: &Value| item["label"].as_str().unwrap_or_default().to_owned();
         items.iter().map(label).collect()

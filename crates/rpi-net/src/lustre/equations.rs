@@ -1,52 +1,52 @@
 //! Translates primitives to Lustre equations, one primitive at a time.
 
-use super::flows::{Is, Seen, Writer};
-use super::operators::{Check, check, filled, guarded, is_partial, operator};
+use super::flows::{ObservedFlow, PresenceCondition, Writer};
+use super::operators::{Check, check, fill, guarded, is_partial, operator};
 use super::value::{literal, neutral, type_name};
 use crate::net::{Input, NodeId, PortRef};
-use crate::passes::Sureness;
-use rpi_image::{CommandFlow, Need, PortType, Role, Scalar, Type, Value};
+use crate::passes::FlowPresence;
+use rpi_image::{CommandFlow, Fallback, PortType, Role, Scalar, Type, Value};
 use std::collections::BTreeSet;
 
 /// Lustre expressions of a flow's value and presence.
-struct Result {
+struct Equation {
     value: String,
-    is: Is,
+    presence: PresenceCondition,
 }
 
 impl Writer<'_> {
     /// Writes the equation of a primitive, its assertion, or an input if the primitive has no Lustre equivalent.
-    pub(super) fn equation(&mut self, id: NodeId) {
+    pub(super) fn write_primitive(&mut self, id: NodeId) {
         let node = self.net().node(id);
         if let Some(check) = check(node.desc().name) {
             return self.check(id, check);
         }
-        if self.inputs_taken.contains(&id) {
+        if self.input_nodes.contains(&id) {
             return;
         }
-        let [Type::One(scalar)] = node.outputs[..] else {
+        let [Type::Scalar(scalar)] = node.outputs[..] else {
             return match node.outputs.is_empty() {
                 true => {}
-                false => self.leave_open(id),
+                false => self.add_unconstrained_inputs(id),
             };
         };
         if node.desc().name == "Rpi::IntWithin" {
             self.subrange(id);
         }
         let port = PortRef { node: id, port: 0 };
-        match self.result(id, scalar) {
+        match self.equation_of(id, scalar) {
             Some(result) => self.define(port, scalar, &result),
-            None => self.leave_open(id),
+            None => self.add_unconstrained_inputs(id),
         }
     }
 
     fn check(&mut self, id: NodeId, check: Check) {
         let condition = self.operand(id, 0);
         let fragment = self.net().node(id).fragment;
-        let claimed = condition.and_then(|condition| self.claimed(fragment, &condition));
+        let claimed = condition.and_then(|condition| self.guarded_condition(fragment, &condition));
         match check {
-            Check::Given => self.assumptions.extend(claimed),
-            Check::ToProve => self.claims.extend(claimed),
+            Check::Assume => self.assumptions.extend(claimed),
+            Check::Property => self.properties.extend(claimed),
         }
     }
 
@@ -75,41 +75,43 @@ impl Writer<'_> {
         let from = from.map(|from| format!("{text} >= {from}"));
         let to = to.map(|to| format!("{text} <= {to}"));
         let ends: Vec<String> = from.into_iter().chain(to).collect();
-        let claim = Seen {
+        let claim = ObservedFlow {
             value: Some(format!("({guard} => {})", ends.join(" and "))),
-            is: active.is.and(&value.is),
+            presence: active.presence.and(&value.presence),
         };
-        let claimed = self.claimed(fragment, &claim).filter(|_| !ends.is_empty());
+        let claimed = self
+            .guarded_condition(fragment, &claim)
+            .filter(|_| !ends.is_empty());
         match is_given {
             true => self.assumptions.extend(claimed),
-            false => self.claims.extend(claimed),
+            false => self.properties.extend(claimed),
         }
     }
 
-    fn define(&mut self, port: PortRef, scalar: Scalar, result: &Result) {
+    fn define(&mut self, port: PortRef, scalar: Scalar, result: &Equation) {
         let Some(ty) = type_name(scalar) else {
             return;
         };
         let name = self.flow(port);
         self.locals.push(format!("{name}: {ty}"));
         self.equations.push(format!("{name} = {}", result.value));
-        if self.analysis.presences.own(port) == Sureness::Optional {
+        if self.analysis.presences.own(port) == FlowPresence::Optional {
             self.locals.push(format!("{name}_is: bool"));
             self.equations
-                .push(format!("{name}_is = {}", result.is.text()));
+                .push(format!("{name}_is = {}", result.presence.text()));
         }
     }
 
     /// Adds an input of the Lustre node for each input of the net, named by its key.
-    pub(super) fn take_inputs(&mut self) {
+    pub(super) fn add_inputs(&mut self) {
         let read = self.net().nodes.iter().flat_map(|node| &node.inputs);
         let read: BTreeSet<PortRef> = read.filter_map(Input::port).collect();
         for id in self.net().node_ids() {
             let node = self.net().node(id);
             let port = PortRef { node: id, port: 0 };
-            let is_total = self.analysis.presences.own(port) == Sureness::Total;
+            let is_total = self.analysis.presences.own(port) == FlowPresence::Total;
             let key = node.params.iter().find_map(Value::as_str);
-            let (Role::Input, Some(Type::One(scalar)), Some(key), true) =
+            let (Role::Input, Some(Type::Scalar(scalar)), Some(key), true) =
                 (node.desc().role, node.outputs.first(), key, is_total)
             else {
                 continue;
@@ -122,14 +124,14 @@ impl Writer<'_> {
             let updated = PortRef { node: id, port: 1 };
             if read.contains(&updated) {
                 self.inputs.push(format!("{name}_is: bool"));
-                self.is_input(updated, name.clone());
+                self.map_to_input(updated, name.clone());
             }
-            self.is_input(port, name);
+            self.map_to_input(port, name);
         }
     }
 
     /// Adds inputs for the flows that the control core supplies to a command, except the period, which is a constant.
-    pub(super) fn take_core_flows(&mut self) {
+    pub(super) fn add_core_inputs(&mut self) {
         for id in self.net().node_ids() {
             let node = self.net().node(id);
             let (Role::Flow(flow), desc) = (node.desc().role, node.desc()) else {
@@ -139,33 +141,36 @@ impl Writer<'_> {
                 continue;
             }
             if let Some(name) = self.core_input(desc, node.origin.span) {
-                self.is_input(PortRef { node: id, port: 0 }, name);
+                self.map_to_input(PortRef { node: id, port: 0 }, name);
             }
         }
     }
 
-    fn result(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+    fn equation_of(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let node = self.net().node(id);
         match node.desc().role {
-            Role::Flow(CommandFlow::Period) => Some(Result {
+            Role::Flow(CommandFlow::Period) => Some(Equation {
                 value: literal(&Value::real(self.period_ns as f64 / 1e9))?,
-                is: Is::Always,
+                presence: PresenceCondition::Always,
             }),
-            Role::Flow(CommandFlow::PeriodTicks) => Some(Result {
+            Role::Flow(CommandFlow::PeriodTicks) => Some(Equation {
                 value: literal(&Value::int(1))?,
-                is: Is::Always,
+                presence: PresenceCondition::Always,
             }),
-            Role::Constant => Some(Result {
+            Role::Constant => Some(Equation {
                 value: literal(node.params.first()?)?,
-                is: Is::Always,
+                presence: PresenceCondition::Always,
             }),
             Role::Delay => self.delay(id, scalar),
             Role::First => self.first(id),
             Role::IsAbsent => {
-                let seen = self.looked_at(id, 0)?;
-                let value = format!("not {}", seen.is.text());
-                let is = Is::Always;
-                Some(Result { value, is })
+                let seen = self.operand_presence(id, 0)?;
+                let value = format!("not {}", seen.presence.text());
+                let is = PresenceCondition::Always;
+                Some(Equation {
+                    value,
+                    presence: is,
+                })
             }
             Role::Compute => self.computed(id, scalar),
             _ => None,
@@ -174,32 +179,32 @@ impl Writer<'_> {
 
     /// Value and presence of an in-port as its primitive sees it; `None` if the value has no Lustre form, or if an
     /// unconnected in-port has a default.
-    fn operand(&mut self, id: NodeId, k: usize) -> Option<Seen> {
-        let seen = self.looked_at(id, k)?;
+    fn operand(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
+        let seen = self.operand_presence(id, k)?;
         seen.value.is_some().then_some(seen)
     }
 
     /// Like [`Writer::operand`], for primitives that may read only the presence: the value may have no Lustre form.
-    fn looked_at(&mut self, id: NodeId, k: usize) -> Option<Seen> {
+    fn operand_presence(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
         let node = self.net().node(id);
         let declared = node.desc().inputs.get(k)?;
-        let PortType::One(scalar) = declared.ty else {
+        let PortType::Scalar(scalar) = declared.ty else {
             return None;
         };
         let input = node.inputs.get(k)?.clone();
-        if input == Input::Open && !matches!(declared.need, Need::Absent) {
+        if input == Input::Unconnected && !matches!(declared.fallback, Fallback::AbsentValue) {
             return None;
         }
         let fragment = node.fragment;
         Some(self.seen(fragment, &input, scalar))
     }
 
-    fn operands(&mut self, id: NodeId) -> Option<Vec<Seen>> {
+    fn operands(&mut self, id: NodeId) -> Option<Vec<ObservedFlow>> {
         let count = self.net().node(id).inputs.len();
         (0..count).map(|k| self.operand(id, k)).collect()
     }
 
-    fn computed(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+    fn computed(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let name = self.net().node(id).desc().name;
         let plain = name.rsplit("::").next().unwrap_or(name);
         if let Some(template) = operator(name) {
@@ -210,7 +215,7 @@ impl Writer<'_> {
             return self.strict(id, scalar, &template);
         }
         match plain {
-            "WholeTicks" => self.fixed_ticks(id),
+            "WholeTicks" => self.constant_ticks(id),
             "SecondsFromTicks" => {
                 let tick = literal(&Value::real(self.period_ns as f64))?;
                 self.strict(id, scalar, &format!("real {{0}} * {tick} / 1000000000.0"))
@@ -228,31 +233,33 @@ impl Writer<'_> {
     }
 
     /// Constant duration in whole ticks of one period each.
-    fn fixed_ticks(&mut self, id: NodeId) -> Option<Result> {
+    fn constant_ticks(&mut self, id: NodeId) -> Option<Equation> {
         let Input::Const(value) = self.net().node(id).inputs.first()? else {
             return None;
         };
         let ticks = rpi_prims::whole_ticks(value.as_real()?, self.period_ns);
-        Some(Result {
+        Some(Equation {
             value: literal(&Value::int(ticks))?,
-            is: Is::Always,
+            presence: PresenceCondition::Always,
         })
     }
 
     /// Equation of a strict primitive: present if all operands are. An operation that may fault is computed only then.
     /// A partial operation, such as a quotient, is computed only if its fragment is active, too.
-    fn strict(&mut self, id: NodeId, scalar: Scalar, template: &str) -> Option<Result> {
+    fn strict(&mut self, id: NodeId, scalar: Scalar, template: &str) -> Option<Equation> {
         let seen = self.operands(id)?;
-        let is = seen.iter().fold(Is::Always, |is, seen| is.and(&seen.is));
+        let is = seen
+            .iter()
+            .fold(PresenceCondition::Always, |is, seen| is.and(&seen.presence));
         let values: Vec<String> = seen.into_iter().filter_map(|seen| seen.value).collect();
-        let value = filled(template, &values);
+        let value = fill(template, &values);
         let node = self.net().node(id);
         let computed = match is_partial(node.desc().name) {
             true => self.active(node.fragment).and(&is),
             false => is.clone(),
         };
         let value = match (&computed, node.desc().may_fault) {
-            (Is::While(_), true) => {
+            (PresenceCondition::While(_), true) => {
                 format!(
                     "if {} then {value} else {}",
                     computed.text(),
@@ -261,43 +268,56 @@ impl Writer<'_> {
             }
             _ => value,
         };
-        Some(Result { value, is })
+        Some(Equation {
+            value,
+            presence: is,
+        })
     }
 
     /// Strong Kleene logic for `and`, `or` and `=>` (`not a or b`): one operand may decide the result alone.
-    fn kleene(&mut self, id: NodeId, op: &str) -> Option<Result> {
+    fn kleene(&mut self, id: NodeId, op: &str) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [a, b] = &seen[..] else {
             return None;
         };
         let (x, y) = (a.value.clone()?, b.value.clone()?);
-        let both = a.is.and(&b.is);
-        if both == Is::Always {
+        let both = a.presence.and(&b.presence);
+        if both == PresenceCondition::Always {
             let value = format!("{x} {op} {y}");
-            return Some(Result { value, is: both });
+            return Some(Equation {
+                value,
+                presence: both,
+            });
         }
         let (x, op) = match op {
             "=>" => (format!("(not {x})"), "or"),
             _ => (x, op),
         };
         // An absent operand counts as the neutral element, which does not decide.
-        let neutral = |value: &str, is: &Is| match op {
+        let neutral = |value: &str, is: &PresenceCondition| match op {
             "and" => format!("(not {} or {value})", is.text()),
             _ => format!("({} and {value})", is.text()),
         };
-        let decides = |value: &str, is: &Is| match op {
+        let decides = |value: &str, is: &PresenceCondition| match op {
             "and" => format!("({} and not {value})", is.text()),
             _ => format!("({} and {value})", is.text()),
         };
-        let value = format!("{} {op} {}", neutral(&x, &a.is), neutral(&y, &b.is));
-        let [by_x, by_y] = [decides(&x, &a.is), decides(&y, &b.is)];
+        let value = format!(
+            "{} {op} {}",
+            neutral(&x, &a.presence),
+            neutral(&y, &b.presence)
+        );
+        let [by_x, by_y] = [decides(&x, &a.presence), decides(&y, &b.presence)];
         let any = format!("({} or {by_x} or {by_y})", both.text());
-        let is = Is::While(vec![any]);
-        Some(Result { value, is })
+        let is = PresenceCondition::While(vec![any]);
+        Some(Equation {
+            value,
+            presence: is,
+        })
     }
 
     /// Equality up to the primitive's `Epsilon`.
-    fn equals(&mut self, id: NodeId) -> Option<Result> {
+    fn equals(&mut self, id: NodeId) -> Option<Equation> {
         let node = self.net().node(id);
         let epsilon = node.params.first().cloned();
         let exact = epsilon
@@ -312,7 +332,7 @@ impl Writer<'_> {
     }
 
     /// Conditional: the branch that is not selected may be absent.
-    fn conditional(&mut self, id: NodeId) -> Option<Result> {
+    fn conditional(&mut self, id: NodeId) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [condition, yes, no] = &seen[..] else {
             return None;
@@ -322,57 +342,61 @@ impl Writer<'_> {
             yes.value.clone()?,
             no.value.clone()?,
         );
-        let chosen = match (&yes.is, &no.is) {
+        let chosen = match (&yes.presence, &no.presence) {
             (a, b) if a == b => a.clone(),
-            (a, b) => Is::While(vec![format!(
+            (a, b) => PresenceCondition::While(vec![format!(
                 "(if {c} then {} else {})",
                 a.text(),
                 b.text()
             )]),
         };
-        Some(Result {
+        Some(Equation {
             value: format!("if {c} then {a} else {b}"),
-            is: condition.is.and(&chosen),
+            presence: condition.presence.and(&chosen),
         })
     }
 
     /// First operand if it is present, otherwise the second.
-    fn coalesce(&mut self, id: NodeId) -> Option<Result> {
+    fn coalesce(&mut self, id: NodeId) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [first, second] = &seen[..] else {
             return None;
         };
         let (a, b) = (first.value.clone()?, second.value.clone()?);
-        Some(match (&first.is, &second.is) {
-            (Is::Always, _) => Result {
+        Some(match (&first.presence, &second.presence) {
+            (PresenceCondition::Always, _) => Equation {
                 value: a,
-                is: Is::Always,
+                presence: PresenceCondition::Always,
             },
-            (Is::Never, is) => Result {
+            (PresenceCondition::Never, is) => Equation {
                 value: b,
-                is: is.clone(),
+                presence: is.clone(),
             },
-            (is, other) => Result {
+            (is, other) => Equation {
                 value: format!("if {} then {a} else {b}", is.text()),
-                is: match other {
-                    Is::Always => Is::Always,
-                    other => Is::While(vec![format!("({} or {})", is.text(), other.text())]),
+                presence: match other {
+                    PresenceCondition::Always => PresenceCondition::Always,
+                    other => PresenceCondition::While(vec![format!(
+                        "({} or {})",
+                        is.text(),
+                        other.text()
+                    )]),
                 },
             },
         })
     }
 
     /// Last value that was present; the initial value before the first one.
-    fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+    fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [given, initial] = &seen[..] else {
             return None;
         };
         let (x, start) = (given.value.clone()?, initial.value.clone()?);
-        let (fragment, is) = (self.net().node(id).fragment, given.is.text());
+        let (fragment, is) = (self.net().node(id).fragment, given.presence.text());
         let like = self.flow(PortRef { node: id, port: 0 });
         let seen_before = |before: &str| format!("({is} or {before})");
-        let before = self.kept(
+        let before = self.add_state(
             fragment,
             &format!("{like}_seen"),
             "bool",
@@ -381,30 +405,33 @@ impl Writer<'_> {
         );
         let last = |last: &str| format!("(if {is} then {x} else {last})");
         let (ty, first) = (type_name(scalar)?, neutral(scalar)?);
-        let last = self.kept(fragment, &format!("{like}_last"), ty, first, last);
-        Some(Result {
+        let last = self.add_state(fragment, &format!("{like}_last"), ty, first, last);
+        Some(Equation {
             value: format!("if {is} then {x} else if {before} then {last} else {start}"),
-            is: match &initial.is {
-                Is::Always => Is::Always,
-                other => Is::While(vec![format!("({is} or {before} or {})", other.text())]),
+            presence: match &initial.presence {
+                PresenceCondition::Always => PresenceCondition::Always,
+                other => PresenceCondition::While(vec![format!(
+                    "({is} or {before} or {})",
+                    other.text()
+                )]),
             },
         })
     }
 
     /// Operand that is present unless the second operand is true or absent.
-    fn set_null(&mut self, id: NodeId) -> Option<Result> {
+    fn set_null(&mut self, id: NodeId) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [given, null] = &seen[..] else {
             return None;
         };
-        let kept = Is::While(vec![format!("(not {})", null.value.clone()?)]);
-        Some(Result {
+        let kept = PresenceCondition::While(vec![format!("(not {})", null.value.clone()?)]);
+        Some(Equation {
             value: given.value.clone()?,
-            is: given.is.and(&null.is).and(&kept),
+            presence: given.presence.and(&null.presence).and(&kept),
         })
     }
 
-    fn delay(&mut self, id: NodeId, scalar: Scalar) -> Option<Result> {
+    fn delay(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let given = self.operand(id, 0)?;
         let node = self.net().node(id);
         let (fragment, port) = (node.fragment, PortRef { node: id, port: 0 });
@@ -412,33 +439,36 @@ impl Writer<'_> {
         let value = given.value?;
         let like = self.flow(port);
         let kept = |_: &str| format!("({value})");
-        let before = self.kept(fragment, &format!("{like}_before"), ty, first, kept);
-        if self.analysis.presences.own(port) != Sureness::Optional {
-            let is = Is::Always;
-            return Some(Result { value: before, is });
+        let before = self.add_state(fragment, &format!("{like}_before"), ty, first, kept);
+        if self.analysis.presences.own(port) != FlowPresence::Optional {
+            let is = PresenceCondition::Always;
+            return Some(Equation {
+                value: before,
+                presence: is,
+            });
         }
-        let there = given.is.text();
+        let there = given.presence.text();
         let at_first = match node.desc().outputs[0].presence {
             rpi_image::Presence::Maybe => "false",
             _ => "true",
         };
         let there = |_: &str| format!("({there})");
-        let is = self.kept(fragment, &format!("{like}_was"), "bool", at_first, there);
-        Some(Result {
+        let is = self.add_state(fragment, &format!("{like}_was"), "bool", at_first, there);
+        Some(Equation {
             value: before,
-            is: Is::While(vec![is]),
+            presence: PresenceCondition::While(vec![is]),
         })
     }
 
     /// Boolean that is true in the first cycle of the fragment.
-    fn first(&mut self, id: NodeId) -> Option<Result> {
+    fn first(&mut self, id: NodeId) -> Option<Equation> {
         let fragment = self.net().node(id).fragment;
         let like = self.flow(PortRef { node: id, port: 0 });
         let later = |_: &str| "true".to_owned();
-        let seen = self.kept(fragment, &format!("{like}_seen"), "bool", "false", later);
-        Some(Result {
+        let seen = self.add_state(fragment, &format!("{like}_seen"), "bool", "false", later);
+        Some(Equation {
             value: format!("not {seen}"),
-            is: Is::Always,
+            presence: PresenceCondition::Always,
         })
     }
 }

@@ -2,9 +2,9 @@
 
 use super::names::Names;
 use super::value::{literal, neutral, type_name};
-use crate::net::{Absent, Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
-use crate::passes::{Analysis, Sureness};
-use rpi_diag::{Code, Finding, Span};
+use crate::net::{AbsentPolicy, Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
+use crate::passes::{Analysis, FlowPresence};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{PortType, Presence, PrimDesc, Scalar, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ pub(super) struct Writer<'n> {
     /// Period of a cycle in nanoseconds.
     pub(super) period_ns: u64,
     pub(super) names: Names,
-    pub(super) title: String,
+    pub(super) node_name: String,
     pub(super) inputs: Vec<String>,
     pub(super) outputs: Vec<String>,
     pub(super) locals: Vec<String>,
@@ -22,66 +22,68 @@ pub(super) struct Writer<'n> {
     /// Boolean expressions that are assumed (`assert`).
     pub(super) assumptions: Vec<String>,
     /// Boolean expressions to prove (`--%PROPERTY`).
-    pub(super) claims: Vec<String>,
-    pub(super) findings: Vec<Finding>,
+    pub(super) properties: Vec<String>,
+    pub(super) diagnostics: Vec<Diagnostic>,
     /// Lustre name of each flow. The name with the suffix `_is` is its presence.
     flows: BTreeMap<PortRef, String>,
     /// Lustre names of the declared inputs, by key.
-    given: BTreeMap<String, String>,
+    inputs_by_key: BTreeMap<String, String>,
     /// Lustre names of the inputs for flows that the control core supplies, by primitive.
-    from_core: BTreeMap<&'static str, String>,
+    core_inputs: BTreeMap<&'static str, String>,
     /// Nodes that are represented by inputs.
-    pub(super) inputs_taken: BTreeSet<NodeId>,
+    pub(super) input_nodes: BTreeSet<NodeId>,
     /// Reserved Lustre names of outputs, by key.
     pub(super) reserved: BTreeMap<String, String>,
-    fragments: Vec<Activity>,
+    fragments: Vec<FragmentActivation>,
 }
 
 /// Expressions for a fragment's activation (`None`: always active) and reset (`None`: never).
 #[derive(Clone, Default)]
-struct Activity {
-    on: Option<String>,
-    again: Option<String>,
+struct FragmentActivation {
+    active: Option<String>,
+    reset: Option<String>,
 }
 
 /// Value and presence of a flow as a reader sees it.
-pub(super) struct Seen {
+pub(super) struct ObservedFlow {
     /// Value expression; `None` for a type without Lustre equivalent.
     pub(super) value: Option<String>,
     /// Presence condition.
-    pub(super) is: Is,
+    pub(super) presence: PresenceCondition,
 }
 
-impl Seen {
+impl ObservedFlow {
     /// Expression that is true if the Boolean is true. `absent` is the meaning of an absent value.
-    pub(super) fn holds(&self, absent: Absent) -> String {
+    pub(super) fn holds(&self, absent: AbsentPolicy) -> String {
         let value = self.value.as_deref().unwrap_or("false");
-        match (&self.is, absent) {
-            (Is::Always, _) => value.to_owned(),
-            (is, Absent::Inactive) => format!("({} and {value})", is.text()),
-            (is, Absent::Active) => format!("(not {} or {value})", is.text()),
+        match (&self.presence, absent) {
+            (PresenceCondition::Always, _) => value.to_owned(),
+            (is, AbsentPolicy::Inactive) => format!("({} and {value})", is.text()),
+            (is, AbsentPolicy::Active) => format!("(not {} or {value})", is.text()),
         }
     }
 }
 
 /// Presence condition of a flow.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Is {
+pub(super) enum PresenceCondition {
     Always,
     Never,
     /// Present while all of these expressions are true.
     While(Vec<String>),
 }
 
-impl Is {
+impl PresenceCondition {
     /// Conjunction of two presence conditions.
-    pub(super) fn and(&self, other: &Is) -> Is {
+    pub(super) fn and(&self, other: &PresenceCondition) -> PresenceCondition {
         match (self, other) {
-            (Is::Never, _) | (_, Is::Never) => Is::Never,
-            (Is::Always, is) | (is, Is::Always) => is.clone(),
-            (Is::While(a), Is::While(b)) => {
+            (PresenceCondition::Never, _) | (_, PresenceCondition::Never) => {
+                PresenceCondition::Never
+            }
+            (PresenceCondition::Always, is) | (is, PresenceCondition::Always) => is.clone(),
+            (PresenceCondition::While(a), PresenceCondition::While(b)) => {
                 let fresh = b.iter().filter(|condition| !a.contains(condition));
-                Is::While(a.iter().chain(fresh).cloned().collect())
+                PresenceCondition::While(a.iter().chain(fresh).cloned().collect())
             }
         }
     }
@@ -89,9 +91,9 @@ impl Is {
     /// Boolean expression of the condition, in parentheses where needed.
     pub(super) fn text(&self) -> String {
         match self {
-            Is::Always => "true".to_owned(),
-            Is::Never => "false".to_owned(),
-            Is::While(all) => match &all[..] {
+            PresenceCondition::Always => "true".to_owned(),
+            PresenceCondition::Never => "false".to_owned(),
+            PresenceCondition::While(all) => match &all[..] {
                 [one] => one.clone(),
                 all => format!("({})", all.join(" and ")),
             },
@@ -107,18 +109,18 @@ impl<'n> Writer<'n> {
             analysis,
             period_ns,
             names,
-            title,
+            node_name: title,
             inputs: Vec::new(),
             outputs: Vec::new(),
             locals: Vec::new(),
             equations: Vec::new(),
             assumptions: Vec::new(),
-            claims: Vec::new(),
-            findings: Vec::new(),
+            properties: Vec::new(),
+            diagnostics: Vec::new(),
             flows: BTreeMap::new(),
-            given: BTreeMap::new(),
-            from_core: BTreeMap::new(),
-            inputs_taken: BTreeSet::new(),
+            inputs_by_key: BTreeMap::new(),
+            core_inputs: BTreeMap::new(),
+            input_nodes: BTreeSet::new(),
             reserved: BTreeMap::new(),
             fragments: Vec::new(),
         }
@@ -146,23 +148,23 @@ impl<'n> Writer<'n> {
     /// Adds an input of the Lustre node unless it exists and returns its name; `None` for a type without Lustre
     /// equivalent.
     pub(super) fn input(&mut self, key: &str, ty: Scalar) -> Option<String> {
-        if let Some(name) = self.given.get(key) {
+        if let Some(name) = self.inputs_by_key.get(key) {
             return Some(name.clone());
         }
         let ty = type_name(ty)?;
         let name = self.names.fresh(key);
         self.inputs.push(format!("{name}: {ty}"));
-        self.given.insert(key.to_owned(), name.clone());
+        self.inputs_by_key.insert(key.to_owned(), name.clone());
         Some(name)
     }
 
     /// Name of the input for a flow that the control core supplies. All readers share one input.
     pub(super) fn core_input(&mut self, desc: &'static PrimDesc, reader: Span) -> Option<String> {
-        if let Some(name) = self.from_core.get(desc.name) {
+        if let Some(name) = self.core_inputs.get(desc.name) {
             return Some(name.clone());
         }
         let port = desc.outputs.first()?;
-        let PortType::One(scalar) = port.ty else {
+        let PortType::Scalar(scalar) = port.ty else {
             return None;
         };
         let ty = type_name(scalar)?;
@@ -171,8 +173,8 @@ impl<'n> Writer<'n> {
         if port.presence == Presence::Maybe {
             self.inputs.push(format!("{name}_is: bool"));
         }
-        self.from_core.insert(desc.name, name.clone());
-        self.tell_open(desc, std::slice::from_ref(&name), reader);
+        self.core_inputs.insert(desc.name, name.clone());
+        self.report_unconstrained(desc, std::slice::from_ref(&name), reader);
         Some(name)
     }
 
@@ -198,86 +200,99 @@ impl<'n> Writer<'n> {
     }
 
     /// Name of the Boolean flow that says whether a flow is present.
-    pub(super) fn companion(&mut self, port: PortRef) -> String {
+    pub(super) fn presence_name(&mut self, port: PortRef) -> String {
         format!("{}_is", self.flow(port))
     }
 
     /// Maps a flow to an input of the Lustre node.
-    pub(super) fn is_input(&mut self, port: PortRef, name: String) {
-        self.inputs_taken.insert(port.node);
+    pub(super) fn map_to_input(&mut self, port: PortRef, name: String) {
+        self.input_nodes.insert(port.node);
         self.flows.insert(port, name);
     }
 
     /// Presence of a flow in the cycles in which its fragment is active.
-    pub(super) fn own(&mut self, port: PortRef) -> Is {
+    pub(super) fn own_presence(&mut self, port: PortRef) -> PresenceCondition {
         match self.analysis.presences.own(port) {
-            Sureness::Total => Is::Always,
-            Sureness::Never => Is::Never,
-            Sureness::Optional => Is::While(vec![self.companion(port)]),
+            FlowPresence::Total => PresenceCondition::Always,
+            FlowPresence::Never => PresenceCondition::Never,
+            FlowPresence::Optional => PresenceCondition::While(vec![self.presence_name(port)]),
         }
     }
 
     /// Value and presence of an input's source as a reader in the fragment `reader` sees them.
-    pub(super) fn seen(&mut self, reader: FragmentId, input: &Input, ty: Scalar) -> Seen {
+    pub(super) fn seen(&mut self, reader: FragmentId, input: &Input, ty: Scalar) -> ObservedFlow {
         match input {
-            Input::Open => Seen {
+            Input::Unconnected => ObservedFlow {
                 value: neutral(ty).map(str::to_owned),
-                is: Is::Never,
+                presence: PresenceCondition::Never,
             },
-            Input::Const(value) => Seen {
+            Input::Const(value) => ObservedFlow {
                 value: literal(value),
-                is: Is::Always,
+                presence: PresenceCondition::Always,
             },
             Input::Port(port) => self.seen_port(reader, *port, ty),
         }
     }
 
-    pub(super) fn seen_port(&mut self, reader: FragmentId, port: PortRef, ty: Scalar) -> Seen {
+    pub(super) fn seen_port(
+        &mut self,
+        reader: FragmentId,
+        port: PortRef,
+        ty: Scalar,
+    ) -> ObservedFlow {
         let (presences, tree) = (&self.analysis.presences, &self.analysis.tree);
         let through = presences.view(self.net(), tree, reader, port).through;
-        let mut is = self.own(port);
+        let mut is = self.own_presence(port);
         for fragment in through {
-            let on = self.fragments[fragment.index()].on.clone();
-            is = is.and(&on.map_or(Is::Always, |on| Is::While(vec![on])));
+            let on = self.fragments[fragment.index()].active.clone();
+            is = is.and(&on.map_or(PresenceCondition::Always, |on| {
+                PresenceCondition::While(vec![on])
+            }));
         }
         let known = matches!(
             self.net()
                 .node(port.node)
                 .outputs
                 .get(usize::from(port.port)),
-            Some(Type::One(_))
+            Some(Type::Scalar(_))
         );
         let value = type_name(ty).filter(|_| known).map(|_| self.flow(port));
-        Seen { value, is }
+        ObservedFlow {
+            value,
+            presence: is,
+        }
     }
 
     /// Adds the activation and reset flows of all fragments. Parents come first.
     pub(super) fn fragments(&mut self) {
-        self.fragments = vec![Activity::default(); self.net().fragments.len()];
+        self.fragments = vec![FragmentActivation::default(); self.net().fragments.len()];
         for id in self.net().fragment_ids() {
             let activity = self.activity(id);
             self.fragments[id.index()] = activity;
         }
     }
 
-    fn activity(&mut self, id: FragmentId) -> Activity {
+    fn activity(&mut self, id: FragmentId) -> FragmentActivation {
         let fragment = self.net().fragment(id);
         let Some(parent) = fragment.parent else {
-            return Activity::default();
+            return FragmentActivation::default();
         };
         let outer = self.fragments[parent.index()].clone();
         let path = self.net().path(parent, &fragment.name);
         let on = match fragment.activation {
-            Activation::Always => outer.on.clone(),
-            Activation::When { condition, absent } => {
+            Activation::Always => outer.active.clone(),
+            Activation::When {
+                condition,
+                if_absent: absent,
+            } => {
                 let holds = self.holds(parent, condition, absent);
-                let all = outer.on.iter().cloned().chain([holds]);
+                let all = outer.active.iter().cloned().chain([holds]);
                 let all: Vec<String> = all.collect();
                 Some(self.local(&format!("{path}_on"), "bool", &all.join(" and ")))
             }
         };
-        let own = self.asked_to_restart(id, parent, on.as_deref());
-        let again = match (own, &outer.again) {
+        let own = self.reset_condition(id, parent, on.as_deref());
+        let again = match (own, &outer.reset) {
             (None, again) => again.clone(),
             (Some(own), None) => Some(self.local(&format!("{path}_again"), "bool", &own)),
             (Some(own), Some(outer)) => {
@@ -285,11 +300,14 @@ impl<'n> Writer<'n> {
                 Some(self.local(&format!("{path}_again"), "bool", &either))
             }
         };
-        Activity { on, again }
+        FragmentActivation {
+            active: on,
+            reset: again,
+        }
     }
 
     /// Expression for a fragment's own reset condition; `None` if it has none.
-    fn asked_to_restart(
+    fn reset_condition(
         &mut self,
         id: FragmentId,
         parent: FragmentId,
@@ -302,12 +320,12 @@ impl<'n> Writer<'n> {
             // `parent`.
             Restart::OnActivation => on.map(|on| {
                 let like = format!("{}_was", self.net().path(parent, &fragment.name));
-                let was = self.kept(parent, &like, "bool", "false", |_| on.to_owned());
+                let was = self.add_state(parent, &like, "bool", "false", |_| on.to_owned());
                 format!("({on} and not {was})")
             }),
             // A reset request while the fragment is inactive is ignored.
             Restart::Every(condition) => {
-                let asked = self.holds(parent, condition, Absent::Inactive);
+                let asked = self.holds(parent, condition, AbsentPolicy::Inactive);
                 Some(match on {
                     Some(on) => format!("({on} and {asked})"),
                     None => asked,
@@ -316,14 +334,14 @@ impl<'n> Writer<'n> {
         }
     }
 
-    fn holds(&mut self, reader: FragmentId, condition: PortRef, absent: Absent) -> String {
+    fn holds(&mut self, reader: FragmentId, condition: PortRef, absent: AbsentPolicy) -> String {
         let seen = self.seen_port(reader, condition, Scalar::Bool);
         seen.holds(absent)
     }
 
     /// Adds a state variable that is updated in the cycles in which the fragment is active. Returns the name of the
     /// flow with the previous value; `next` maps this name to the expression of the next value.
-    pub(super) fn kept(
+    pub(super) fn add_state(
         &mut self,
         fragment: FragmentId,
         like: &str,
@@ -331,7 +349,10 @@ impl<'n> Writer<'n> {
         first: &str,
         next: impl FnOnce(&str) -> String,
     ) -> String {
-        let Activity { on, again } = self.fragments[fragment.index()].clone();
+        let FragmentActivation {
+            active: on,
+            reset: again,
+        } = self.fragments[fragment.index()].clone();
         let before = self.declared(like, ty);
         let next = next(&before);
         let state = match on {
@@ -348,27 +369,33 @@ impl<'n> Writer<'n> {
     }
 
     /// Condition under which a fragment is active.
-    pub(super) fn active(&self, fragment: FragmentId) -> Is {
-        let on = self.fragments[fragment.index()].on.clone();
-        on.map_or(Is::Always, |on| Is::While(vec![on]))
+    pub(super) fn active(&self, fragment: FragmentId) -> PresenceCondition {
+        let on = self.fragments[fragment.index()].active.clone();
+        on.map_or(PresenceCondition::Always, |on| {
+            PresenceCondition::While(vec![on])
+        })
     }
 
     /// Expression that is true if a condition holds wherever it is present and its fragment is active.
-    pub(super) fn claimed(&self, fragment: FragmentId, condition: &Seen) -> Option<String> {
+    pub(super) fn guarded_condition(
+        &self,
+        fragment: FragmentId,
+        condition: &ObservedFlow,
+    ) -> Option<String> {
         let value = condition.value.clone()?;
-        Some(match self.active(fragment).and(&condition.is) {
-            Is::Always => value,
+        Some(match self.active(fragment).and(&condition.presence) {
+            PresenceCondition::Always => value,
             is => format!("({} => {value})", is.text()),
         })
     }
 
     /// Replaces a primitive without Lustre equivalent by inputs, and reports it.
-    pub(super) fn leave_open(&mut self, id: NodeId) {
+    pub(super) fn add_unconstrained_inputs(&mut self, id: NodeId) {
         let node = self.net().node(id);
         let mut names = Vec::new();
         for (ty, k) in node.outputs.iter().zip(0..) {
             let port = PortRef { node: id, port: k };
-            let Type::One(scalar) = *ty else {
+            let Type::Scalar(scalar) = *ty else {
                 continue;
             };
             let Some(type_name) = type_name(scalar) else {
@@ -376,22 +403,22 @@ impl<'n> Writer<'n> {
             };
             let name = self.flow(port);
             self.inputs.push(format!("{name}: {type_name}"));
-            if self.analysis.presences.own(port) == Sureness::Optional {
+            if self.analysis.presences.own(port) == FlowPresence::Optional {
                 self.inputs.push(format!("{name}_is: bool"));
             }
             names.push(name);
         }
-        self.tell_open(node.desc(), &names, node.origin.span);
+        self.report_unconstrained(node.desc(), &names, node.origin.span);
     }
 
-    fn tell_open(&mut self, desc: &PrimDesc, names: &[String], reader: Span) {
+    fn report_unconstrained(&mut self, desc: &PrimDesc, names: &[String], reader: Span) {
         if names.is_empty() {
             return;
         }
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         let message = format!("`{}` has no Lustre equivalent", desc.name);
         let label = format!("unconstrained input: {}", names.join(", "));
-        let finding = Finding::new(Code::RPI9103, message);
-        self.findings.push(finding.at(reader, label));
+        let diagnostic = Diagnostic::new(Code::RPI9103, message);
+        self.diagnostics.push(diagnostic.primary(reader, label));
     }
 }

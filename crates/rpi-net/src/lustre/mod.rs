@@ -17,24 +17,24 @@
 //! | `outputs.rs` | outputs, and the results of a command |
 //! | `needed.rs` | removal of unused local flows |
 
+mod dead_flows;
 mod equations;
 mod flows;
 mod names;
-mod needed;
 mod operators;
 mod outputs;
 mod value;
 
 use crate::Column;
 use crate::passes::Analysis;
+use dead_flows::remove_dead_flows;
 use flows::Writer;
-use needed::needed;
-use rpi_diag::Finding;
+use rpi_diag::Diagnostic;
 use std::fmt::Write as _;
 
 /// Ports of the Lustre node in order, by the keys of the net. Without outputs, all exports become outputs.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Boundary<'a> {
+pub struct NodeInterface<'a> {
     /// In-ports.
     pub inputs: &'a [Column],
     /// Out-ports.
@@ -43,45 +43,49 @@ pub struct Boundary<'a> {
 
 /// Lustre program with the diagnostics of its translation.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Lustre {
+pub struct LustreProgram {
     /// Text of the program.
     pub text: String,
     /// Diagnostics for primitives that became unconstrained inputs.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
 }
 
 /// Translates an analysed net for a period in nanoseconds, which determines `dt` and the ticks of times.
 #[must_use]
-pub fn write(analysis: &Analysis, boundary: &Boundary<'_>, period_ns: u64) -> Lustre {
+pub fn to_lustre(
+    analysis: &Analysis,
+    boundary: &NodeInterface<'_>,
+    period_ns: u64,
+) -> LustreProgram {
     let mut writer = Writer::new(analysis, period_ns);
     for column in boundary.inputs {
-        writer.input(&column.key, column.ty);
+        writer.input(&column.key, column.scalar);
     }
-    writer.take_inputs();
+    writer.add_inputs();
     let exports = outputs::exports(&analysis.net, boundary);
     let results = outputs::results(&analysis.net, boundary);
     let keys = exports.iter().map(|export| &export.0);
     for key in keys.chain(results.iter().map(|result| &result.name)) {
         writer.reserve(key);
     }
-    writer.take_core_flows();
+    writer.add_core_inputs();
     writer.fragments();
     for id in analysis.net.node_ids() {
-        writer.equation(id);
+        writer.write_primitive(id);
     }
     for (key, ty, source) in exports {
         writer.output(&key, ty, source);
     }
-    writer.choose(results);
+    writer.write_results(results);
     writer.finish()
 }
 
 impl Writer<'_> {
-    fn finish(mut self) -> Lustre {
-        let others = [&self.assumptions[..], &self.claims[..]].concat();
-        (self.locals, self.equations) = needed(self.locals, self.equations, &others);
+    fn finish(mut self) -> LustreProgram {
+        let others = [&self.assumptions[..], &self.properties[..]].concat();
+        (self.locals, self.equations) = remove_dead_flows(self.locals, self.equations, &others);
         let mut text = String::new();
-        let _ = writeln!(text, "node {} (", self.title);
+        let _ = writeln!(text, "node {} (", self.node_name);
         put_list(&mut text, &self.inputs);
         text.push_str(")\nreturns (\n");
         put_list(&mut text, &self.outputs);
@@ -99,13 +103,13 @@ impl Writer<'_> {
         for assumption in &self.assumptions {
             let _ = writeln!(text, "  assert {assumption};");
         }
-        for claim in &self.claims {
+        for claim in &self.properties {
             let _ = writeln!(text, "  --%PROPERTY {claim};");
         }
         text.push_str("tel\n");
-        Lustre {
+        LustreProgram {
             text,
-            findings: self.findings,
+            diagnostics: self.diagnostics,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Keywords of Lustre V6 and Kind 2, which are not valid names.
-const WORDS: &[&str] = &[
+const KEYWORDS: &[&str] = &[
     "and",
     "any",
     "assert",
@@ -76,7 +76,7 @@ impl Names {
     /// Returns an unused name similar to `like`: `x.f[2]` becomes `x_f_2`.
     pub(super) fn fresh(&mut self, like: &str) -> String {
         let base = plain(like);
-        let is_free = !WORDS.contains(&base.as_str()) && !self.taken.contains_key(&base);
+        let is_free = !KEYWORDS.contains(&base.as_str()) && !self.taken.contains_key(&base);
         let mut last = self.taken.get(&base).copied().unwrap_or(1);
         let mut name = base.clone();
         while !is_free && (name == base || self.taken.contains_key(&name)) {

@@ -22,9 +22,9 @@ pub(super) fn is_partial(prim: &str) -> bool {
 #[derive(Clone, Copy)]
 pub(super) enum Check {
     /// The condition is assumed.
-    Given,
+    Assume,
     /// The condition is a property to prove.
-    ToProve,
+    Property,
 }
 
 /// Role of a primitive that ends the command when a condition is false; `None` for other primitives.
@@ -35,9 +35,9 @@ pub(super) fn check(prim: &str) -> Option<Check> {
 
 #[rustfmt::skip]
 const CHECKS: &[(&str, Check)] = &[
-    ("Rpi::Assert",      Check::ToProve),
-    ("Rpi::AssertIndex", Check::ToProve),
-    ("Rpi::Assume",      Check::Given),
+    ("Rpi::Assert",      Check::Property),
+    ("Rpi::AssertIndex", Check::Property),
+    ("Rpi::Assume",      Check::Assume),
 ];
 
 #[rustfmt::skip]
@@ -81,7 +81,7 @@ const GUARDED: &[(&str, &str, &str)] = &[
 ];
 
 /// Replaces the placeholders of a template by operands.
-pub(super) fn filled(template: &str, operands: &[String]) -> String {
+pub(super) fn fill(template: &str, operands: &[String]) -> String {
     let mut text = template.to_owned();
     for (k, operand) in operands.iter().enumerate() {
         text = text.replace(&format!("{{{k}}}"), operand);

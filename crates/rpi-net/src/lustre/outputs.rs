@@ -1,25 +1,27 @@
 //! Outputs of the Lustre node: exports, and the results of a command.
 
-use super::Boundary;
-use super::flows::{Is, Writer};
+use super::NodeInterface;
+use super::flows::{PresenceCondition, Writer};
 use super::value::type_name;
-use crate::net::{Absent, Driver, FragmentId, Input, Net, PortRef, ResultKind, ResultPort};
+use crate::net::{
+    AbsentPolicy, FragmentId, Input, Net, PortRef, ResultKind, ResultPort, Termination,
+};
 use rpi_image::{CommandFlow, Role, Scalar, Type};
 use rpi_prims::registry;
 
 /// Exports that become outputs: those of the boundary, or all if the boundary has no outputs.
-pub(super) fn exports(net: &Net, boundary: &Boundary<'_>) -> Vec<(String, Scalar, PortRef)> {
+pub(super) fn exports(net: &Net, boundary: &NodeInterface<'_>) -> Vec<(String, Scalar, PortRef)> {
     let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
     if !boundary.outputs.is_empty() {
         let asked = boundary.outputs.iter();
         let found = asked.filter_map(|column| Some((column, exported(&column.key)?)));
-        let row = found.map(|(column, export)| (column.key.clone(), column.ty, export.source));
+        let row = found.map(|(column, export)| (column.key.clone(), column.scalar, export.source));
         return row.collect();
     }
     let one = net.exports.iter().filter_map(|export| {
         let source = export.source;
         match net.node(source.node).outputs[usize::from(source.port)] {
-            Type::One(scalar) => Some((export.key.clone(), scalar, source)),
+            Type::Scalar(scalar) => Some((export.key.clone(), scalar, source)),
             _ => None,
         }
     });
@@ -27,9 +29,9 @@ pub(super) fn exports(net: &Net, boundary: &Boundary<'_>) -> Vec<(String, Scalar
 }
 
 /// Results of a command; empty if the boundary selects the outputs.
-pub(super) fn results<'n>(net: &'n Net, boundary: &Boundary<'_>) -> &'n [ResultPort] {
-    match &net.driver {
-        Driver::Results(results) if boundary.outputs.is_empty() => results,
+pub(super) fn results<'n>(net: &'n Net, boundary: &NodeInterface<'_>) -> &'n [ResultPort] {
+    match &net.termination {
+        Termination::Results(results) if boundary.outputs.is_empty() => results,
         _ => &[],
     }
 }
@@ -50,11 +52,11 @@ impl Writer<'_> {
         let output = self.reserved_name(key);
         self.outputs.push(format!("{output}: {name}"));
         self.equations.push(format!("{output} = {value}"));
-        if seen.is != Is::Always {
+        if seen.presence != PresenceCondition::Always {
             let companion = self.names.fresh(&format!("{output}_is"));
             self.outputs.push(format!("{companion}: bool"));
             self.equations
-                .push(format!("{companion} = {}", seen.is.text()));
+                .push(format!("{companion} = {}", seen.presence.text()));
         }
     }
 
@@ -64,7 +66,7 @@ impl Writer<'_> {
     }
 
     /// Adds an output for each result. At most one is true: a `fail` comes first, then the first result in the text.
-    pub(super) fn choose(&mut self, results: &[ResultPort]) {
+    pub(super) fn write_results(&mut self, results: &[ResultPort]) {
         let names: Vec<String> = results
             .iter()
             .map(|result| self.reserved_name(&result.name))
@@ -75,7 +77,7 @@ impl Writer<'_> {
         let (fails, others): (Vec<usize>, Vec<usize>) = (0..results.len()).partition(is_fail);
         let mut earlier: Vec<&str> = Vec::new();
         for k in fails.into_iter().chain(others) {
-            let condition = self.ends(&results[k]);
+            let condition = self.result_condition(&results[k]);
             let name = &names[k];
             self.equations.push(match earlier.is_empty() {
                 true => format!("{name} = {condition}"),
@@ -86,9 +88,9 @@ impl Writer<'_> {
     }
 
     /// Condition of a result. A `yield` also needs a successor.
-    fn ends(&mut self, result: &ResultPort) -> String {
+    fn result_condition(&mut self, result: &ResultPort) -> String {
         let seen = self.seen(FragmentId::ROOT, &result.condition, Scalar::Bool);
-        let condition = seen.holds(Absent::Inactive);
+        let condition = seen.holds(AbsentPolicy::Inactive);
         if result.kind != ResultKind::Yield {
             return condition;
         }

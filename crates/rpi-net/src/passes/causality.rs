@@ -3,14 +3,14 @@
 //! Each strongly connected component of a fragment's dependency graph gives one diagnostic. It shows the shortest
 //! dependency cycle through the component step by step, with fixes that insert a `pre`.
 
-use crate::net::{Activation, Fragment, Input, Net, NodeId, PortRef, Restart, without_calls};
-use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
-use crate::passes::rings::Rings;
+use crate::fragment_tree::Item;
+use crate::net::{Activation, Fragment, Input, Net, NodeId, PortRef, Restart, strip_unnamed_calls};
+use crate::passes::dependencies::{Dependencies, Dependency, Graph, Reader};
+use crate::passes::dependency_cycles::CyclicComponents;
 use crate::prim;
-use crate::tree::Item;
 use petgraph::graph::{EdgeIndex, NodeIndex};
 use petgraph::visit::EdgeRef;
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_image::{Scalar, Type};
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
@@ -20,17 +20,22 @@ const SHOWN: usize = 40;
 
 /// Returns a diagnostic for each dependency cycle of a net.
 #[must_use]
-pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Finding> {
-    let mut findings = Vec::new();
+pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
     let activated = LazyCell::new(|| activated(net));
     for fragment in net.fragment_ids() {
         let graph = dependencies.graph(fragment);
-        let rings = Rings::new(graph);
+        let rings = CyclicComponents::new(graph);
         for component in 0..rings.components.len() {
-            findings.push(finding(net, graph, &rings.shortest(component), &activated));
+            diagnostics.push(diagnostic_of(
+                net,
+                graph,
+                &rings.shortest_cycle(component),
+                &activated,
+            ));
         }
     }
-    findings
+    diagnostics
 }
 
 /// Step of a dependency cycle as the diagnostic shows it: `to` reads `from` at `span`.
@@ -43,7 +48,7 @@ struct Step {
     /// not break the dependency cycle.
     reads: Vec<Span>,
     /// Whether all reads are on the right side of a `->`, whose left side gives the first value.
-    has_first: bool,
+    has_initial_value: bool,
 }
 
 /// Read of a flow by another flow within a cycle, with source names and locations.
@@ -56,64 +61,64 @@ pub struct Read {
     /// Location of the first read.
     pub span: Span,
     /// Locations of further reads. The dependency cycle is broken only if all reads are delayed.
-    pub more: Vec<Span>,
+    pub further_spans: Vec<Span>,
 }
 
 /// Returns the diagnostic for a dependency cycle of reads. Each read uses the flow that the previous one defines. A fix
 /// offers a `pre` at each read.
 #[must_use]
-pub fn ring(reads: &[Read]) -> Finding {
+pub fn dependency_cycle(reads: &[Read]) -> Diagnostic {
     let told = |read: &Read| format!("`{}` reads `{}` here", read.to, read.from);
     let steps = reads
         .iter()
         .map(|read| (read.from.as_str(), read.span, told(read)));
-    let mut finding = drawn(&steps.collect::<Vec<_>>());
+    let mut diagnostic = cycle_diagnostic(&steps.collect::<Vec<_>>());
     let fix = |read: &Read| {
         let all: Vec<Span> = std::iter::once(read.span)
-            .chain(read.more.clone())
+            .chain(read.further_spans.clone())
             .collect();
-        delayed(&read.from, &read.to, &all, None)
+        delay_fix(&read.from, &read.to, &all, None)
     };
-    finding.fixes = reads.iter().take(SHOWN).map(fix).collect();
-    finding.help(BREAK)
+    diagnostic.fixes = reads.iter().take(SHOWN).map(fix).collect();
+    diagnostic.help(BREAK_HELP)
 }
 
-const BREAK: &str =
+const BREAK_HELP: &str =
     "delay one step: `pre` gives the value of the previous cycle, and `->` adds a first value";
 
-fn finding(
+fn diagnostic_of(
     net: &Net,
     graph: &Graph,
     ring: &[EdgeIndex],
     activated: &BTreeMap<Span, bool>,
-) -> Finding {
+) -> Diagnostic {
     let steps = steps(net, graph, ring);
-    let mut finding = drawn(
+    let mut diagnostic = cycle_diagnostic(
         &steps
             .iter()
-            .map(|s| (s.from.as_str(), s.span, told(s)))
+            .map(|s| (s.from.as_str(), s.span, step_label(s)))
             .collect::<Vec<_>>(),
     );
     let fixes = steps
         .iter()
         .take(SHOWN)
         .filter_map(|s| fix(net, s, activated));
-    finding.fixes = fixes.collect();
+    diagnostic.fixes = fixes.collect();
     let is_fragment = |e: &EdgeIndex| match item(graph, *e) {
         Some(Item::Fragment(id)) => !net.fragment(id).is_clock,
         _ => false,
     };
-    finding.help(match is_program(net) {
+    diagnostic.help(match is_program(net) {
         true if ring.iter().any(is_fragment) => {
             "delay one step with `pre`; a fragment counts as one step, regardless of delays inside it"
         }
-        true => BREAK,
+        true => BREAK_HELP,
         false => "delay one step with a `Pre`; inside a fragment it breaks only dependency cycles there",
     })
 }
 
 /// Diagnostic for a dependency cycle. Each step consists of the name that is read, the location, and its label.
-fn drawn(steps: &[(&str, Span, String)]) -> Finding {
+fn cycle_diagnostic(steps: &[(&str, Span, String)]) -> Diagnostic {
     let mut names: Vec<String> = steps
         .iter()
         .take(SHOWN)
@@ -126,18 +131,18 @@ fn drawn(steps: &[(&str, Span, String)]) -> Finding {
     let first = names.first().cloned().unwrap_or_default();
     let ring = names.join(" -> ");
     let message = format!("{first} depends on itself in the same cycle: {ring}");
-    let mut finding = Finding::new(Code::RPI4001, message);
+    let mut diagnostic = Diagnostic::new(Code::RPI4001, message);
     let places = steps.iter().take(SHOWN).filter(|step| !step.1.is_none());
     for (k, (_, span, text)) in places.enumerate() {
-        finding = match k {
-            0 => finding.at(*span, text),
-            _ => finding.also(*span, text),
+        diagnostic = match k {
+            0 => diagnostic.primary(*span, text),
+            _ => diagnostic.secondary(*span, text),
         };
     }
-    finding
+    diagnostic
 }
 
-fn told(step: &Step) -> String {
+fn step_label(step: &Step) -> String {
     let Step {
         from, to, reader, ..
     } = step;
@@ -159,7 +164,7 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     let mut edges = ring[start..].iter().chain(&ring[..start]).peekable();
     let mut steps: Vec<Step> = Vec::new();
     while let Some(edge) = edges.next() {
-        let Dependence { source, reader } = graph[*edge];
+        let Dependency { source, reader } = graph[*edge];
         while edges.next_if(|e| !is_named(e)).is_some() {}
         let end = edges.peek().copied().or(ring.get(start)).copied();
         let end = end
@@ -171,7 +176,7 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
             reader,
             span: span(net, reader),
             reads: end.map_or_else(Vec::new, |end| reads(net, graph, *edge, end)),
-            has_first: end.is_some_and(|end| has_first(net, graph, *edge, end)),
+            has_initial_value: end.is_some_and(|end| has_first(net, graph, *edge, end)),
         });
     }
     let names: Vec<String> = steps.iter().map(|s| s.from.clone()).collect();
@@ -214,13 +219,13 @@ fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool 
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return false;
     };
-    let always = |edge: &Dependence| !is_later(net, edge.reader);
+    let always = |edge: &Dependency| !is_after_first(net, edge.reader);
     let mut ways = graph.edges(from).filter(|edge| always(edge.weight()));
     !ways.any(|edge| leads_along(net, graph, (edge.target(), end), always))
 }
 
 /// Whether the reader reads its source in all cycles but the first: the right side of a `->`.
-fn is_later(net: &Net, reader: Reader) -> bool {
+fn is_after_first(net: &Net, reader: Reader) -> bool {
     let Reader::Input(id, port) = reader else {
         return false;
     };
@@ -244,7 +249,7 @@ fn leads_along(
     net: &Net,
     graph: &Graph,
     (start, end): (NodeIndex, NodeIndex),
-    along: impl Fn(&Dependence) -> bool,
+    along: impl Fn(&Dependency) -> bool,
 ) -> bool {
     let mut seen = vec![start];
     let mut next = 0;
@@ -281,7 +286,7 @@ fn flow_name<'n>(net: &'n Net, graph: &Graph, edge: EdgeIndex) -> Option<&'n str
 
 fn name(net: &Net, graph: &Graph, edge: EdgeIndex, source: PortRef) -> String {
     if let Some(flow) = flow_name(net, graph, edge) {
-        return without_calls(flow);
+        return strip_unnamed_calls(flow);
     }
     match item(graph, edge) {
         Some(Item::Fragment(id)) => net.fragment(id).name.clone(),
@@ -339,16 +344,16 @@ fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> 
     if step.reads.iter().any(is_whole) {
         return None;
     }
-    Some(delayed(
+    Some(delay_fix(
         &step.from,
         &step.to,
         &step.reads,
-        first_value(net, id).filter(|_| !step.has_first),
+        first_value(net, id).filter(|_| !step.has_initial_value),
     ))
 }
 
 /// Fix that reads the value of the previous cycle, with a first value if one is given.
-fn delayed(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix {
+fn delay_fix(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix {
     let (before, after) = match first {
         Some(first) => (format!("({first} -> pre ("), "))"),
         None => ("pre (".to_owned(), ")"),
@@ -363,9 +368,9 @@ fn delayed(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix {
 /// First value for a delay of a node's output; `None` for types without an obvious one.
 fn first_value(net: &Net, id: NodeId) -> Option<&'static str> {
     match net.node(id).outputs.first()? {
-        Type::One(Scalar::Bool) => Some("false"),
-        Type::One(Scalar::Int) => Some("0"),
-        Type::One(Scalar::Real) => Some("0.0"),
+        Type::Scalar(Scalar::Bool) => Some("false"),
+        Type::Scalar(Scalar::Int) => Some("0"),
+        Type::Scalar(Scalar::Real) => Some("0.0"),
         _ => None,
     }
 }

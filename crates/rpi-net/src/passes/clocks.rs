@@ -6,9 +6,9 @@
 //! can be ordered as a whole enters each clock once. Delays and `first` depend only on their clock; they are scheduled
 //! with their first reader.
 
+use crate::fragment_tree::Item;
 use crate::net::{FragmentId, Net};
 use crate::passes::dependencies::{Dependencies, Graph};
-use crate::tree::Item;
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
@@ -17,23 +17,23 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// Items that run between entering and leaving a fragment, in order. A fragment in the list is entered there once more.
-pub(super) type Run = Vec<Item>;
+pub(super) type ClockRun = Vec<Item>;
 
 /// Runs of a fragment and of the clock fragments in it; `None` if there is a dependency cycle.
 pub(super) fn runs(
     net: &Net,
     dependencies: &Dependencies,
     level: FragmentId,
-) -> Option<Vec<(FragmentId, Run)>> {
-    let mut order = Order::new(net, dependencies, level);
+) -> Option<Vec<(FragmentId, ClockRun)>> {
+    let mut order = ClockScheduler::new(net, dependencies, level);
     order.start();
     order.run();
-    (order.left == 0).then_some(order.runs)
+    (order.remaining == 0).then_some(order.runs)
 }
 
 /// Scheduling state of a clock, or of the level itself.
 #[derive(Default)]
-struct Clock {
+struct ClockState {
     /// Operations whose inputs have all been scheduled.
     ready: BinaryHeap<Reverse<NodeIndex>>,
     /// Number of ready operations in this clock and the clocks inside it.
@@ -44,49 +44,49 @@ struct Clock {
     next: BTreeSet<(bool, FragmentId)>,
 }
 
-struct Order<'a> {
+struct ClockScheduler<'a> {
     net: &'a Net,
     graph: &'a Graph,
     level: FragmentId,
-    clocks: BTreeMap<FragmentId, Clock>,
+    clocks: BTreeMap<FragmentId, ClockState>,
     /// For each vertex, the number of edges that are not satisfied yet.
     waiting: Vec<usize>,
     /// For each vertex, whether it is scheduled with its first reader.
-    carried: Vec<bool>,
+    deferred: Vec<bool>,
     /// For each vertex, whether it has been scheduled.
     done: Vec<bool>,
     /// Number of vertices that have not been scheduled.
-    left: usize,
+    remaining: usize,
     /// Stack of the entered clocks, each with its current run.
-    open: Vec<(FragmentId, Run)>,
-    runs: Vec<(FragmentId, Run)>,
+    open: Vec<(FragmentId, ClockRun)>,
+    runs: Vec<(FragmentId, ClockRun)>,
 }
 
-impl<'a> Order<'a> {
+impl<'a> ClockScheduler<'a> {
     fn new(net: &'a Net, dependencies: &'a Dependencies, level: FragmentId) -> Self {
         let graph = dependencies.graph(level);
         let count = graph.node_count();
-        let mut order = Order {
+        let mut order = ClockScheduler {
             net,
             graph,
             level,
-            clocks: BTreeMap::from([(level, Clock::default())]),
+            clocks: BTreeMap::from([(level, ClockState::default())]),
             waiting: vec![0; count],
-            carried: vec![false; count],
+            deferred: vec![false; count],
             done: vec![false; count],
-            left: count,
-            open: vec![(level, Run::new())],
+            remaining: count,
+            open: vec![(level, ClockRun::new())],
             runs: Vec::new(),
         };
         for item in graph.node_weights() {
             if let Item::Fragment(id) = item
                 && dependencies.is_clock(*id)
             {
-                order.clocks.insert(*id, Clock::default());
+                order.clocks.insert(*id, ClockState::default());
             }
         }
         for v in graph.node_indices() {
-            order.carried[v.index()] = order.is_carried(v);
+            order.deferred[v.index()] = order.is_carried(v);
         }
         for edge in graph.edge_references() {
             order.waiting[edge.target().index()] += 1;
@@ -98,7 +98,7 @@ impl<'a> Order<'a> {
     }
 
     /// Fragment that directly contains a vertex.
-    fn home(&self, v: NodeIndex) -> FragmentId {
+    fn fragment_of(&self, v: NodeIndex) -> FragmentId {
         match self.graph[v] {
             Item::Node(id) => self.net.node(id).fragment,
             Item::Fragment(id) => self.net.fragment(id).parent.unwrap_or(self.level),
@@ -108,12 +108,12 @@ impl<'a> Order<'a> {
     /// Clocks from a fragment outwards, excluding the level.
     fn outwards(&self, from: FragmentId) -> impl Iterator<Item = FragmentId> + use<'a> {
         let level = self.level;
-        self.net.enclosing(from).take_while(move |f| *f != level)
+        self.net.ancestors(from).take_while(move |f| *f != level)
     }
 
     /// Clocks that are entered on the way from one vertex to another.
     fn entered(&self, from: NodeIndex, to: NodeIndex) -> Vec<FragmentId> {
-        let (from, to) = (self.home(from), self.home(to));
+        let (from, to) = (self.fragment_of(from), self.fragment_of(to));
         if from == to {
             return Vec::new();
         }
@@ -127,10 +127,10 @@ impl<'a> Order<'a> {
         let Item::Node(id) = self.graph[v] else {
             return false;
         };
-        let home = self.home(v);
+        let home = self.fragment_of(v);
         let is_plain = matches!(self.net.node(id).desc().role, Role::Delay | Role::First);
         let is_read_here =
-            |w: NodeIndex| self.home(w) == home && matches!(self.graph[w], Item::Node(_));
+            |w: NodeIndex| self.fragment_of(w) == home && matches!(self.graph[w], Item::Node(_));
         is_plain
             && home != self.level
             && self.graph.neighbors_directed(v, Outgoing).all(is_read_here)
@@ -146,28 +146,28 @@ impl<'a> Order<'a> {
     }
 
     fn make_ready(&mut self, v: NodeIndex) {
-        if self.carried[v.index()] {
+        if self.deferred[v.index()] {
             return self.release(v);
         }
-        let home = self.home(v);
+        let home = self.fragment_of(v);
         if let Some(clock) = self.clocks.get_mut(&home) {
             clock.ready.push(Reverse(v));
         }
-        self.count(home, 1);
+        self.add_ready(home, 1);
     }
 
     /// Adds `change` to the number of ready operations of a clock and of the clocks around it.
-    fn count(&mut self, home: FragmentId, change: isize) {
+    fn add_ready(&mut self, home: FragmentId, change: isize) {
         let around: Vec<FragmentId> = self.outwards(home).collect();
         for clock in around {
             let known = self.clocks.entry(clock).or_default();
             known.ready_within = known.ready_within.saturating_add_signed(change);
-            self.choose(clock);
+            self.update_candidate(clock);
         }
     }
 
     /// Updates the entry of a clock among the candidates of its parent.
-    fn choose(&mut self, id: FragmentId) {
+    fn update_candidate(&mut self, id: FragmentId) {
         let Some(clock) = self.clocks.get(&id) else {
             return;
         };
@@ -190,7 +190,7 @@ impl<'a> Order<'a> {
                 if let Some(known) = self.clocks.get_mut(&clock) {
                     known.waiting -= 1;
                 }
-                self.choose(clock);
+                self.update_candidate(clock);
             }
             self.waiting[to.index()] -= 1;
             if self.waiting[to.index()] == 0 {
@@ -206,11 +206,11 @@ impl<'a> Order<'a> {
                 return;
             };
             if let Some(Reverse(v)) = clock.ready.pop() {
-                self.count(at, -1);
-                self.take(v);
+                self.add_ready(at, -1);
+                self.schedule_with_deferred(v);
                 self.release(v);
             } else if let Some((_, inner)) = clock.next.first().copied() {
-                self.open.push((inner, Run::new()));
+                self.open.push((inner, ClockRun::new()));
             } else {
                 self.leave();
             }
@@ -218,22 +218,22 @@ impl<'a> Order<'a> {
     }
 
     /// Schedules a vertex after the vertices that are carried to it.
-    fn take(&mut self, v: NodeIndex) {
+    fn schedule_with_deferred(&mut self, v: NodeIndex) {
         let mut carried: Vec<NodeIndex> = self
             .graph
             .neighbors_directed(v, Incoming)
-            .filter(|w| self.carried[w.index()] && !self.done[w.index()])
+            .filter(|w| self.deferred[w.index()] && !self.done[w.index()])
             .collect();
         carried.sort_unstable();
         carried.dedup();
         for v in carried.into_iter().chain([v]) {
-            self.put(v);
+            self.schedule(v);
         }
     }
 
-    fn put(&mut self, v: NodeIndex) {
+    fn schedule(&mut self, v: NodeIndex) {
         self.done[v.index()] = true;
-        self.left -= 1;
+        self.remaining -= 1;
         let item = self.graph[v];
         let is_activation = matches!(item, Item::Fragment(id) if self.net.fragment(id).is_clock);
         if let (false, Some((_, run))) = (is_activation, self.open.last_mut()) {
@@ -252,20 +252,20 @@ impl<'a> Order<'a> {
             return;
         }
         self.runs.push((at, run));
-        self.put_rest();
+        self.schedule_deferred();
     }
 
     /// Schedules carried vertices without a reader in this cycle at the end of their clocks.
-    fn put_rest(&mut self) {
-        let rest = |v: &NodeIndex| self.carried[v.index()] && !self.done[v.index()];
+    fn schedule_deferred(&mut self) {
+        let rest = |v: &NodeIndex| self.deferred[v.index()] && !self.done[v.index()];
         let rest: Vec<NodeIndex> = self.graph.node_indices().filter(rest).collect();
         for v in rest {
             if self.waiting[v.index()] > 0 {
                 continue;
             }
-            let run = self.last_run(self.home(v));
+            let run = self.last_run(self.fragment_of(v));
             self.runs[run].1.push(self.graph[v]);
-            self.left -= 1;
+            self.remaining -= 1;
             self.done[v.index()] = true;
         }
     }
@@ -283,7 +283,7 @@ impl<'a> Order<'a> {
         };
         for inner in path.into_iter().rev() {
             self.runs[last].1.push(Item::Fragment(inner));
-            self.runs.push((inner, Run::new()));
+            self.runs.push((inner, ClockRun::new()));
             last = self.runs.len() - 1;
         }
         last

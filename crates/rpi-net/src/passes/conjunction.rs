@@ -21,7 +21,7 @@ pub struct Conjunction {
 impl Conjunction {
     /// Returns the literals of a Boolean flow; `None` if it can never be true.
     #[must_use]
-    pub fn of(net: &Net, flow: &Input) -> Option<Conjunction> {
+    pub fn from_flow(net: &Net, flow: &Input) -> Option<Conjunction> {
         let mut found = Conjunction::default();
         let mut open = vec![(flow, true)];
         let mut seen = BTreeSet::new();
@@ -29,27 +29,29 @@ impl Conjunction {
             let port = match input {
                 Input::Port(port) => *port,
                 Input::Const(value) if value.as_bool() == Some(wanted) => continue,
-                Input::Const(_) | Input::Open => return None,
+                Input::Const(_) | Input::Unconnected => return None,
             };
             if seen.insert((port, wanted)) {
                 match part(net.node(port.node), wanted) {
                     Part::Always => {}
                     Part::Never => return None,
-                    Part::Both(inputs, wanted) => open.extend(inputs.iter().map(|i| (i, wanted))),
-                    Part::Cancelled => found.take_cancelled(wanted)?,
-                    Part::Flow => found.take(port, wanted)?,
+                    Part::AllInputs(inputs, wanted) => {
+                        open.extend(inputs.iter().map(|i| (i, wanted)))
+                    }
+                    Part::Cancelled => found.add_cancelled(wanted)?,
+                    Part::Literal => found.add_literal(port, wanted)?,
                 }
             }
         }
         Some(found)
     }
 
-    fn take_cancelled(&mut self, wanted: bool) -> Option<()> {
+    fn add_cancelled(&mut self, wanted: bool) -> Option<()> {
         let before = self.cancelled.replace(wanted);
         before.is_none_or(|b| b == wanted).then_some(())
     }
 
-    fn take(&mut self, flow: PortRef, wanted: bool) -> Option<()> {
+    fn add_literal(&mut self, flow: PortRef, wanted: bool) -> Option<()> {
         self.flows.insert((flow, wanted));
         (!self.flows.contains(&(flow, !wanted))).then_some(())
     }
@@ -62,11 +64,11 @@ enum Part<'a> {
     /// The output never has the required value.
     Never,
     /// The output has the required value exactly if all inputs have this value.
-    Both(&'a [Input], bool),
+    AllInputs(&'a [Input], bool),
     /// The output is the cancel request of the command.
     Cancelled,
     /// The output is a literal of the conjunction.
-    Flow,
+    Literal,
 }
 
 fn part(node: &Node, wanted: bool) -> Part<'_> {
@@ -75,9 +77,13 @@ fn part(node: &Node, wanted: bool) -> Part<'_> {
         Role::Flow(CommandFlow::Cancel) => Part::Cancelled,
         Role::Constant if constant() == Some(wanted) => Part::Always,
         Role::Constant => Part::Never,
-        _ if node.prim == prim!("Core::BooleanNot") => Part::Both(&node.inputs, !wanted),
-        _ if node.prim == prim!("Core::BooleanAnd") && wanted => Part::Both(&node.inputs, true),
-        _ if node.prim == prim!("Core::BooleanOr") && !wanted => Part::Both(&node.inputs, false),
-        _ => Part::Flow,
+        _ if node.prim == prim!("Core::BooleanNot") => Part::AllInputs(&node.inputs, !wanted),
+        _ if node.prim == prim!("Core::BooleanAnd") && wanted => {
+            Part::AllInputs(&node.inputs, true)
+        }
+        _ if node.prim == prim!("Core::BooleanOr") && !wanted => {
+            Part::AllInputs(&node.inputs, false)
+        }
+        _ => Part::Literal,
     }
 }

@@ -8,8 +8,8 @@
 //! A fragment that groups operations of one clock is transparent: its operations are vertices of the enclosing graph
 //! and wait for their inputs and for the clock. The vertex of such a fragment represents only its activation.
 
+use crate::fragment_tree::{FragmentTree, Item};
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
-use crate::tree::{Item, Tree};
 use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_image::{Role, Value};
 
@@ -28,7 +28,7 @@ pub enum Reader {
 
 /// Dependence of one item on another: the label of an edge.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Dependence {
+pub struct Dependency {
     /// Flow that is read.
     pub source: PortRef,
     /// Reader of the flow.
@@ -43,14 +43,14 @@ pub struct Dependencies {
 }
 
 /// Dependency graph of a fragment. Vertices are numbered in declaration order.
-pub(crate) type Graph = DiGraph<Item, Dependence>;
+pub(crate) type Graph = DiGraph<Item, Dependency>;
 
 impl Dependencies {
     /// Builds the graphs of a net.
     #[must_use]
-    pub fn new(net: &Net, tree: &Tree) -> Self {
+    pub fn new(net: &Net, tree: &FragmentTree) -> Self {
         let mut builder = Builder::new(net, tree);
-        for (reader, place, source) in links(net) {
+        for (reader, place, source) in reads(net) {
             builder.connect(reader, place, source);
         }
         let is_clock = net.fragments.iter().map(|fragment| fragment.is_clock);
@@ -61,7 +61,7 @@ impl Dependencies {
     }
 
     /// Empty placeholder without graphs.
-    pub(crate) fn none() -> Self {
+    pub(crate) fn empty() -> Self {
         Dependencies {
             graphs: Vec::new(),
             is_clock: Vec::new(),
@@ -84,7 +84,7 @@ impl Dependencies {
 }
 
 /// All reads that affect the order: the reader, the fragment that contains it, and the flow.
-fn links(net: &Net) -> impl Iterator<Item = (Reader, FragmentId, PortRef)> + '_ {
+fn reads(net: &Net) -> impl Iterator<Item = (Reader, FragmentId, PortRef)> + '_ {
     let nodes = net.node_ids().flat_map(move |id| {
         let node = net.node(id);
         let inputs = (0..).zip(&node.inputs);
@@ -116,14 +116,14 @@ fn border_links(net: &Net, id: FragmentId) -> impl Iterator<Item = (Reader, Port
 
 struct Builder<'a> {
     net: &'a Net,
-    tree: &'a Tree,
+    tree: &'a FragmentTree,
     graphs: Vec<Graph>,
     node_at: Vec<NodeIndex>,
     fragment_at: Vec<NodeIndex>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(net: &'a Net, tree: &'a Tree) -> Self {
+    fn new(net: &'a Net, tree: &'a FragmentTree) -> Self {
         let mut builder = Builder {
             net,
             tree,
@@ -145,7 +145,7 @@ impl<'a> Builder<'a> {
         if self.net.fragment(fragment).is_clock {
             return self.graphs.push(Graph::new());
         }
-        let items = self.tree.items_through(self.net, fragment);
+        let items = self.tree.items_through_clocks(self.net, fragment);
         let mut graph = Graph::with_capacity(items.len(), 2 * items.len());
         for item in items {
             let at = graph.add_node(item);
@@ -171,13 +171,13 @@ impl<'a> Builder<'a> {
         for to in nodes.chain(children) {
             let reader = Reader::Activation(clock);
             let source = condition;
-            graph.add_edge(from, to, Dependence { source, reader });
+            graph.add_edge(from, to, Dependency { source, reader });
         }
     }
 
     /// Innermost fragment with a graph that is or encloses `fragment`.
     fn level(&self, fragment: FragmentId) -> FragmentId {
-        let mut around = self.net.enclosing(fragment);
+        let mut around = self.net.ancestors(fragment);
         let level = around.find(|around| !self.net.fragment(*around).is_clock);
         level.unwrap_or(FragmentId::ROOT)
     }
@@ -191,7 +191,7 @@ impl<'a> Builder<'a> {
     /// Adds the edge of one read to the graph of the innermost fragment that encloses both ends.
     fn connect(&mut self, reader: Reader, place: FragmentId, source: PortRef) {
         let origin = self.net.node(source.node).fragment;
-        let level = self.level(self.tree.common(place, origin));
+        let level = self.level(self.tree.common_ancestor(place, origin));
         let Some(to) = self.reading_vertex(reader, level, place) else {
             return;
         };
@@ -199,7 +199,7 @@ impl<'a> Builder<'a> {
             Some(child) => self.fragment_at[child.index()],
             None => self.node_at[source.node.index()],
         };
-        self.graphs[level.index()].add_edge(from, to, Dependence { source, reader });
+        self.graphs[level.index()].add_edge(from, to, Dependency { source, reader });
     }
 
     /// Vertex that waits for the flow at this level; `None` for a delay, which waits for nothing.
@@ -234,7 +234,7 @@ impl Input {
     pub fn port(&self) -> Option<PortRef> {
         match self {
             Input::Port(port) => Some(*port),
-            Input::Open | Input::Const(_) => None,
+            Input::Unconnected | Input::Const(_) => None,
         }
     }
 }

@@ -6,10 +6,10 @@
 //! active then. A `Pre` on the same flow outside the fragment means the same. So one is added where such a read closes
 //! a dependency cycle. Dependency cycles that remain are errors.
 
-use crate::net::{Activation, Driver, FragmentId, Input, Net, Node, PortRef, Restart};
-use crate::passes::dependencies::{Dependence, Dependencies, Graph, Reader};
-use crate::passes::rings::Rings;
-use crate::tree::Item;
+use crate::fragment_tree::Item;
+use crate::net::{Activation, FragmentId, Input, Net, Node, PortRef, Restart, Termination};
+use crate::passes::dependencies::{Dependencies, Dependency, Graph, Reader};
+use crate::passes::dependency_cycles::CyclicComponents;
 use petgraph::visit::EdgeRef;
 use rpi_image::Role;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,14 +17,14 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Hoists delays of an imported net out of fragments where that breaks a dependency cycle. Returns the number of added
 /// delays. `dependencies` are those of the unchanged net.
 pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
-    if !matches!(net.driver, Driver::Ports { .. }) {
+    if !matches!(net.termination, Termination::Ports { .. }) {
         return 0;
     }
     let mut added = 0;
     for level in net.fragment_ids() {
         let graph = dependencies.graph(level);
-        for (port, readers) in late_readings(net, graph) {
-            let delay = outside(net, level, port);
+        for (port, readers) in delays_to_hoist(net, graph) {
+            let delay = copy_outside(net, level, port);
             added += 1;
             for reader in readers {
                 redirect(net, reader, delay);
@@ -36,13 +36,13 @@ pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
 
 /// Delays inside child fragments whose readers close a dependency cycle at this level, with all their readers at this
 /// level.
-fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
-    let is_delay = |d: &Dependence| net.node(d.source.node).desc().role == Role::Delay;
+fn delays_to_hoist(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
+    let is_delay = |d: &Dependency| net.node(d.source.node).desc().role == Role::Delay;
     let from_inside = |v| matches!(graph[v], Item::Fragment(f) if !net.fragment(f).is_clock);
     if !graph.node_indices().any(from_inside) {
         return BTreeMap::new();
     }
-    let rings = Rings::new(graph);
+    let rings = CyclicComponents::new(graph);
     let closing: BTreeSet<PortRef> = rings
         .edges()
         .filter(|e| is_delay(&graph[*e]))
@@ -55,7 +55,7 @@ fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
         .collect();
     let mut readings: BTreeMap<PortRef, Vec<Reader>> = BTreeMap::new();
     for edge in graph.edge_references() {
-        let Dependence { source, reader } = *edge.weight();
+        let Dependency { source, reader } = *edge.weight();
         if from_inside(edge.source()) && closing.contains(&source) {
             readings.entry(source).or_default().push(reader);
         }
@@ -64,7 +64,7 @@ fn late_readings(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
 }
 
 /// Adds a copy of the delay `port` at `level`. It reads the same flow as the inner delay.
-fn outside(net: &mut Net, level: FragmentId, port: PortRef) -> PortRef {
+fn copy_outside(net: &mut Net, level: FragmentId, port: PortRef) -> PortRef {
     let inside = net.node(port.node);
     let node = Node {
         name: free_name(net, level, &inside.name),

@@ -4,11 +4,11 @@
 //! absent whenever an intermediate fragment, which encloses the flow but not the reader, is inactive:
 //! [`Presences::view`] returns these fragments. A total port has no run-time cost.
 
+use crate::fragment_tree::FragmentTree;
 use crate::net::{Activation, FragmentId, Input, Net, Node, NodeId, PortRef};
 use crate::passes::schedule::Schedule;
-use crate::passes::users::Users;
-use crate::tree::Tree;
-use crate::violation::Violation;
+use crate::passes::users::Readers;
+use crate::verify_error::VerifyError;
 use rpi_image::{Presence, Role};
 use smallvec::SmallVec;
 use std::ops::BitOr;
@@ -18,7 +18,7 @@ type Gates = SmallVec<[FragmentId; 4]>;
 
 /// Presence of a flow in the cycles in which its fragment is active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Sureness {
+pub enum FlowPresence {
     /// Present in every cycle.
     Total,
     /// May be present or absent.
@@ -31,7 +31,7 @@ pub enum Sureness {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct View {
     /// Presence of the flow within its own fragment.
-    pub own: Sureness,
+    pub own: FlowPresence,
     /// Fragments around the flow that may be inactive while the reader is active, innermost first.
     pub through: Vec<FragmentId>,
 }
@@ -42,7 +42,7 @@ pub struct Presences {
     /// Index of each node's first port in `states`.
     first: Vec<u32>,
     states: Vec<States>,
-    activity: Vec<Sureness>,
+    activity: Vec<FlowPresence>,
 }
 
 impl Presences {
@@ -51,8 +51,8 @@ impl Presences {
     #[must_use]
     pub fn infer(
         net: &Net,
-        tree: &Tree,
-        users: &Users,
+        tree: &FragmentTree,
+        users: &Readers,
         order: Option<&Schedule>,
         forced: impl Fn(PortRef) -> bool,
     ) -> Self {
@@ -68,7 +68,7 @@ impl Presences {
             if !presences.update(net, tree, id, &forced) {
                 continue;
             }
-            for reader in users.of(id) {
+            for reader in users.readers_of(id) {
                 if !std::mem::replace(&mut queued[reader.index()], true) {
                     queue.push(*reader);
                 }
@@ -79,19 +79,19 @@ impl Presences {
 
     /// Presence of a flow within its own fragment.
     #[must_use]
-    pub fn own(&self, port: PortRef) -> Sureness {
+    pub fn own(&self, port: PortRef) -> FlowPresence {
         self.states(port).sureness()
     }
 
     /// Whether a fragment is active in every (`Total`), some or no cycle in which its parent is.
     #[must_use]
-    pub fn activity(&self, fragment: FragmentId) -> Sureness {
+    pub fn activity(&self, fragment: FragmentId) -> FlowPresence {
         self.activity[fragment.index()]
     }
 
     /// Presence of a flow for readers in the fragment `reader`.
     #[must_use]
-    pub fn view(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> View {
+    pub fn view(&self, net: &Net, tree: &FragmentTree, reader: FragmentId, port: PortRef) -> View {
         let mut through = self.gates(net, tree, reader, port);
         through.reverse();
         View {
@@ -102,12 +102,18 @@ impl Presences {
 
     /// Presence of an input's source for readers in the fragment `reader`.
     #[must_use]
-    pub fn seen(&self, net: &Net, tree: &Tree, reader: FragmentId, input: &Input) -> Sureness {
-        self.seen_states(net, tree, reader, input).sureness()
+    pub fn presence_at(
+        &self,
+        net: &Net,
+        tree: &FragmentTree,
+        reader: FragmentId,
+        input: &Input,
+    ) -> FlowPresence {
+        self.states_at(net, tree, reader, input).sureness()
     }
 
     /// Presence of all flows, node by node.
-    pub fn iter(&self) -> impl Iterator<Item = Sureness> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = FlowPresence> + '_ {
         self.states.iter().map(|s| s.sureness())
     }
 
@@ -134,7 +140,7 @@ impl Presences {
     fn update(
         &mut self,
         net: &Net,
-        tree: &Tree,
+        tree: &FragmentTree,
         id: NodeId,
         forced: &impl Fn(PortRef) -> bool,
     ) -> bool {
@@ -158,24 +164,33 @@ impl Presences {
         changed
     }
 
-    fn inputs(&self, net: &Net, tree: &Tree, node: &Node) -> Inputs {
-        let mut seen = Inputs::none();
+    fn inputs(&self, net: &Net, tree: &FragmentTree, node: &Node) -> InputStates {
+        let mut seen = InputStates::none();
         for input in &node.inputs {
-            if !matches!(input, Input::Open) {
-                seen.add(self.seen_states(net, tree, node.fragment, input));
+            if !matches!(input, Input::Unconnected) {
+                seen.add(self.states_at(net, tree, node.fragment, input));
             }
         }
         seen
     }
 
-    fn seen_states(&self, net: &Net, tree: &Tree, reader: FragmentId, input: &Input) -> States {
+    fn states_at(
+        &self,
+        net: &Net,
+        tree: &FragmentTree,
+        reader: FragmentId,
+        input: &Input,
+    ) -> States {
         match input {
-            Input::Open => States::ABSENT,
+            Input::Unconnected => States::ABSENT,
             Input::Const(_) => States::PRESENT,
             Input::Port(port) => {
                 let own = self.states(*port);
                 let gates = self.gates(net, tree, reader, *port);
-                if gates.iter().any(|f| self.activity(*f) == Sureness::Never) {
+                if gates
+                    .iter()
+                    .any(|f| self.activity(*f) == FlowPresence::Never)
+                {
                     States::ABSENT
                 } else if gates.is_empty() || own == States::UNKNOWN {
                     own
@@ -187,9 +202,9 @@ impl Presences {
     }
 
     /// Fragments around a flow that may be inactive while `reader` is active, outermost first.
-    fn gates(&self, net: &Net, tree: &Tree, reader: FragmentId, port: PortRef) -> Gates {
+    fn gates(&self, net: &Net, tree: &FragmentTree, reader: FragmentId, port: PortRef) -> Gates {
         let origin = net.node(port.node).fragment;
-        let common = tree.common(reader, origin);
+        let common = tree.common_ancestor(reader, origin);
         if common == origin {
             return Gates::new();
         }
@@ -197,7 +212,7 @@ impl Presences {
         gates.reverse();
         let mut implied = true;
         gates.retain(|gate| {
-            let sure = self.activity(*gate) == Sureness::Total;
+            let sure = self.activity(*gate) == FlowPresence::Total;
             implied = sure || (implied && same_activation(net, tree, *gate, reader, common));
             !implied
         });
@@ -208,12 +223,12 @@ impl Presences {
     ///
     /// # Errors
     /// Returns the first flow that is not.
-    pub fn verify(&self, net: &Net, tree: &Tree) -> Result<(), Violation> {
+    pub fn verify(&self, net: &Net, tree: &FragmentTree) -> Result<(), VerifyError> {
         let mut again = self.clone();
         for id in net.node_ids() {
             if again.update(net, tree, id, &|_| false) {
                 let name = net.path(net.node(id).fragment, &net.node(id).name);
-                return Err(Violation::new(format!(
+                return Err(VerifyError::new(format!(
                     "presence of `{name}` is not a fixed point"
                 )));
             }
@@ -222,10 +237,10 @@ impl Presences {
     }
 
     fn states(&self, port: PortRef) -> States {
-        self.states[self.at(port)]
+        self.states[self.index_of(port)]
     }
 
-    fn at(&self, port: PortRef) -> usize {
+    fn index_of(&self, port: PortRef) -> usize {
         self.first[port.node.index()] as usize + usize::from(port.port)
     }
 }
@@ -250,11 +265,11 @@ impl States {
     }
 
     /// Presence at the end of the inference. An empty set means that the flow depends on itself.
-    fn sureness(self) -> Sureness {
+    fn sureness(self) -> FlowPresence {
         match self {
-            States::PRESENT => Sureness::Total,
-            States::ABSENT => Sureness::Never,
-            _ => Sureness::Optional,
+            States::PRESENT => FlowPresence::Total,
+            States::ABSENT => FlowPresence::Never,
+            _ => FlowPresence::Optional,
         }
     }
 }
@@ -267,38 +282,38 @@ impl BitOr for States {
 }
 
 /// Presence of a node's inputs together, as far as the presence rules need it.
-struct Inputs {
+struct InputStates {
     /// States of the first connected input.
     first: States,
     /// Union of the states of all connected inputs.
-    some: States,
+    union: States,
     /// Intersection of the states of all connected inputs.
-    all: States,
+    intersection: States,
     /// Whether some connected input is certainly present.
-    sure: bool,
+    any_present: bool,
     /// Whether the state of some connected input is still unknown.
-    unknown: bool,
+    any_unknown: bool,
 }
 
-impl Inputs {
+impl InputStates {
     fn none() -> Self {
-        Inputs {
+        InputStates {
             first: States::UNKNOWN,
-            some: States::UNKNOWN,
-            all: States::EITHER,
-            sure: false,
-            unknown: false,
+            union: States::UNKNOWN,
+            intersection: States::EITHER,
+            any_present: false,
+            any_unknown: false,
         }
     }
 
     fn add(&mut self, states: States) {
-        if self.some == States::UNKNOWN && !self.unknown {
+        if self.union == States::UNKNOWN && !self.any_unknown {
             self.first = states;
         }
-        self.some = self.some | states;
-        self.all = States(self.all.0 & states.0);
-        self.sure |= states == States::PRESENT;
-        self.unknown |= states == States::UNKNOWN;
+        self.union = self.union | states;
+        self.intersection = States(self.intersection.0 & states.0);
+        self.any_present |= states == States::PRESENT;
+        self.any_unknown |= states == States::UNKNOWN;
     }
 
     /// States of an out-port under its rule. Monotonic in the states of the inputs, so that a least fixed point exists.
@@ -306,14 +321,14 @@ impl Inputs {
         match rule {
             Presence::Always => States::PRESENT,
             Presence::Maybe => States::EITHER,
-            Presence::IfAny if self.sure => States::PRESENT,
-            _ if self.unknown => States::UNKNOWN,
+            Presence::IfAny if self.any_present => States::PRESENT,
+            _ if self.any_unknown => States::UNKNOWN,
             Presence::IfAny => States::EITHER,
-            Presence::IfAll if self.some.has(States::ABSENT) => States::EITHER,
+            Presence::IfAll if self.union.has(States::ABSENT) => States::EITHER,
             Presence::IfAll => States::PRESENT,
             Presence::Strict => {
-                States::PRESENT.when(self.all.has(States::PRESENT))
-                    | States::ABSENT.when(self.some.has(States::ABSENT))
+                States::PRESENT.when(self.intersection.has(States::PRESENT))
+                    | States::ABSENT.when(self.union.has(States::ABSENT))
             }
         }
     }
@@ -331,7 +346,7 @@ fn delayed(rule: Presence, input: States) -> States {
 /// whenever `reader` and `gate`'s parent are.
 fn same_activation(
     net: &Net,
-    tree: &Tree,
+    tree: &FragmentTree,
     gate: FragmentId,
     reader: FragmentId,
     common: FragmentId,
@@ -342,14 +357,14 @@ fn same_activation(
 }
 
 /// Activity of a fragment as far as its condition is constant.
-fn activity(net: &Net, activation: &Activation) -> Sureness {
+fn activity(net: &Net, activation: &Activation) -> FlowPresence {
     let Activation::When { condition, .. } = activation else {
-        return Sureness::Total;
+        return FlowPresence::Total;
     };
     match constant(net.node(condition.node)) {
-        Some(true) => Sureness::Total,
-        Some(false) => Sureness::Never,
-        None => Sureness::Optional,
+        Some(true) => FlowPresence::Total,
+        Some(false) => FlowPresence::Never,
+        None => FlowPresence::Optional,
     }
 }
 

@@ -3,11 +3,11 @@
 //! Of all ready items, the one declared first comes next. The reference executor orders its primitives in the same way,
 //! and the result is deterministic.
 
+use crate::fragment_tree::Item;
 use crate::net::{FragmentId, Net, NodeId};
 use crate::passes::clocks;
 use crate::passes::dependencies::{Dependencies, Graph};
-use crate::tree::Item;
-use crate::violation::Violation;
+use crate::verify_error::VerifyError;
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
@@ -40,7 +40,7 @@ impl Schedule {
                     runs[fragment.index()].push(run);
                 }
             } else {
-                runs[level.index()].push(order(graph)?);
+                runs[level.index()].push(topological_order(graph)?);
             }
         }
         Some(Schedule { runs })
@@ -55,12 +55,12 @@ impl Schedule {
 
     /// Number of times that a fragment is entered in a cycle.
     #[must_use]
-    pub fn times(&self, fragment: FragmentId) -> usize {
+    pub fn entry_count(&self, fragment: FragmentId) -> usize {
         self.runs[fragment.index()].len()
     }
 
     /// All items in order of evaluation, each fragment before its contents, every time it is entered.
-    pub fn walk(&self) -> impl Iterator<Item = Item> + '_ {
+    pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
         let mut times = vec![0_usize; self.runs.len()];
         let mut open = vec![self.run(FragmentId::ROOT, 0).iter()];
         std::iter::from_fn(move || {
@@ -80,7 +80,7 @@ impl Schedule {
 
     /// All nodes in order of evaluation, including those in fragments.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
-        self.walk().filter_map(|item| match item {
+        self.items().filter_map(|item| match item {
             Item::Node(id) => Some(id),
             Item::Fragment(_) => None,
         })
@@ -88,7 +88,7 @@ impl Schedule {
 }
 
 /// Topological order by Kahn's algorithm (1962) with a heap over vertex numbers; `None` if the graph has a cycle.
-fn order(graph: &Graph) -> Option<Vec<Item>> {
+fn topological_order(graph: &Graph) -> Option<Vec<Item>> {
     let mut waiting: Vec<usize> = graph
         .node_indices()
         .map(|v| graph.edges_directed(v, Incoming).count())
@@ -119,12 +119,12 @@ pub fn verify(
     net: &Net,
     dependencies: &Dependencies,
     schedule: &Schedule,
-) -> Result<(), Violation> {
-    let mut places = Places::new(net);
-    for (at, item) in schedule.walk().enumerate() {
+) -> Result<(), VerifyError> {
+    let mut places = Positions::new(net);
+    for (at, item) in schedule.items().enumerate() {
         let is_clock = matches!(item, Item::Fragment(f) if net.fragment(f).is_clock);
-        if !places.put(item, at) && !is_clock {
-            return Err(Violation::new(format!(
+        if !places.record(item, at) && !is_clock {
+            return Err(VerifyError::new(format!(
                 "schedule: {item:?} is scheduled twice"
             )));
         }
@@ -138,19 +138,19 @@ pub fn verify(
             if is_activation(source) || is_activation(target) {
                 continue;
             }
-            if places.of(source) >= places.of(target) {
-                return Err(Violation::new(format!(
+            if places.position(source) >= places.position(target) {
+                return Err(VerifyError::new(format!(
                     "schedule: {target:?} is scheduled before {source:?}, which it reads"
                 )));
             }
         }
         let is_there = |item: &Item| {
             matches!(item, Item::Fragment(f) if dependencies.is_clock(*f))
-                || places.of(*item) != usize::MAX
+                || places.position(*item) != usize::MAX
         };
         if !graph.node_weights().all(is_there) {
             let name = net.path(fragment, "");
-            return Err(Violation::new(format!(
+            return Err(VerifyError::new(format!(
                 "schedule: missing items in `{name}`"
             )));
         }
@@ -159,21 +159,21 @@ pub fn verify(
 }
 
 /// Position of each item in the order; `usize::MAX` if it has none.
-struct Places {
+struct Positions {
     nodes: Vec<usize>,
     fragments: Vec<usize>,
 }
 
-impl Places {
+impl Positions {
     fn new(net: &Net) -> Self {
-        Places {
+        Positions {
             nodes: vec![usize::MAX; net.nodes.len()],
             fragments: vec![usize::MAX; net.fragments.len()],
         }
     }
 
     /// Records the position of an item. Returns whether it is the first one.
-    fn put(&mut self, item: Item, at: usize) -> bool {
+    fn record(&mut self, item: Item, at: usize) -> bool {
         let place = match item {
             Item::Node(n) => &mut self.nodes[n.index()],
             Item::Fragment(f) => &mut self.fragments[f.index()],
@@ -181,7 +181,7 @@ impl Places {
         std::mem::replace(place, at) == usize::MAX
     }
 
-    fn of(&self, item: Item) -> usize {
+    fn position(&self, item: Item) -> usize {
         match item {
             Item::Node(n) => self.nodes[n.index()],
             Item::Fragment(f) => self.fragments[f.index()],

@@ -4,13 +4,13 @@ use crate::net::{Input, Net, NodeId};
 
 /// For each node, the nodes that read one of its out-ports, in declaration order (compressed sparse rows).
 #[derive(Clone, Debug)]
-pub struct Users {
+pub struct Readers {
     /// Index of each node's first reader in `readers`; one more entry than there are nodes.
     start: Vec<u32>,
     readers: Vec<NodeId>,
 }
 
-impl Users {
+impl Readers {
     /// Collects the readers of all nodes.
     #[must_use]
     pub fn new(net: &Net) -> Self {
@@ -27,12 +27,12 @@ impl Users {
             readers[*at as usize] = reader;
             *at += 1;
         });
-        Users { start, readers }
+        Readers { start, readers }
     }
 
     /// Nodes that read `node`. A node that reads it twice occurs twice.
     #[must_use]
-    pub fn of(&self, node: NodeId) -> &[NodeId] {
+    pub fn readers_of(&self, node: NodeId) -> &[NodeId] {
         let at = node.index();
         &self.readers[self.start[at] as usize..self.start[at + 1] as usize]
     }

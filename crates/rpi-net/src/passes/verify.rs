@@ -2,49 +2,51 @@
 //!
 //! Elaboration and the `.rpinet` reader must establish them. A violation is a bug in these, not an error in a program.
 
-use crate::net::{Activation, Driver, Fragment, FragmentId, Input, Net, NodeId, PortRef, Restart};
-use crate::violation::Violation;
-use rpi_image::{Need, ParamType, PortType, Scalar, Type, Value};
+use crate::net::{
+    Activation, Fragment, FragmentId, Input, Net, NodeId, PortRef, Restart, Termination,
+};
+use crate::verify_error::VerifyError;
+use rpi_image::{Fallback, ParamType, PortType, Scalar, Type, Value};
 
 /// Checks the structure of a net.
 ///
 /// # Errors
 /// Returns the first violated invariant.
-pub fn verify(net: &Net) -> Result<(), Violation> {
+pub fn verify(net: &Net) -> Result<(), VerifyError> {
     let root = net.fragments.first().filter(|f| f.parent.is_none());
     if root.is_none() {
-        return Err(Violation::new("the first fragment is not a root"));
+        return Err(VerifyError::new("the first fragment is not a root"));
     }
     for id in net.fragment_ids() {
-        fragment(net, id).map_err(|v| v.at(net.fragment(id).origin.span))?;
+        verify_fragment(net, id).map_err(|v| v.with_span(net.fragment(id).origin.span))?;
     }
     for id in net.node_ids() {
-        node(net, id).map_err(|v| v.at(net.node(id).origin.span))?;
+        verify_node(net, id).map_err(|v| v.with_span(net.node(id).origin.span))?;
     }
-    driver(net)?;
+    verify_termination(net)?;
     for export in &net.exports {
         let place = export.origin.span;
-        ports(net, &export.key, std::iter::once(export.source)).map_err(|v| v.at(place))?;
+        ports(net, &export.key, std::iter::once(export.source)).map_err(|v| v.with_span(place))?;
     }
     Ok(())
 }
 
-fn fragment(net: &Net, id: FragmentId) -> Result<(), Violation> {
+fn verify_fragment(net: &Net, id: FragmentId) -> Result<(), VerifyError> {
     let fragment = net.fragment(id);
     let name = &fragment.name;
     match fragment.parent {
         Some(parent) if parent >= id => {
-            return Err(Violation::new(format!(
+            return Err(VerifyError::new(format!(
                 "fragment `{name}` comes before its parent"
             )));
         }
         None if id != FragmentId::ROOT => {
-            return Err(Violation::new(format!("fragment `{name}` has no parent")));
+            return Err(VerifyError::new(format!("fragment `{name}` has no parent")));
         }
         _ => {}
     }
     for condition in conditions(fragment) {
-        boolean(net, name, condition)?;
+        require_boolean(net, name, condition)?;
     }
     let borders = fragment.inputs.iter().chain(&fragment.outputs);
     ports(net, name, borders.filter_map(|p| p.source.port()))
@@ -62,11 +64,11 @@ fn conditions(fragment: &Fragment) -> impl Iterator<Item = PortRef> {
     activation.into_iter().chain(restart)
 }
 
-fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
+fn verify_node(net: &Net, id: NodeId) -> Result<(), VerifyError> {
     let node = net.node(id);
     let (name, desc) = (&node.name, node.desc());
     if node.fragment.index() >= net.fragments.len() {
-        return Err(Violation::new(format!(
+        return Err(VerifyError::new(format!(
             "`{name}` is in an undefined fragment"
         )));
     }
@@ -76,26 +78,26 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
         (node.outputs.len(), desc.outputs.len()),
     ];
     if lengths.iter().any(|(is, shall)| is != shall) {
-        return Err(Violation::new(format!(
+        return Err(VerifyError::new(format!(
             "`{name}` does not have the ports of `{}`",
             desc.name
         )));
     }
     for (input, port) in node.inputs.iter().zip(desc.inputs) {
         let fits = match input_type(net, input)? {
-            None => matches!(port.need, Need::Absent),
+            None => matches!(port.fallback, Fallback::AbsentValue),
             Some(ty) => fits(port.ty, ty),
         };
         if !fits {
-            return Err(Violation::new(format!(
+            return Err(VerifyError::new(format!(
                 "`{}` of `{name}` has the wrong type",
                 port.name
             )));
         }
     }
     for (value, param) in node.params.iter().zip(desc.params) {
-        if !is_of(param.ty, value) {
-            return Err(Violation::new(format!(
+        if !has_type(param.ty, value) {
+            return Err(VerifyError::new(format!(
                 "`{}` of `{name}` has the wrong type",
                 param.name
             )));
@@ -103,7 +105,7 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
     }
     let outputs = node.outputs.iter().zip(desc.outputs);
     match outputs.clone().find(|(ty, port)| !fits(port.ty, **ty)) {
-        Some((_, port)) => Err(Violation::new(format!(
+        Some((_, port)) => Err(VerifyError::new(format!(
             "`{}` of `{name}` has the wrong type",
             port.name
         ))),
@@ -111,18 +113,19 @@ fn node(net: &Net, id: NodeId) -> Result<(), Violation> {
     }
 }
 
-fn driver(net: &Net) -> Result<(), Violation> {
-    match &net.driver {
-        Driver::Results(results) => {
+fn verify_termination(net: &Net) -> Result<(), VerifyError> {
+    match &net.termination {
+        Termination::Results(results) => {
             for result in results {
                 let place = result.origin.span;
-                is_boolean(net, &result.name, &result.condition).map_err(|v| v.at(place))?;
+                require_boolean_input(net, &result.name, &result.condition)
+                    .map_err(|v| v.with_span(place))?;
             }
             Ok(())
         }
-        Driver::Ports { terminate, fail } => {
+        Termination::Ports { terminate, fail } => {
             if let Some(terminate) = terminate {
-                is_boolean(net, "outTerminate", terminate)?;
+                require_boolean_input(net, "outTerminate", terminate)?;
             }
             let fail = fail
                 .as_ref()
@@ -130,40 +133,40 @@ fn driver(net: &Net) -> Result<(), Violation> {
                 .transpose()?
                 .flatten();
             match fail {
-                None | Some(Type::One(Scalar::Int)) => Ok(()),
-                Some(_) => Err(Violation::new("`outFail` is not an integer")),
+                None | Some(Type::Scalar(Scalar::Int)) => Ok(()),
+                Some(_) => Err(VerifyError::new("`outFail` is not an integer")),
             }
         }
     }
 }
 
-fn is_boolean(net: &Net, name: &str, input: &Input) -> Result<(), Violation> {
+fn require_boolean_input(net: &Net, name: &str, input: &Input) -> Result<(), VerifyError> {
     match input_type(net, input)? {
-        Some(Type::One(Scalar::Bool)) => Ok(()),
-        _ => Err(Violation::new(format!("`{name}` is not a Boolean"))),
+        Some(Type::Scalar(Scalar::Bool)) => Ok(()),
+        _ => Err(VerifyError::new(format!("`{name}` is not a Boolean"))),
     }
 }
 
-fn boolean(net: &Net, name: &str, port: PortRef) -> Result<(), Violation> {
-    is_boolean(net, name, &Input::Port(port))
+fn require_boolean(net: &Net, name: &str, port: PortRef) -> Result<(), VerifyError> {
+    require_boolean_input(net, name, &Input::Port(port))
 }
 
-fn ports(net: &Net, name: &str, mut all: impl Iterator<Item = PortRef>) -> Result<(), Violation> {
+fn ports(net: &Net, name: &str, mut all: impl Iterator<Item = PortRef>) -> Result<(), VerifyError> {
     match all.find(|p| port_type(net, *p).is_none()) {
-        Some(port) => Err(Violation::new(format!(
+        Some(port) => Err(VerifyError::new(format!(
             "`{name}` reads {port:?}, which does not exist"
         ))),
         None => Ok(()),
     }
 }
 
-fn input_type(net: &Net, input: &Input) -> Result<Option<Type>, Violation> {
+fn input_type(net: &Net, input: &Input) -> Result<Option<Type>, VerifyError> {
     match input {
-        Input::Open => Ok(None),
+        Input::Unconnected => Ok(None),
         Input::Const(value) => Ok(value.ty()),
         Input::Port(port) => match port_type(net, *port) {
             Some(ty) => Ok(Some(ty)),
-            None => Err(Violation::new(format!(
+            None => Err(VerifyError::new(format!(
                 "{port:?} is read, but does not exist"
             ))),
         },
@@ -177,16 +180,16 @@ fn port_type(net: &Net, port: PortRef) -> Option<Type> {
 
 fn fits(port: PortType, ty: Type) -> bool {
     match (port, ty) {
-        (PortType::One(a), Type::One(b)) | (PortType::Array(a), Type::Array(b, _)) => a == b,
+        (PortType::Scalar(a), Type::Scalar(b)) | (PortType::Array(a), Type::Array(b, _)) => a == b,
         (PortType::Matrix, Type::Matrix(..)) => true,
         _ => false,
     }
 }
 
-fn is_of(param: ParamType, value: &Value) -> bool {
+fn has_type(param: ParamType, value: &Value) -> bool {
     match (param, value.ty()) {
         (ParamType::Str, None) => true,
-        (ParamType::One(a), Some(Type::One(b))) => a == b,
+        (ParamType::Scalar(a), Some(Type::Scalar(b))) => a == b,
         (ParamType::Array(a), Some(Type::Array(b, _))) => a == b,
         _ => false,
     }

@@ -1,28 +1,28 @@
 //! Upper bound on the work of one cycle (M13): the sum over all primitives. Of mutually exclusive fragments, only the
 //! largest counts.
 
-use super::proof::{Background, Effort, Happening, Prover};
+use super::fact_prover::{EffortBudget, Event, ProofContext, Prover};
+use crate::fragment_tree::FragmentTree;
 use crate::net::{FragmentId, Input, Net, Node};
-use crate::tree::Tree;
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Diagnostic};
 use rpi_image::{Type, Value};
 
 /// Maximal number of sibling fragments that are compared with each other; beyond it, the work of all siblings is added
 /// up.
-const COMPARED: usize = 64;
+const MAX_COMPARED: usize = 64;
 
 /// Bounds in elementary operations (one real addition is 1).
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
-pub struct Work {
+pub struct WorkBounds {
     /// For each fragment, the bound of its own primitives and all child fragments.
-    of: Vec<u64>,
+    bounds: Vec<u64>,
 }
 
-impl Work {
+impl WorkBounds {
     /// Computes the bounds of a net.
-    pub(crate) fn new(background: Background<'_>) -> Self {
+    pub(crate) fn new(background: ProofContext<'_>) -> Self {
         let (net, tree) = (background.net, background.tree);
-        let effort = Effort::default();
+        let effort = EffortBudget::default();
         let mut prover = Prover::new(background, &effort);
         let mut of = vec![0_u64; net.fragments.len()];
         for id in net.fragment_ids().rev() {
@@ -33,13 +33,13 @@ impl Work {
                 .sum();
             of[id.index()] = own.saturating_add(children(&mut prover, tree, id, &of));
         }
-        Work { of }
+        WorkBounds { bounds: of }
     }
 
     /// Bound of a fragment; that of the root is the bound of the whole net.
     #[must_use]
-    pub fn of(&self, fragment: FragmentId) -> u64 {
-        self.of.get(fragment.index()).copied().unwrap_or(0)
+    pub fn bound(&self, fragment: FragmentId) -> u64 {
+        self.bounds.get(fragment.index()).copied().unwrap_or(0)
     }
 }
 
@@ -54,7 +54,7 @@ fn work_of(net: &Net, node: &Node) -> u64 {
 
 fn type_of(net: &Net, input: &Input) -> Option<Type> {
     match input {
-        Input::Open => None,
+        Input::Unconnected => None,
         Input::Const(value) => value.ty(),
         Input::Port(port) => {
             let node = net.nodes.get(port.node.index())?;
@@ -64,16 +64,17 @@ fn type_of(net: &Net, input: &Input) -> Option<Type> {
 }
 
 /// Bound of the children of a fragment. In a group of mutually exclusive children, only the largest counts.
-fn children(prover: &mut Prover<'_>, tree: &Tree, id: FragmentId, of: &[u64]) -> u64 {
+fn children(prover: &mut Prover<'_>, tree: &FragmentTree, id: FragmentId, of: &[u64]) -> u64 {
     // In descending order, so that the first member of a group has its largest bound.
     let mut sorted = tree.children(id).to_vec();
     sorted.sort_by_key(|f| (std::cmp::Reverse(of[f.index()]), *f));
-    if sorted.len() > COMPARED {
+    if sorted.len() > MAX_COMPARED {
         return sorted.iter().map(|f| of[f.index()]).sum();
     }
     let mut groups: Vec<Vec<FragmentId>> = Vec::new();
     for child in sorted {
-        let fits = |group: &&mut Vec<FragmentId>| group.iter().all(|f| exclude(prover, *f, child));
+        let fits =
+            |group: &&mut Vec<FragmentId>| group.iter().all(|f| are_exclusive(prover, *f, child));
         match groups.iter_mut().find(fits) {
             Some(group) => group.push(child),
             None => groups.push(vec![child]),
@@ -82,8 +83,8 @@ fn children(prover: &mut Prover<'_>, tree: &Tree, id: FragmentId, of: &[u64]) ->
     groups.iter().map(|group| of[group[0].index()]).sum()
 }
 
-fn exclude(prover: &mut Prover<'_>, a: FragmentId, b: FragmentId) -> bool {
-    let active = |fragment| Happening {
+fn are_exclusive(prover: &mut Prover<'_>, a: FragmentId, b: FragmentId) -> bool {
+    let active = |fragment| Event {
         fragment,
         present: Vec::new(),
     };
@@ -92,24 +93,24 @@ fn exclude(prover: &mut Prover<'_>, a: FragmentId, b: FragmentId) -> bool {
 
 /// Target machine for which a program is checked.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Machine {
+pub struct MachineProfile {
     /// Worst-case time of an elementary operation in nanoseconds.
     pub ns_per_operation: f64,
     /// Period of a cycle in nanoseconds.
     pub period_ns: u64,
 }
 
-impl Default for Machine {
+impl Default for MachineProfile {
     /// Conservative estimate: a ten-year-old machine with cold caches in every cycle, and a period of 1 ms.
-    fn default() -> Machine {
-        Machine {
+    fn default() -> MachineProfile {
+        MachineProfile {
             ns_per_operation: 10.0,
             period_ns: 1_000_000,
         }
     }
 }
 
-impl Machine {
+impl MachineProfile {
     /// Worst-case time of a number of operations in nanoseconds.
     #[must_use]
     pub fn time_of(&self, operations: u64) -> f64 {
@@ -120,18 +121,23 @@ impl Machine {
 /// Compares the bounds with the declared budgets of a program and with the period. Returns a diagnostic for each
 /// excess.
 #[must_use]
-pub fn over_budget(net: &Net, work: &Work, machine: Machine) -> Vec<Finding> {
+pub fn over_budget(net: &Net, work: &WorkBounds, machine: MachineProfile) -> Vec<Diagnostic> {
     let fragments = net.fragment_ids();
-    let mut findings: Vec<Finding> = fragments
-        .filter_map(|id| of_fragment(net, work, machine, id))
+    let mut diagnostics: Vec<Diagnostic> = fragments
+        .filter_map(|id| over_fragment_budget(net, work, machine, id))
         .collect();
-    findings.extend(of_cycle(net, work, machine));
-    findings
+    diagnostics.extend(over_period(net, work, machine));
+    diagnostics
 }
 
-fn of_fragment(net: &Net, work: &Work, machine: Machine, id: FragmentId) -> Option<Finding> {
+fn over_fragment_budget(
+    net: &Net,
+    work: &WorkBounds,
+    machine: MachineProfile,
+    id: FragmentId,
+) -> Option<Diagnostic> {
     let fragment = net.fragment(id);
-    let (budget, bound) = (fragment.budget_ns?, work.of(id));
+    let (budget, bound) = (fragment.budget_ns?, work.bound(id));
     let needed = machine.time_of(bound);
     if needed <= budget as f64 {
         return None;
@@ -147,16 +153,16 @@ fn of_fragment(net: &Net, work: &Work, machine: Machine, id: FragmentId) -> Opti
         machine.ns_per_operation
     );
     Some(
-        Finding::new(Code::RPI7001, message)
-            .at(fragment.origin.span, label)
+        Diagnostic::new(Code::RPI7001, message)
+            .primary(fragment.origin.span, label)
             .help("declare a larger budget, or do less in one cycle"),
     )
 }
 
 /// Checks that a command meets its period.
-fn of_cycle(net: &Net, work: &Work, machine: Machine) -> Option<Finding> {
+fn over_period(net: &Net, work: &WorkBounds, machine: MachineProfile) -> Option<Diagnostic> {
     let root = net.fragment(FragmentId::ROOT);
-    let bound = work.of(FragmentId::ROOT);
+    let bound = work.bound(FragmentId::ROOT);
     let (needed, period) = (machine.time_of(bound), machine.period_ns as f64);
     let (what, took) = match root.budget_ns {
         Some(budget) if budget as f64 > period => ("declares a budget of", budget as f64),
@@ -174,8 +180,8 @@ fn of_cycle(net: &Net, work: &Work, machine: Machine) -> Option<Finding> {
         machine.ns_per_operation
     );
     Some(
-        Finding::new(Code::RPI7002, message)
-            .at(root.origin.span, label)
+        Diagnostic::new(Code::RPI7002, message)
+            .primary(root.origin.span, label)
             .help("do less in one cycle, or run it with a longer period"),
     )
 }

@@ -5,19 +5,19 @@
 //! the device bank (imported nets), or else the program is rejected.
 
 use super::Schedule;
-use super::overlap::{self, Verdict, Witness};
-use super::proof::{Background, Effort, Happening, Prover};
-use crate::net::{Driver, Input, Net, Node, NodeId};
-use rpi_diag::{Code, Finding};
-use rpi_image::{DevicePorts, Role, Value};
+use super::fact_prover::{EffortBudget, Event, ProofContext, Prover};
+use super::model_check::{self, Verdict, Witness};
+use crate::net::{Input, Net, Node, NodeId, Termination};
+use rpi_diag::{Code, Diagnostic};
+use rpi_image::{DevicePortNames, Role, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 /// Maximal number of pairs of writers that are examined. Further pairs count as not proved.
-const PAIRS: usize = 20_000;
+const MAX_PAIRS: usize = 20_000;
 
 /// Maximal number of pairs for which the solver is used.
-const HARD: usize = 200;
+const MAX_SOLVER_PAIRS: usize = 200;
 
 /// Ports of the reference system's arms that drive the same motion.
 pub(crate) const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
@@ -41,7 +41,7 @@ impl fmt::Display for Resource {
 
 /// Pair of writers of the same resource, or of alternative ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Pair {
+pub struct WriterPair {
     /// Nodes that write.
     pub writers: [NodeId; 2],
     /// Whether the writers are proved never to write in the same cycle.
@@ -52,9 +52,9 @@ pub struct Pair {
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Writers {
     /// Writers of each resource, in declaration order.
-    pub of: BTreeMap<Resource, Vec<NodeId>>,
+    pub by_resource: BTreeMap<Resource, Vec<NodeId>>,
     /// All pairs of writers that might write in the same cycle.
-    pub pairs: Vec<Pair>,
+    pub pairs: Vec<WriterPair>,
     /// Verdicts of the solver for the pairs that the fact-based prover did not decide.
     verdicts: BTreeMap<[NodeId; 2], Verdict>,
 }
@@ -62,23 +62,23 @@ pub struct Writers {
 impl Writers {
     /// Collects the writers of a net and proves pairs exclusive. Without a schedule, only the fact-based prover is
     /// used.
-    pub(crate) fn new(background: Background<'_>, schedule: Option<&Schedule>) -> Self {
+    pub(crate) fn new(background: ProofContext<'_>, schedule: Option<&Schedule>) -> Self {
         let mut of: BTreeMap<Resource, Vec<NodeId>> = BTreeMap::new();
         for id in background.net.node_ids() {
             if let Some(resource) = resource(background.net.node(id)) {
                 of.entry(resource).or_default().push(id);
             }
         }
-        let mut pairs = judge(background, &meetings(background.net, &of));
+        let mut pairs = prove_pairs(background, &candidate_pairs(background.net, &of));
         let verdicts = schedule.map_or_else(BTreeMap::new, |schedule| {
-            decide(background, schedule, &pairs)
+            solve_pairs(background, schedule, &pairs)
         });
         for pair in &mut pairs {
             let verdict = verdicts.get(&pair.writers);
             pair.exclusive |= matches!(verdict, Some(Verdict::Exclusive(_)));
         }
         Writers {
-            of,
+            by_resource: of,
             pairs,
             verdicts,
         }
@@ -97,13 +97,13 @@ impl Writers {
     /// Example run in which both writers of a pair write in the same cycle.
     fn witness(&self, pair: [NodeId; 2]) -> Option<&Witness> {
         match self.verdicts.get(&pair) {
-            Some(Verdict::Together(witness)) => Some(witness),
+            Some(Verdict::Witnessed(witness)) => Some(witness),
             _ => None,
         }
     }
 
     /// Pairs that are not proved exclusive.
-    pub fn watched(&self) -> impl Iterator<Item = [NodeId; 2]> + '_ {
+    pub fn unproved(&self) -> impl Iterator<Item = [NodeId; 2]> + '_ {
         self.pairs
             .iter()
             .filter(|p| !p.exclusive)
@@ -122,8 +122,8 @@ pub fn resource(node: &Node) -> Option<Resource> {
     Some(Resource {
         device: text(device.device),
         port: match device.ports {
-            DevicePorts::Fixed(names) => names.first().copied().unwrap_or("").to_owned(),
-            DevicePorts::Param(name) => text(name),
+            DevicePortNames::Fixed(names) => names.first().copied().unwrap_or("").to_owned(),
+            DevicePortNames::Param(name) => text(name),
         },
         index: device
             .index
@@ -133,7 +133,7 @@ pub fn resource(node: &Node) -> Option<Resource> {
 }
 
 /// All pairs of writers of the same resource or of alternative ones.
-fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]> {
+fn candidate_pairs(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]> {
     let mut pairs = Vec::new();
     let all: Vec<(&Resource, &Vec<NodeId>)> = of.iter().collect();
     for (k, (resource, writers)) in all.iter().enumerate() {
@@ -142,7 +142,7 @@ fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]>
         }
         let others = all[k + 1..]
             .iter()
-            .filter(|(other, _)| alternative(net, resource, other));
+            .filter(|(other, _)| are_alternatives(net, resource, other));
         for (_, others) in others {
             pairs.extend(writers.iter().flat_map(|a| others.iter().map(|b| [*a, *b])));
         }
@@ -151,7 +151,7 @@ fn meetings(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]>
 }
 
 /// Whether two ports are alternatives that drive the same actuator.
-pub(crate) fn alternative(net: &Net, a: &Resource, b: &Resource) -> bool {
+pub(crate) fn are_alternatives(net: &Net, a: &Resource, b: &Resource) -> bool {
     let same_motion = |r: &Resource| SAME_MOTION.contains(&r.port.as_str());
     let declared = net.alternatives.iter().any(|group| {
         let holds = |r: &Resource| group.device == r.device && group.ports.contains(&r.port);
@@ -160,20 +160,20 @@ pub(crate) fn alternative(net: &Net, a: &Resource, b: &Resource) -> bool {
     a.device == b.device && a.port != b.port && (declared || (same_motion(a) && same_motion(b)))
 }
 
-fn judge(background: Background<'_>, pairs: &[[NodeId; 2]]) -> Vec<Pair> {
+fn prove_pairs(background: ProofContext<'_>, pairs: &[[NodeId; 2]]) -> Vec<WriterPair> {
     if pairs.is_empty() {
         return Vec::new();
     }
-    let effort = Effort::default();
+    let effort = EffortBudget::default();
     let mut prover = Prover::new(background, &effort);
-    let judged = &pairs[..pairs.len().min(PAIRS)];
-    let happenings: Vec<[Happening; 2]> = judged
+    let judged = &pairs[..pairs.len().min(MAX_PAIRS)];
+    let happenings: Vec<[Event; 2]> = judged
         .iter()
         .map(|pair| pair.map(|w| happening(background.net, w)))
         .collect();
     let exclusive = prover.never_together(&happenings);
     let exclusive = exclusive.into_iter().chain(std::iter::repeat(false));
-    let pair = |(writers, exclusive): (&[NodeId; 2], bool)| Pair {
+    let pair = |(writers, exclusive): (&[NodeId; 2], bool)| WriterPair {
         writers: *writers,
         exclusive,
     };
@@ -181,38 +181,41 @@ fn judge(background: Background<'_>, pairs: &[[NodeId; 2]]) -> Vec<Pair> {
 }
 
 /// Event that a writer writes: its fragment is active and its inputs are present.
-pub(crate) fn happening(net: &Net, writer: NodeId) -> Happening {
+pub(crate) fn happening(net: &Net, writer: NodeId) -> Event {
     let node = net.node(writer);
-    Happening {
+    Event {
         fragment: node.fragment,
         present: node.inputs.iter().filter_map(Input::port).collect(),
     }
 }
 
 /// Verdicts of the solver for the pairs that are not proved yet.
-fn decide(
-    background: Background<'_>,
+fn solve_pairs(
+    background: ProofContext<'_>,
     schedule: &Schedule,
-    pairs: &[Pair],
+    pairs: &[WriterPair],
 ) -> BTreeMap<[NodeId; 2], Verdict> {
-    let open = pairs.iter().filter(|pair| !pair.exclusive).take(HARD);
+    let open = pairs
+        .iter()
+        .filter(|pair| !pair.exclusive)
+        .take(MAX_SOLVER_PAIRS);
     let open: Vec<[NodeId; 2]> = open.map(|pair| pair.writers).collect();
-    let happenings: Vec<[Happening; 2]> = open
+    let happenings: Vec<[Event; 2]> = open
         .iter()
         .map(|pair| pair.map(|writer| happening(background.net, writer)))
         .collect();
-    let verdicts = overlap::decide(background, schedule, &happenings);
+    let verdicts = model_check::decide(background, schedule, &happenings);
     open.into_iter().zip(verdicts).collect()
 }
 
 /// Checks that a program has one writer per actuator. Returns a diagnostic per resource with two writers that write, or
 /// might write, in the same cycle. A pair with a known example run is preferred.
-pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
-    if matches!(net.driver, Driver::Ports { .. }) {
+pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Diagnostic> {
+    if matches!(net.termination, Termination::Ports { .. }) {
         return Vec::new();
     }
     let mut reported: BTreeMap<[Resource; 2], [NodeId; 2]> = BTreeMap::new();
-    for pair in writers.watched() {
+    for pair in writers.unproved() {
         if let [Some(a), Some(b)] = pair.map(|w| resource(net.node(w))) {
             // All indices of a port share a diagnostic.
             let whole = |r: Resource| Resource { index: 0, ..r };
@@ -225,8 +228,8 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Finding> {
     let told = reported.into_iter().map(|(resources, pair)| {
         let (resources, ordered) = in_text_order(net, resources, pair);
         match writers.witness(pair) {
-            Some(witness) => together(net, &resources, ordered, witness),
-            None => not_proved(net, &resources, ordered),
+            Some(witness) => overlap_diagnostic(net, &resources, ordered, witness),
+            None => unproved_diagnostic(net, &resources, ordered),
         }
     });
     told.collect()
@@ -246,17 +249,26 @@ fn in_text_order(
 }
 
 /// Diagnostic for two set-points with their locations.
-fn finding(net: &Net, (code, message): (Code, String), [first, second]: [NodeId; 2]) -> Finding {
-    Finding::new(code, message)
-        .at(net.node(second).origin.span, "a second set-point")
-        .also(net.node(first).origin.span, "the first set-point")
+fn diagnostic(
+    net: &Net,
+    (code, message): (Code, String),
+    [first, second]: [NodeId; 2],
+) -> Diagnostic {
+    Diagnostic::new(code, message)
+        .primary(net.node(second).origin.span, "a second set-point")
+        .secondary(net.node(first).origin.span, "the first set-point")
 }
 
 fn name(resource: &Resource) -> String {
     format!("`{}.{}`", resource.device, resource.port)
 }
 
-fn together(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2], witness: &Witness) -> Finding {
+fn overlap_diagnostic(
+    net: &Net,
+    [a, b]: &[Resource; 2],
+    pair: [NodeId; 2],
+    witness: &Witness,
+) -> Diagnostic {
     let message = match a == b {
         true => format!("{} gets two set-points in the same cycle", name(a)),
         false => format!(
@@ -265,18 +277,18 @@ fn together(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2], witness: &Witn
             name(b)
         ),
     };
-    finding(net, (Code::RPI6101, message), pair)
+    diagnostic(net, (Code::RPI6101, message), pair)
         .note(witness.to_string())
         .help("merge the alternatives with `??`, or make their conditions mutually exclusive")
 }
 
-fn not_proved(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2]) -> Finding {
+fn unproved_diagnostic(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2]) -> Diagnostic {
     let message = format!(
         "{} and {} cannot be proved mutually exclusive",
         name(a),
         name(b)
     );
-    finding(net, (Code::RPI6105, message), pair)
+    diagnostic(net, (Code::RPI6105, message), pair)
         .note("this is checked in each cycle: two set-points at once are a fault, which ends the command")
         .help("make both depend on one condition: `when c` and `when not c`, or states of one automaton")
 }

@@ -1,84 +1,84 @@
 //! Converts the arguments of a primitive in a net's text to inputs and parameters.
 
-use super::links::{Links, list, type_name};
-use super::text::{Argument, Definition, Given, Place, Source, Word, number};
+use super::links::{LinkResolver, list, type_name};
+use super::parsed_text::{Argument, ArgumentValue, Definition, Source, TextRange, Word, to_u32};
 use super::value::{flow_type, neutral, parse};
 use crate::net::{Input, Inputs, PortRef};
-use rpi_diag::{Code, Finding, suggest};
-use rpi_image::{InPort, Need, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
+use rpi_diag::{Code, Diagnostic, suggest};
+use rpi_image::{Fallback, InPort, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
 use rpi_literal::LiteralError;
 use smallvec::SmallVec;
 
 /// Inputs and parameters of a primitive.
-pub(super) struct Connected {
+pub(super) struct PrimitiveInputs {
     pub(super) inputs: Inputs,
     pub(super) params: Vec<Value>,
 }
 
 /// Reads the arguments of one primitive and checks them against its descriptor.
 pub(super) struct Arguments<'a, 'b, 't> {
-    pub(super) links: &'a mut Links<'b, 't>,
-    pub(super) findings: &'a mut Vec<Finding>,
+    pub(super) links: &'a mut LinkResolver<'b, 't>,
+    pub(super) diagnostics: &'a mut Vec<Diagnostic>,
     pub(super) desc: &'static PrimDesc,
     pub(super) definition: &'a Definition,
     /// Whether the text has no syntax errors. Missing arguments are reported only then, since an error may have hidden
     /// them.
-    pub(super) intact: bool,
+    pub(super) is_error_free: bool,
 }
 
 /// Connected in-port, by index. Its origin is `None` if the error was already reported.
-type Link = (usize, Option<PortRef>);
+type ConnectedPort = (usize, Option<PortRef>);
 /// Parameter with its value.
 type Setting<'t> = (&'t str, Value);
 
 impl<'t> Arguments<'_, '_, 't> {
     /// Returns all inputs and parameters. Errors are reported as diagnostics, and a neutral value replaces a wrong one.
-    pub(super) fn read(mut self) -> Connected {
+    pub(super) fn read(mut self) -> PrimitiveInputs {
         let definition = self.definition;
-        let mut links: SmallVec<[Link; 4]> = SmallVec::new();
+        let mut links: SmallVec<[ConnectedPort; 4]> = SmallVec::new();
         let mut settings: SmallVec<[Setting<'t>; 2]> = SmallVec::new();
         for argument in self.links.text.arguments(definition) {
             match argument.value {
-                Given::Link(source) => links.extend(self.link(argument, source)),
-                Given::Text(text) => settings.extend(self.setting(argument, text)),
+                ArgumentValue::Link(source) => links.extend(self.link(argument, source)),
+                ArgumentValue::Text(text) => settings.extend(self.setting(argument, text)),
             }
         }
-        self.report_twice();
-        if self.intact {
+        self.report_duplicates();
+        if self.is_error_free {
             self.report_missing(&links, &settings);
         }
         connect(self.desc, &links, &settings)
     }
 
-    fn link(&mut self, argument: &Argument, source: Source) -> Option<Link> {
+    fn link(&mut self, argument: &Argument, source: Source) -> Option<ConnectedPort> {
         let scope = self.definition.scope;
-        let origin = self.links.origin(scope, source, self.findings);
+        let origin = self.links.resolve(scope, source, self.diagnostics);
         let Some(port) = self.desc.input(self.str(argument.name)) else {
-            let finding = self.no_input(argument.name);
-            self.findings.push(finding);
+            let diagnostic = self.unknown_input(argument.name);
+            self.diagnostics.push(diagnostic);
             return None;
         };
         let wrong = origin.and_then(|o| self.wrong_type(port, o, source));
-        self.findings.extend(wrong);
+        self.diagnostics.extend(wrong);
         Some((port, origin))
     }
 
     fn setting(&mut self, argument: &Argument, text: Word) -> Option<Setting<'t>> {
         let name = self.str(argument.name);
         let Some(ty) = parameter_type(self.desc, name) else {
-            let finding = self.no_parameter(argument.name);
-            self.findings.push(finding);
+            let diagnostic = self.unknown_parameter(argument.name);
+            self.diagnostics.push(diagnostic);
             return None;
         };
         let value = parse(self.str(text), ty).unwrap_or_else(|error| {
-            let finding = self.no_value(argument.name, text, &error);
-            self.findings.push(finding);
+            let diagnostic = self.invalid_value(argument.name, text, &error);
+            self.diagnostics.push(diagnostic);
             neutral(ty)
         });
         Some((name, value))
     }
 
-    fn wrong_type(&self, port: usize, origin: PortRef, source: Source) -> Option<Finding> {
+    fn wrong_type(&self, port: usize, origin: PortRef, source: Source) -> Option<Diagnostic> {
         let input = &self.desc.inputs[port];
         let (ty, name) = self.links.port_type(origin)?;
         if ty == input.ty {
@@ -91,9 +91,9 @@ impl<'t> Arguments<'_, '_, 't> {
         );
         let place = self.links.text.source_place(source);
         Some(
-            Finding::new(Code::RPI2101, message)
-                .at(self.span(place), format!("this is {from}"))
-                .also(
+            Diagnostic::new(Code::RPI2101, message)
+                .primary(self.span(place), format!("this is {from}"))
+                .secondary(
                     self.span(self.type_place()),
                     format!("`{}` expects {to}", input.name),
                 )
@@ -101,41 +101,46 @@ impl<'t> Arguments<'_, '_, 't> {
         )
     }
 
-    fn no_input(&self, word: Word) -> Finding {
+    fn unknown_input(&self, word: Word) -> Diagnostic {
         let name = self.str(word);
         let ports: Vec<&str> = self.desc.inputs.iter().map(|p| p.name).collect();
         let message = format!("`{}` has no in-port `{}`", self.desc.name, name);
-        let finding = Finding::new(Code::RPI1102, message)
-            .at(self.span(word), "this link is ignored")
+        let diagnostic = Diagnostic::new(Code::RPI1102, message)
+            .primary(self.span(word), "this link is ignored")
             .note("the reference's Java core ignores such links, its C++ core rejects the net");
         if parameter_type(self.desc, name).is_some() {
-            return finding.help("this is a parameter: write its value in quotes");
+            return diagnostic.help("this is a parameter: write its value in quotes");
         }
-        advise(finding, name, &ports)
+        advise(diagnostic, name, &ports)
     }
 
-    fn no_parameter(&self, word: Word) -> Finding {
+    fn unknown_parameter(&self, word: Word) -> Diagnostic {
         let name = self.str(word);
         let parameters = parameters(self.desc);
         let message = format!("`{}` has no parameter `{}`", self.desc.name, name);
-        let finding = Finding::new(Code::RPI1103, message).at(self.span(word), "unknown parameter");
+        let diagnostic =
+            Diagnostic::new(Code::RPI1103, message).primary(self.span(word), "unknown parameter");
         if self.desc.input(name).is_some() {
-            return finding.help("this is an in-port: connect it to an out-port, `name.outPort`");
+            return diagnostic
+                .help("this is an in-port: connect it to an out-port, `name.outPort`");
         }
-        advise(finding, name, &parameters)
+        advise(diagnostic, name, &parameters)
     }
 
-    fn no_value(&self, name: Word, text: Word, error: &LiteralError) -> Finding {
-        let start = text.start.saturating_add(number(error.at)).min(text.end);
-        let place = Place { start, ..text };
+    fn invalid_value(&self, name: Word, text: Word, error: &LiteralError) -> Diagnostic {
+        let start = text
+            .start
+            .saturating_add(to_u32(error.offset))
+            .min(text.end);
+        let place = TextRange { start, ..text };
         let (name, prim) = (self.str(name), self.desc.name);
         let message = format!("`{name}` of `{prim}`: {}", error.message);
-        Finding::new(Code::RPI2102, message)
-            .at(self.span(place), error.message.clone())
+        Diagnostic::new(Code::RPI2102, message)
+            .primary(self.span(place), error.message.clone())
             .help("see the page of this code for the syntax of values")
     }
 
-    fn report_twice(&mut self) {
+    fn report_duplicates(&mut self) {
         let text = self.links.text;
         let arguments = text.arguments(self.definition);
         for (k, second) in arguments.iter().enumerate() {
@@ -148,24 +153,24 @@ impl<'t> Arguments<'_, '_, 't> {
             let places = [first, second].map(|a| text.argument_place(a));
             if text.str(places[0]) != text.str(places[1]) {
                 let message = format!("duplicate argument `{name}`");
-                let finding = Finding::new(Code::RPI1107, message)
-                    .at(self.span(places[1]), "given again here")
-                    .also(self.span(places[0]), "first given here")
+                let diagnostic = Diagnostic::new(Code::RPI1107, message)
+                    .primary(self.span(places[1]), "given again here")
+                    .secondary(self.span(places[0]), "first given here")
                     .help("an in-port has one source: delete one of them");
-                self.findings.push(finding);
+                self.diagnostics.push(diagnostic);
             }
         }
     }
 
-    fn report_missing(&mut self, links: &[Link], settings: &[Setting<'t>]) {
+    fn report_missing(&mut self, links: &[ConnectedPort], settings: &[Setting<'t>]) {
         let linked = |k: usize| links.iter().any(|(i, _)| *i == k);
         let given = |name: &str| settings.iter().any(|(n, _)| *n == name);
         let ports = self.desc.inputs.iter().enumerate();
         let ports = ports
             .filter(|(k, _)| !linked(*k))
-            .filter_map(|(_, p)| match p.need {
-                Need::Required => Some(p.name),
-                Need::Param(name, PortDefault::Required) if !given(name) => Some(name),
+            .filter_map(|(_, p)| match p.fallback {
+                Fallback::Required => Some(p.name),
+                Fallback::Param(name, PortDefault::Required) if !given(name) => Some(name),
                 _ => None,
             });
         let params = self.desc.params.iter();
@@ -181,18 +186,18 @@ impl<'t> Arguments<'_, '_, 't> {
             self.desc.name,
             list(&missing)
         );
-        let finding = Finding::new(Code::RPI2103, message)
-            .at(self.span(self.type_place()), "not connected here")
+        let diagnostic = Diagnostic::new(Code::RPI2103, message)
+            .primary(self.span(self.type_place()), "not connected here")
             .help(format!("connect it: `{}=name.outPort`", missing[0]));
-        self.findings.push(finding);
+        self.diagnostics.push(diagnostic);
     }
 
     /// Location of the primitive's type name.
-    fn type_place(&self) -> Place {
+    fn type_place(&self) -> TextRange {
         let start = self.definition.place.start;
-        Place {
+        TextRange {
             start,
-            end: start + number(self.desc.name.len()),
+            end: start + to_u32(self.desc.name.len()),
         }
     }
 
@@ -200,30 +205,30 @@ impl<'t> Arguments<'_, '_, 't> {
         self.links.text.str(word)
     }
 
-    fn span(&self, place: Place) -> rpi_diag::Span {
+    fn span(&self, place: TextRange) -> rpi_diag::Span {
         self.links.text.span(place)
     }
 }
 
-fn advise(finding: Finding, name: &str, names: &[&str]) -> Finding {
+fn advise(diagnostic: Diagnostic, name: &str, names: &[&str]) -> Diagnostic {
     match suggest(name, names.iter().copied()) {
         Some(near) => {
-            let place = finding.span();
-            finding.did_you_mean(place, Some(near))
+            let place = diagnostic.span();
+            diagnostic.did_you_mean(place, Some(near))
         }
-        None if names.is_empty() => finding.help("it has none: delete this argument"),
-        None => finding.help(format!("available: {}", list(names))),
+        None if names.is_empty() => diagnostic.help("it has none: delete this argument"),
+        None => diagnostic.help(format!("available: {}", list(names))),
     }
 }
 
-fn connect(desc: &PrimDesc, links: &[Link], settings: &[Setting<'_>]) -> Connected {
+fn connect(desc: &PrimDesc, links: &[ConnectedPort], settings: &[Setting<'_>]) -> PrimitiveInputs {
     let given = |name: &str| {
         let mut found = settings.iter().filter(|(n, _)| *n == name);
         found.next().map(|(_, v)| v.clone())
     };
     let input = |(k, port): (usize, &InPort)| match links.iter().find(|(i, _)| *i == k) {
-        Some((_, origin)) => origin.map_or(Input::Open, Input::Port),
-        None => stand_in(port, given).map_or(Input::Open, Input::constant),
+        Some((_, origin)) => origin.map_or(Input::Unconnected, Input::Port),
+        None => default_input(port, given).map_or(Input::Unconnected, Input::constant),
     };
     let param = |p: &Param| {
         let default = || p.default.value(flow_type(p.ty));
@@ -231,20 +236,20 @@ fn connect(desc: &PrimDesc, links: &[Link], settings: &[Setting<'_>]) -> Connect
             .or_else(default)
             .unwrap_or_else(|| neutral(p.ty))
     };
-    Connected {
+    PrimitiveInputs {
         inputs: desc.inputs.iter().enumerate().map(input).collect(),
         params: desc.params.iter().map(param).collect(),
     }
 }
 
 /// Value of the parameters that replace a missing link; `None` if the in-port has no such parameter.
-fn stand_in(port: &InPort, given: impl Fn(&str) -> Option<Value>) -> Option<Value> {
-    match port.need {
-        Need::Required | Need::Absent => None,
-        Need::Param(name, default) => {
+fn default_input(port: &InPort, given: impl Fn(&str) -> Option<Value>) -> Option<Value> {
+    match port.fallback {
+        Fallback::Required | Fallback::AbsentValue => None,
+        Fallback::Param(name, default) => {
             given(name).or_else(|| default.value(flow_type(port_parameter(port.ty)?)))
         }
-        Need::Params(parts, make) => {
+        Fallback::ComposedOfParams(parts, make) => {
             let real = |(name, default): &(&str, f64)| {
                 given(name).and_then(|v| v.as_real()).unwrap_or(*default)
             };
@@ -258,9 +263,9 @@ fn parameter_type(desc: &PrimDesc, name: &str) -> Option<ParamType> {
     if let Some(k) = desc.param(name) {
         return Some(desc.params[k].ty);
     }
-    let port = &desc.inputs[desc.fallback(name)?];
-    match port.need {
-        Need::Params(..) => Some(ParamType::One(rpi_image::Scalar::Real)),
+    let port = &desc.inputs[desc.in_port_of_param(name)?];
+    match port.fallback {
+        Fallback::ComposedOfParams(..) => Some(ParamType::Scalar(rpi_image::Scalar::Real)),
         _ => port_parameter(port.ty),
     }
 }
@@ -268,7 +273,7 @@ fn parameter_type(desc: &PrimDesc, name: &str) -> Option<ParamType> {
 /// Type of the parameter that replaces an in-port; `None` for a matrix, which has no text form.
 fn port_parameter(ty: PortType) -> Option<ParamType> {
     match ty {
-        PortType::One(s) => Some(ParamType::One(s)),
+        PortType::Scalar(s) => Some(ParamType::Scalar(s)),
         PortType::Array(s) => Some(ParamType::Array(s)),
         PortType::Matrix => None,
     }
@@ -276,10 +281,10 @@ fn port_parameter(ty: PortType) -> Option<ParamType> {
 
 /// Names of all parameters, including those that replace in-ports.
 fn parameters(desc: &PrimDesc) -> Vec<&'static str> {
-    let ports = desc.inputs.iter().flat_map(|p| match p.need {
-        Need::Param(name, _) => vec![name],
-        Need::Params(parts, _) => parts.iter().map(|(n, _)| *n).collect(),
-        Need::Required | Need::Absent => Vec::new(),
+    let ports = desc.inputs.iter().flat_map(|p| match p.fallback {
+        Fallback::Param(name, _) => vec![name],
+        Fallback::ComposedOfParams(parts, _) => parts.iter().map(|(n, _)| *n).collect(),
+        Fallback::Required | Fallback::AbsentValue => Vec::new(),
     });
     desc.params.iter().map(|p| p.name).chain(ports).collect()
 }

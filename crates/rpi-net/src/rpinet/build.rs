@@ -1,14 +1,16 @@
 //! Builds a [`Net`] from a parsed [`Text`].
 
 use super::arguments::Arguments;
-use super::links::{Links, Nodes};
-use super::names::Names;
-use super::text::{Argument, BodyId, DefinitionId, Given, Kind, Source, Text, Word};
-use crate::net::{
-    Absent, Activation, Driver, Fragment, FragmentId, FragmentPort, Input, Inputs, Net, Node,
-    Origin, PortRef, Restart, Types,
+use super::links::{LinkResolver, Nodes};
+use super::names::SymbolTable;
+use super::parsed_text::{
+    Argument, ArgumentValue, BodyId, DefinitionId, DefinitionKind, ParsedText, Source, Word,
 };
-use rpi_diag::{Code, Finding, Fix, suggest};
+use crate::net::{
+    AbsentPolicy, Activation, Fragment, FragmentId, FragmentPort, Input, Inputs, Net, Node, Origin,
+    PortRef, Restart, Termination, Types,
+};
+use rpi_diag::{Code, Diagnostic, Fix, suggest};
 use rpi_image::{PortType, Scalar};
 use rpi_prims::{PrimId, registry};
 use rustc_hash::FxHashMap;
@@ -27,9 +29,9 @@ pub(super) const RESTART: &str = "rpi:restart";
 pub(super) const RESTART_ON_ACTIVATION: &str = "activation";
 
 /// Builds the net of a text. The net is valid only if there are no error diagnostics.
-pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) -> Net {
-    let intact = findings.is_empty();
-    let names = Names::new(text, findings);
+pub(super) fn build(name: &str, text: &ParsedText<'_>, diagnostics: &mut Vec<Diagnostic>) -> Net {
+    let intact = diagnostics.is_empty();
+    let names = SymbolTable::new(text, diagnostics);
     let mut builder = Builder {
         text,
         names: &names,
@@ -38,7 +40,7 @@ pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) ->
         fragments: vec![FragmentId::ROOT; text.fragments.len()],
         prims: FxHashMap::default(),
         unnamed: 0,
-        findings,
+        diagnostics: diagnostics,
     };
     builder.net.nodes.reserve_exact(text.definitions.len());
     builder.declare();
@@ -48,13 +50,13 @@ pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) ->
         fragments,
         ..
     } = builder;
-    let mut connector = Connector {
+    let mut connector = Linker {
         text,
-        links: Links::new(text, &names, &nodes),
+        links: LinkResolver::new(text, &names, &nodes),
         fragments: &fragments,
         net: &mut net,
-        findings,
-        intact,
+        diagnostics: diagnostics,
+        is_error_free: intact,
     };
     connector.definitions(&names);
     connector.outputs(&names);
@@ -63,44 +65,47 @@ pub(super) fn build(name: &str, text: &Text<'_>, findings: &mut Vec<Finding>) ->
 
 /// First pass: creates all nodes and fragments, unconnected.
 struct Builder<'a, 't> {
-    text: &'a Text<'t>,
-    names: &'a Names<'t>,
+    text: &'a ParsedText<'t>,
+    names: &'a SymbolTable<'t>,
     net: Net,
     nodes: Nodes,
     fragments: Vec<FragmentId>,
     prims: FxHashMap<&'t str, Option<PrimId>>,
     unnamed: u32,
-    findings: &'a mut Vec<Finding>,
+    diagnostics: &'a mut Vec<Diagnostic>,
 }
 
 impl<'t> Builder<'_, 't> {
     fn declare(&mut self) {
         let mut unknown: BTreeMap<&str, Vec<Word>> = BTreeMap::new();
         for id in self.text.definition_ids() {
-            if self.names.is_repeated(id) {
+            if self.names.is_duplicate(id) {
                 continue;
             }
             match self.text.definition(id).kind {
-                Kind::Fragment(body) => self.declare_fragment(id, body),
-                Kind::Primitive(ty) => match self.prim(self.text.str(ty)) {
+                DefinitionKind::Fragment(body) => self.declare_fragment(id, body),
+                DefinitionKind::Primitive(ty) => match self.prim(self.text.str(ty)) {
                     Some(prim) => self.declare_node(id, prim),
                     None => unknown.entry(self.text.str(ty)).or_default().push(ty),
                 },
             }
         }
         let unknown = unknown.into_values().map(|at| unknown_type(self.text, &at));
-        self.findings.extend(unknown);
+        self.diagnostics.extend(unknown);
     }
 
     /// Primitive with this name. The results of the registry are cached.
     fn prim(&mut self, name: &'t str) -> Option<PrimId> {
-        *self.prims.entry(name).or_insert_with(|| PrimId::of(name))
+        *self
+            .prims
+            .entry(name)
+            .or_insert_with(|| PrimId::from_name(name))
     }
 
     fn declare_fragment(&mut self, id: DefinitionId, body: BodyId) {
         let fragment = Fragment {
             name: self.name(id),
-            parent: Some(self.around(id)),
+            parent: Some(self.enclosing_fragment(id)),
             activation: Activation::Always,
             restart: Restart::Never,
             is_clock: false,
@@ -113,7 +118,7 @@ impl<'t> Builder<'_, 't> {
     }
 
     /// Fragment that directly contains a definition.
-    fn around(&self, id: DefinitionId) -> FragmentId {
+    fn enclosing_fragment(&self, id: DefinitionId) -> FragmentId {
         self.fragments[self.text.definition(id).scope as usize]
     }
 
@@ -121,7 +126,7 @@ impl<'t> Builder<'_, 't> {
         let node = Node {
             name: self.name(id),
             prim,
-            fragment: self.around(id),
+            fragment: self.enclosing_fragment(id),
             inputs: Inputs::new(),
             params: Vec::new(),
             outputs: Types::new(),
@@ -154,27 +159,27 @@ impl<'t> Builder<'_, 't> {
 }
 
 /// Second pass: connects the nodes and fragments.
-struct Connector<'a, 'b, 't> {
-    text: &'b Text<'t>,
-    links: Links<'b, 't>,
+struct Linker<'a, 'b, 't> {
+    text: &'b ParsedText<'t>,
+    links: LinkResolver<'b, 't>,
     fragments: &'a [FragmentId],
     net: &'a mut Net,
-    findings: &'a mut Vec<Finding>,
-    intact: bool,
+    diagnostics: &'a mut Vec<Diagnostic>,
+    is_error_free: bool,
 }
 
-impl<'t> Connector<'_, '_, 't> {
-    fn definitions(&mut self, names: &Names<'t>) {
+impl<'t> Linker<'_, '_, 't> {
+    fn definitions(&mut self, names: &SymbolTable<'t>) {
         let text = self.text;
         for (id, definition) in text.definition_ids().zip(&text.definitions) {
-            if names.is_repeated(id) {
+            if names.is_duplicate(id) {
                 continue;
             }
             match definition.kind {
-                Kind::Fragment(body) => {
+                DefinitionKind::Fragment(body) => {
                     self.fragment(definition.scope, body, text.arguments(definition))
                 }
-                Kind::Primitive(_) => self.node(id),
+                DefinitionKind::Primitive(_) => self.node(id),
             }
         }
     }
@@ -185,10 +190,10 @@ impl<'t> Connector<'_, '_, 't> {
         };
         let arguments = Arguments {
             links: &mut self.links,
-            findings: self.findings,
+            diagnostics: self.diagnostics,
             desc: prim.desc(),
             definition: self.text.definition(id),
-            intact: self.intact,
+            is_error_free: self.is_error_free,
         };
         let connected = arguments.read();
         let node = &mut self.net.nodes[node.index()];
@@ -209,14 +214,14 @@ impl<'t> Connector<'_, '_, 't> {
             let name = argument.name;
             let label = self.text.str(name);
             if matches!(label, ACTIVATION | RESTART) {
-                self.check(port, PortType::One(Scalar::Bool), name);
+                self.check_port_type(port, PortType::Scalar(Scalar::Bool), name);
             }
             let fragment = &mut self.net.fragments[at];
             match label {
                 ACTIVATION => {
                     fragment.activation = Activation::When {
                         condition: port,
-                        absent: Absent::Active,
+                        if_absent: AbsentPolicy::Active,
                     };
                 }
                 RESTART => fragment.restart = Restart::Every(port),
@@ -231,31 +236,32 @@ impl<'t> Connector<'_, '_, 't> {
     /// Source of an in-port of a fragment.
     fn argument(&mut self, scope: BodyId, argument: &Argument) -> Option<PortRef> {
         match argument.value {
-            Given::Link(source) => self.links.origin(scope, source, self.findings),
-            Given::Text(_) => {
+            ArgumentValue::Link(source) => self.links.resolve(scope, source, self.diagnostics),
+            ArgumentValue::Text(_) => {
                 let name = argument.name;
                 let label = self.text.str(name);
                 let message = format!("fragments have no parameters, found `{label}`");
                 let place = self.text.span(self.text.argument_place(argument));
-                let finding = Finding::new(Code::RPI1103, message).at(place, "quoted value");
+                let diagnostic =
+                    Diagnostic::new(Code::RPI1103, message).primary(place, "quoted value");
                 let value = "connect it to a constant: `name=Core::DoubleValue(Value='..')`";
-                self.findings.push(finding.help(value));
+                self.diagnostics.push(diagnostic.help(value));
                 None
             }
         }
     }
 
-    fn outputs(&mut self, names: &Names<'t>) {
+    fn outputs(&mut self, names: &SymbolTable<'t>) {
         for body in self.text.body_ids() {
             let definition = self.text.body(body).definition;
-            if definition.is_some_and(|d| names.is_repeated(d)) {
+            if definition.is_some_and(|d| names.is_duplicate(d)) {
                 continue;
             }
             self.body_outputs(body, names);
         }
     }
 
-    fn body_outputs(&mut self, body: BodyId, names: &Names<'t>) {
+    fn body_outputs(&mut self, body: BodyId, names: &SymbolTable<'t>) {
         let (mut terminate, mut fail) = (None, None);
         let mut outputs = Vec::new();
         for (k, output) in self.text.body(body).outputs.iter().enumerate() {
@@ -268,11 +274,11 @@ impl<'t> Connector<'_, '_, 't> {
             };
             match label {
                 TERMINATE if body == 0 => {
-                    self.check(port, PortType::One(Scalar::Bool), output.name);
+                    self.check_port_type(port, PortType::Scalar(Scalar::Bool), output.name);
                     terminate = Some(Input::Port(port));
                 }
                 FAIL if body == 0 => {
-                    self.check(port, PortType::One(Scalar::Int), output.name);
+                    self.check_port_type(port, PortType::Scalar(Scalar::Int), output.name);
                     fail = Some(Input::Port(port));
                 }
                 name => outputs.push(FragmentPort {
@@ -283,37 +289,41 @@ impl<'t> Connector<'_, '_, 't> {
         }
         self.net.fragments[self.fragments[body as usize].index()].outputs = outputs;
         if body == 0 {
-            self.net.driver = Driver::Ports { terminate, fail };
+            self.net.termination = Termination::Ports { terminate, fail };
         }
     }
 
     fn output(&mut self, body: BodyId, source: Source) -> Option<PortRef> {
-        self.links.origin(body, source, self.findings)
+        self.links.resolve(body, source, self.diagnostics)
     }
 
     /// Reports a type mismatch at a port with a fixed meaning.
-    fn check(&mut self, port: PortRef, needed: PortType, name: Word) {
-        let finding = self.links.wrong_type_at(port, needed, name);
-        self.findings.extend(finding);
+    fn check_port_type(&mut self, port: PortRef, needed: PortType, name: Word) {
+        let diagnostic = self.links.wrong_type_at(port, needed, name);
+        self.diagnostics.extend(diagnostic);
     }
 }
 
-fn restarts_on_activation(text: &Text<'_>, argument: &Argument) -> bool {
+fn restarts_on_activation(text: &ParsedText<'_>, argument: &Argument) -> bool {
     let whenever = |t| text.str(t) == RESTART_ON_ACTIVATION;
-    matches!(argument.value, Given::Text(t) if whenever(t)) && text.str(argument.name) == RESTART
+    matches!(argument.value, ArgumentValue::Text(t) if whenever(t))
+        && text.str(argument.name) == RESTART
 }
 
-fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
+fn unknown_type(text: &ParsedText<'_>, places: &[Word]) -> Diagnostic {
     const SHOWN: usize = 4;
     let name = text.str(places[0]);
-    let finding = Finding::new(Code::RPI1101, format!("undefined primitive `{name}`"));
+    let diagnostic = Diagnostic::new(Code::RPI1101, format!("undefined primitive `{name}`"));
     let labelled = places.iter().take(SHOWN);
-    let finding = labelled.fold(finding, |f, word| {
-        f.at(text.span(*word), "unknown primitive")
+    let diagnostic = labelled.fold(diagnostic, |f, word| {
+        f.primary(text.span(*word), "unknown primitive")
     });
-    let finding = match places.len().saturating_sub(SHOWN) {
-        0 => finding,
-        more => finding.note(format!("and at {}", rpi_diag::counted(more, "more place"))),
+    let diagnostic = match places.len().saturating_sub(SHOWN) {
+        0 => diagnostic,
+        more => diagnostic.note(format!(
+            "and at {}",
+            rpi_diag::with_noun(more, "more place")
+        )),
     };
     match suggest(name, registry().iter().map(|p| p.desc.name)) {
         Some(near) => {
@@ -321,8 +331,8 @@ fn unknown_type(text: &Text<'_>, places: &[Word]) -> Finding {
             let fix = places
                 .iter()
                 .fold(fix, |fix, word| fix.replace(text.span(*word), near.clone()));
-            finding.help(format!("did you mean `{near}`?")).fix(fix)
+            diagnostic.help(format!("did you mean `{near}`?")).fix(fix)
         }
-        None => finding.help("the primitive reference lists all primitives"),
+        None => diagnostic.help("the primitive reference lists all primitives"),
     }
 }

@@ -4,11 +4,11 @@ use rpi_image::{ParamType, Role, Scalar, Type, Value};
 use rpi_prims::registry;
 
 /// Name of a constant primitive whose parameter `Value` can hold this constant.
-pub(super) fn primitive(constant: &Value) -> Option<&'static str> {
-    let Some(Type::One(scalar)) = constant.ty() else {
+pub(super) fn constant_primitive(constant: &Value) -> Option<&'static str> {
+    let Some(Type::Scalar(scalar)) = constant.ty() else {
         return None;
     };
-    let gives = |ty: ParamType| ty == ParamType::One(scalar);
+    let gives = |ty: ParamType| ty == ParamType::Scalar(scalar);
     let mut constants = registry()
         .iter()
         .map(|p| &p.desc)
@@ -18,9 +18,13 @@ pub(super) fn primitive(constant: &Value) -> Option<&'static str> {
 }
 
 /// Reals from which `make` builds a constant: its components, or the Euler angles about z, y, x of a rotation.
-pub(super) fn parts(constant: &Value, count: usize, make: fn(&[f64]) -> Value) -> Vec<f64> {
+pub(super) fn constant_parts(
+    constant: &Value,
+    count: usize,
+    make: fn(&[f64]) -> Value,
+) -> Vec<f64> {
     let components: Vec<f64> = constant
-        .cells()
+        .slots()
         .iter()
         .map(|c| f64::from_bits(*c))
         .collect();
@@ -28,7 +32,9 @@ pub(super) fn parts(constant: &Value, count: usize, make: fn(&[f64]) -> Value) -
         return components;
     }
     match constant.ty() {
-        Some(Type::One(Scalar::Rotation)) => rpi_literal::angles(constant.cells()).to_vec(),
+        Some(Type::Scalar(Scalar::Rotation)) => {
+            rpi_literal::euler_angles(constant.slots()).to_vec()
+        }
         _ => components,
     }
 }

@@ -1,9 +1,11 @@
 //! Resolves links: from a name, through the ports of fragments, to the out-port of a primitive.
 
-use super::names::{Names, PARENT};
-use super::text::{BodyId, DefinitionId, Given, Kind, Source, Subject, Text, Word};
+use super::names::{PARENT, SymbolTable};
+use super::parsed_text::{
+    ArgumentValue, BodyId, DefinitionId, DefinitionKind, ParsedText, Source, Subject, Word,
+};
 use crate::net::{NodeId, PortRef};
-use rpi_diag::{Code, Finding, suggest};
+use rpi_diag::{Code, Diagnostic, suggest};
 use rpi_image::PortType;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
@@ -12,13 +14,13 @@ use rustc_hash::FxHashMap;
 pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
 
 /// Resolver of links.
-pub(super) struct Links<'a, 't> {
-    pub(super) text: &'a Text<'t>,
-    pub(super) names: &'a Names<'t>,
+pub(super) struct LinkResolver<'a, 't> {
+    pub(super) text: &'a ParsedText<'t>,
+    pub(super) names: &'a SymbolTable<'t>,
     pub(super) nodes: &'a Nodes,
     /// Primitive of each node, by node index.
     prims: Vec<PrimId>,
-    ports: FxHashMap<Port, Origin>,
+    ports: FxHashMap<BorderPort, Resolution>,
     /// Remaining name searches for "did you mean" hints. The number is limited, since a broken net may have thousands
     /// of wrong names.
     hints: u32,
@@ -26,7 +28,7 @@ pub(super) struct Links<'a, 't> {
 
 /// Port on the border of a fragment.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Port {
+enum BorderPort {
     /// In-port: index of the fragment's definition, and of its argument.
     In(DefinitionId, usize),
     /// Out-port: index of the fragment, and of the port in it.
@@ -35,34 +37,38 @@ enum Port {
 
 /// State of the resolution of a border port.
 #[derive(Clone, Copy)]
-enum Origin {
+enum Resolution {
     /// Resolution is in progress; reaching the port again is a dependency cycle.
-    Open,
+    InProgress,
     /// Out-port that the border port is an alias of; `None` after an error that was already reported.
-    Known(Option<PortRef>),
+    Resolved(Option<PortRef>),
 }
 
 /// Result of following a link by one step.
 enum Step {
     Node(PortRef),
-    Border(Port),
+    Border(BorderPort),
 }
 
 /// Reason why a link cannot be resolved.
-enum Broken {
+enum LinkError {
     /// An error that is reported at its own location.
-    Elsewhere,
+    AlreadyReported,
     /// Undefined name.
-    Name,
+    UndefinedName,
     /// Undefined port of a known definition.
-    Port,
+    UndefinedPort,
     /// `parent` in the root fragment, which has none.
-    Root,
+    NoParent,
 }
 
-impl<'a, 't> Links<'a, 't> {
-    pub(super) fn new(text: &'a Text<'t>, names: &'a Names<'t>, nodes: &'a Nodes) -> Self {
-        Links {
+impl<'a, 't> LinkResolver<'a, 't> {
+    pub(super) fn new(
+        text: &'a ParsedText<'t>,
+        names: &'a SymbolTable<'t>,
+        nodes: &'a Nodes,
+    ) -> Self {
+        LinkResolver {
             text,
             names,
             nodes,
@@ -74,17 +80,17 @@ impl<'a, 't> Links<'a, 't> {
 
     /// Returns the out-port of a primitive from which a link originates. Reports errors of the first step only; an
     /// error of a later step is reported for the link that contains it.
-    pub(super) fn origin(
+    pub(super) fn resolve(
         &mut self,
         scope: BodyId,
         source: Source,
-        findings: &mut Vec<Finding>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<PortRef> {
         match self.step(scope, source) {
             Ok(Step::Node(port)) => Some(port),
-            Ok(Step::Border(port)) => self.follow(port, findings),
+            Ok(Step::Border(port)) => self.follow(port, diagnostics),
             Err(broken) => {
-                findings.extend(self.report(broken, scope, source));
+                diagnostics.extend(self.report(broken, scope, source));
                 None
             }
         }
@@ -98,22 +104,22 @@ impl<'a, 't> Links<'a, 't> {
     }
 
     /// Follows ports on borders until a primitive is reached.
-    fn follow(&mut self, first: Port, findings: &mut Vec<Finding>) -> Option<PortRef> {
+    fn follow(&mut self, first: BorderPort, diagnostics: &mut Vec<Diagnostic>) -> Option<PortRef> {
         let mut passed = Vec::new();
         let mut at = first;
         let found = loop {
             match self.ports.get(&at) {
-                Some(Origin::Known(known)) => break *known,
-                Some(Origin::Open) => {
-                    findings.push(self.ring(at));
+                Some(Resolution::Resolved(known)) => break *known,
+                Some(Resolution::InProgress) => {
+                    diagnostics.push(self.dependency_cycle(at));
                     break None;
                 }
                 None => {}
             }
-            self.ports.insert(at, Origin::Open);
+            self.ports.insert(at, Resolution::InProgress);
             passed.push(at);
             match self
-                .behind(at)
+                .link_of(at)
                 .map(|(scope, source)| self.step(scope, source))
             {
                 Some(Ok(Step::Node(port))) => break Some(port),
@@ -122,62 +128,66 @@ impl<'a, 't> Links<'a, 't> {
             }
         };
         for port in passed {
-            self.ports.insert(port, Origin::Known(found));
+            self.ports.insert(port, Resolution::Resolved(found));
         }
         found
     }
 
     /// Link that is connected to a border port, and the fragment that contains the link.
-    fn behind(&self, port: Port) -> Option<(BodyId, Source)> {
+    fn link_of(&self, port: BorderPort) -> Option<(BodyId, Source)> {
         match port {
-            Port::In(id, k) => {
+            BorderPort::In(id, k) => {
                 let definition = self.text.definition(id);
                 match self.text.arguments(definition)[k].value {
-                    Given::Link(source) => Some((definition.scope, source)),
-                    Given::Text(_) => None,
+                    ArgumentValue::Link(source) => Some((definition.scope, source)),
+                    ArgumentValue::Text(_) => None,
                 }
             }
-            Port::Out(body, k) => Some((body, self.text.body(body).outputs[k].source)),
+            BorderPort::Out(body, k) => Some((body, self.text.body(body).outputs[k].source)),
         }
     }
 
-    fn step(&self, scope: BodyId, source: Source) -> Result<Step, Broken> {
-        let id = match source.of {
+    fn step(&self, scope: BodyId, source: Source) -> Result<Step, LinkError> {
+        let id = match source.subject {
             Subject::Name(word) if self.str(word) == PARENT => return self.in_port(scope, source),
             Subject::Name(word) => self
                 .names
                 .definition(scope, self.str(word))
-                .ok_or(Broken::Name)?,
+                .ok_or(LinkError::UndefinedName)?,
             Subject::Definition(id) => id,
         };
         match self.text.definition(id).kind {
-            Kind::Fragment(body) => {
+            DefinitionKind::Fragment(body) => {
                 let k = self
                     .names
                     .output(body, self.str(source.port))
-                    .ok_or(Broken::Port)?;
-                Ok(Step::Border(Port::Out(body, k)))
+                    .ok_or(LinkError::UndefinedPort)?;
+                Ok(Step::Border(BorderPort::Out(body, k)))
             }
-            Kind::Primitive(_) => {
-                let (node, prim) = self.nodes[id as usize].ok_or(Broken::Elsewhere)?;
+            DefinitionKind::Primitive(_) => {
+                let (node, prim) = self.nodes[id as usize].ok_or(LinkError::AlreadyReported)?;
                 let port = prim
                     .desc()
                     .output(self.str(source.port))
-                    .ok_or(Broken::Port)?;
-                let port = u8::try_from(port).map_err(|_| Broken::Elsewhere)?;
+                    .ok_or(LinkError::UndefinedPort)?;
+                let port = u8::try_from(port).map_err(|_| LinkError::AlreadyReported)?;
                 Ok(Step::Node(PortRef { node, port }))
             }
         }
     }
 
     /// Resolves a link to an in-port of the fragment that contains the link (`parent.port`).
-    fn in_port(&self, scope: BodyId, source: Source) -> Result<Step, Broken> {
-        let id = self.text.body(scope).definition.ok_or(Broken::Root)?;
+    fn in_port(&self, scope: BodyId, source: Source) -> Result<Step, LinkError> {
+        let id = self
+            .text
+            .body(scope)
+            .definition
+            .ok_or(LinkError::NoParent)?;
         let k = self
             .names
             .input(id, self.str(source.port))
-            .ok_or(Broken::Port)?;
-        Ok(Step::Border(Port::In(id, k)))
+            .ok_or(LinkError::UndefinedPort)?;
+        Ok(Step::Border(BorderPort::In(id, k)))
     }
 
     /// Returns the type mismatch of a link to a port with a fixed meaning; `None` if the types agree.
@@ -186,74 +196,76 @@ impl<'a, 't> Links<'a, 't> {
         port: PortRef,
         needed: PortType,
         name: Word,
-    ) -> Option<Finding> {
+    ) -> Option<Diagnostic> {
         let (ty, from) = self.port_type(port).filter(|(ty, _)| *ty != needed)?;
         let [given, needed] = [ty, needed].map(type_name);
         let to = self.str(name);
         let message = format!("type mismatch: `{from}` is {given}, `{to}` expects {needed}");
         let place = self.text.span(name);
-        let finding = Finding::new(Code::RPI2101, message).at(place, format!("expects {needed}"));
-        Some(finding.help(format!("connect an out-port that is {needed}")))
+        let diagnostic =
+            Diagnostic::new(Code::RPI2101, message).primary(place, format!("expects {needed}"));
+        Some(diagnostic.help(format!("connect an out-port that is {needed}")))
     }
 
-    fn report(&mut self, broken: Broken, scope: BodyId, source: Source) -> Option<Finding> {
+    fn report(&mut self, broken: LinkError, scope: BodyId, source: Source) -> Option<Diagnostic> {
         match broken {
-            Broken::Elsewhere => None,
-            Broken::Name => Some(self.no_name(scope, source)),
-            Broken::Port => Some(self.no_port(scope, source)),
-            Broken::Root => {
+            LinkError::AlreadyReported => None,
+            LinkError::UndefinedName => Some(self.undefined_name(scope, source)),
+            LinkError::UndefinedPort => Some(self.undefined_port(scope, source)),
+            LinkError::NoParent => {
                 let place = self.text.span(self.text.source_place(source));
-                let finding = Finding::new(Code::RPI1105, "the root fragment has no in-ports");
-                let finding = finding.at(
+                let diagnostic =
+                    Diagnostic::new(Code::RPI1105, "the root fragment has no in-ports");
+                let diagnostic = diagnostic.primary(
                     place,
                     "`parent` is the enclosing fragment; the root has none",
                 );
-                Some(finding.help("link to a primitive or fragment of the net by its name"))
+                Some(diagnostic.help("link to a primitive or fragment of the net by its name"))
             }
         }
     }
 
-    fn no_name(&mut self, scope: BodyId, source: Source) -> Finding {
-        let Subject::Name(word) = source.of else {
-            return self.no_port(scope, source);
+    fn undefined_name(&mut self, scope: BodyId, source: Source) -> Diagnostic {
+        let Subject::Name(word) = source.subject else {
+            return self.undefined_port(scope, source);
         };
         let message = format!("undefined name `{}`", self.str(word));
         let place = self.text.span(word);
-        let finding =
-            Finding::new(Code::RPI1104, message).at(place, "not defined in this fragment");
+        let diagnostic =
+            Diagnostic::new(Code::RPI1104, message).primary(place, "not defined in this fragment");
         let text = self.text;
         let here = text.definitions.iter().filter(|d| d.scope == scope);
         let here = here.filter_map(|d| d.name).map(|n| text.str(n));
         if let Some(near) = self.hint(text.str(word), here) {
-            return finding.did_you_mean(place, Some(near));
+            return diagnostic.did_you_mean(place, Some(near));
         }
         let elsewhere = self.text.definitions.iter();
         let mut elsewhere =
             elsewhere.filter(|d| d.name.is_some_and(|n| text.str(n) == text.str(word)));
         match elsewhere.next().filter(|_| self.hints > 0) {
-            Some(other) => finding
-                .also(self.text.span(other.place), "defined in another fragment")
+            Some(other) => diagnostic
+                .secondary(self.text.span(other.place), "defined in another fragment")
                 .help("route it through an out-port of its fragment, or an in-port of this one"),
-            None => finding.help("define it, or link to an existing primitive or fragment"),
+            None => diagnostic.help("define it, or link to an existing primitive or fragment"),
         }
     }
 
-    fn no_port(&mut self, scope: BodyId, source: Source) -> Finding {
+    fn undefined_port(&mut self, scope: BodyId, source: Source) -> Diagnostic {
         let port = self.str(source.port);
         let (what, ports) = self.ports_of(scope, source);
         let message = format!("{what} has no port `{port}`");
         let place = self.text.span(source.port);
-        let finding = Finding::new(Code::RPI1105, message).at(place, "undefined port");
+        let diagnostic = Diagnostic::new(Code::RPI1105, message).primary(place, "undefined port");
         match self.hint(port, ports.iter().copied()) {
-            Some(near) => finding.did_you_mean(place, Some(near)),
-            None if ports.is_empty() => finding.help("it has no ports"),
-            None => finding.help(format!("available ports: {}", list(&ports))),
+            Some(near) => diagnostic.did_you_mean(place, Some(near)),
+            None if ports.is_empty() => diagnostic.help("it has no ports"),
+            None => diagnostic.help(format!("available ports: {}", list(&ports))),
         }
     }
 
     /// Description of a link's subject, and the names of the ports from which a link may originate.
     fn ports_of(&self, scope: BodyId, source: Source) -> (String, Vec<&'t str>) {
-        let id = match source.of {
+        let id = match source.subject {
             Subject::Name(word) if self.str(word) == PARENT => {
                 let around = self.text.body(scope).definition;
                 let arguments = around.map(|d| self.text.arguments(self.text.definition(d)));
@@ -265,14 +277,14 @@ impl<'a, 't> Links<'a, 't> {
             Subject::Definition(id) => Some(id),
         };
         match id.map(|id| (id, self.text.definition(id).kind)) {
-            Some((_, Kind::Fragment(body))) => {
+            Some((_, DefinitionKind::Fragment(body))) => {
                 let outputs = self.text.body(body).outputs.iter();
                 (
                     "this fragment".into(),
                     outputs.map(|o| self.str(o.name)).collect(),
                 )
             }
-            Some((id, Kind::Primitive(ty))) => {
+            Some((id, DefinitionKind::Primitive(ty))) => {
                 let outputs =
                     self.nodes[id as usize].map_or(&[][..], |(_, prim)| prim.desc().outputs);
                 let ports = outputs.iter().map(|o| o.name).collect();
@@ -282,14 +294,14 @@ impl<'a, 't> Links<'a, 't> {
         }
     }
 
-    fn ring(&self, port: Port) -> Finding {
+    fn dependency_cycle(&self, port: BorderPort) -> Diagnostic {
         let name = match port {
-            Port::In(id, k) => self.text.arguments(self.text.definition(id))[k].name,
-            Port::Out(body, k) => self.text.body(body).outputs[k].name,
+            BorderPort::In(id, k) => self.text.arguments(self.text.definition(id))[k].name,
+            BorderPort::Out(body, k) => self.text.body(body).outputs[k].name,
         };
         let message = format!("`{}` is connected to itself", self.str(name));
-        Finding::new(Code::RPI4002, message)
-            .at(self.text.span(name), "following this port leads back to it")
+        Diagnostic::new(Code::RPI4002, message)
+            .primary(self.text.span(name), "following this port leads back to it")
             .help("connect one of the ports on the way to a primitive")
     }
 
@@ -306,7 +318,7 @@ impl<'a, 't> Links<'a, 't> {
 /// Describes a port's type with an article where needed.
 pub(super) fn type_name(ty: PortType) -> String {
     match ty {
-        PortType::One(s) => s.to_string(),
+        PortType::Scalar(s) => s.to_string(),
         PortType::Array(s) => format!("an array of {s}"),
         PortType::Matrix => "a matrix".into(),
     }

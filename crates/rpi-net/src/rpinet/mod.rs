@@ -19,52 +19,52 @@
 mod arguments;
 mod build;
 mod constants;
-mod ends;
 mod links;
 mod names;
 mod parse;
-mod ports;
+mod parsed_text;
+mod result_ports;
 mod size;
-mod text;
+mod text_names;
 mod value;
 mod write;
 
+use crate::fragment_tree::FragmentTree;
 use crate::net::Net;
 use crate::shape::infer_shapes;
-use crate::tree::Tree;
-use rpi_diag::{FileId, Finding, Severity};
+use rpi_diag::{Diagnostic, FileId, Severity};
 
-pub use ends::with_ports;
 pub use parse::MAX_DEPTH;
-pub use size::Size;
+pub use result_ports::results_to_ports;
+pub use size::NetSize;
 pub use value::write as value_text;
 
 /// Parses a net with the given name from a text in `file`. Reports all errors of the text in one run. The net is `Some`
 /// exactly if no diagnostic is an error.
 #[must_use]
-pub fn read(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Finding>) {
-    let (text, mut findings) = parse::parse(file, text);
-    let mut net = build::build(name, &text, &mut findings);
-    if !has_errors(&findings) {
-        findings.extend(infer_shapes(&mut net));
+pub fn parse(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Diagnostic>) {
+    let (text, mut diagnostics) = parse::parse(file, text);
+    let mut net = build::build(name, &text, &mut diagnostics);
+    if !has_errors(&diagnostics) {
+        diagnostics.extend(infer_shapes(&mut net));
     }
-    let net = Some(net).filter(|_| !has_errors(&findings));
-    (net, findings)
+    let net = Some(net).filter(|_| !has_errors(&diagnostics));
+    (net, diagnostics)
 }
 
 /// Formats a net as text. Results, exports and budgets of commands have no text form: apply [`with_ports`] first, which
 /// converts what it can.
 #[must_use]
 pub fn write(net: &Net) -> String {
-    write::write(net, &Tree::new(net))
+    write::write(net, &FragmentTree::new(net))
 }
 
 /// Counts the elements of a text, including repeated definitions, whether or not the text is a valid net.
 #[must_use]
-pub fn text_size(text: &str) -> Size {
-    Size::of_text(&parse::parse(FileId(0), text).0)
+pub fn count_text(text: &str) -> NetSize {
+    NetSize::from_text(&parse::parse(FileId(0), text).0)
 }
 
-fn has_errors(findings: &[Finding]) -> bool {
-    findings.iter().any(|f| f.severity() == Severity::Error)
+fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|f| f.severity() == Severity::Error)
 }

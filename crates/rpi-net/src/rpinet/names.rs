@@ -1,10 +1,11 @@
 //! Name resolution of a net's text. Names are local to their fragment.
 
-use super::text::{
-    Argument, BodyId, Definition, DefinitionId, Given, Kind, Place, Subject, Text, Word,
+use super::parsed_text::{
+    Argument, ArgumentValue, BodyId, Definition, DefinitionId, DefinitionKind, ParsedText, Subject,
+    TextRange, Word,
 };
 use hashbrown::hash_table::{Entry, HashTable};
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Diagnostic};
 use rustc_hash::{FxBuildHasher, FxHashMap};
 use std::hash::BuildHasher;
 
@@ -12,8 +13,8 @@ use std::hash::BuildHasher;
 pub(super) const PARENT: &str = "parent";
 
 /// Symbol table of a text.
-pub(super) struct Names<'t> {
-    text: &'t Text<'t>,
+pub(super) struct SymbolTable<'t> {
+    text: &'t ParsedText<'t>,
     /// Definitions by scope and name. Both are stored in the definition, so that an entry needs only its index.
     definitions: HashTable<DefinitionId>,
     aliases: FxHashMap<(BodyId, &'t str), Word>,
@@ -22,10 +23,10 @@ pub(super) struct Names<'t> {
     repeated: Vec<bool>,
 }
 
-impl<'t> Names<'t> {
+impl<'t> SymbolTable<'t> {
     /// Enters all names. The reference system writes some definitions twice; an identical repetition is ignored.
-    pub(super) fn new(text: &'t Text<'t>, findings: &mut Vec<Finding>) -> Self {
-        let mut names = Names {
+    pub(super) fn new(text: &'t ParsedText<'t>, diagnostics: &mut Vec<Diagnostic>) -> Self {
+        let mut names = SymbolTable {
             text,
             definitions: HashTable::with_capacity(text.definitions.len()),
             aliases: FxHashMap::default(),
@@ -34,11 +35,11 @@ impl<'t> Names<'t> {
             repeated: vec![false; text.definitions.len()],
         };
         for id in text.definition_ids() {
-            names.enter(id, findings);
+            names.insert(id, diagnostics);
         }
         for body in text.body_ids() {
-            names.enter_aliases(body, findings);
-            names.enter_outputs(body, findings);
+            names.enter_aliases(body, diagnostics);
+            names.enter_outputs(body, diagnostics);
         }
         names
     }
@@ -57,7 +58,7 @@ impl<'t> Names<'t> {
     }
 
     fn defined(&self, scope: BodyId, name: &str) -> Option<DefinitionId> {
-        let is = |id: &DefinitionId| is_called(self.text, *id, scope, name);
+        let is = |id: &DefinitionId| has_name(self.text, *id, scope, name);
         self.definitions.find(hash(scope, name), is).copied()
     }
 
@@ -72,7 +73,7 @@ impl<'t> Names<'t> {
     }
 
     /// Whether a definition repeats an earlier one, or is inside a definition that does.
-    pub(super) fn is_repeated(&self, id: DefinitionId) -> bool {
+    pub(super) fn is_duplicate(&self, id: DefinitionId) -> bool {
         self.repeated[id as usize]
     }
 
@@ -81,15 +82,15 @@ impl<'t> Names<'t> {
         self.defined(scope, name).is_some() || self.aliases.contains_key(&(scope, name))
     }
 
-    fn enter(&mut self, id: DefinitionId, findings: &mut Vec<Finding>) {
+    fn insert(&mut self, id: DefinitionId, diagnostics: &mut Vec<Diagnostic>) {
         let text = self.text;
         let definition = text.definition(id);
         let outer = definition.owner.or(text.body(definition.scope).definition);
-        if outer.is_some_and(|o| self.is_repeated(o)) {
+        if outer.is_some_and(|o| self.is_duplicate(o)) {
             self.repeated[id as usize] = true;
             return;
         }
-        if let Kind::Fragment(_) = definition.kind {
+        if let DefinitionKind::Fragment(_) = definition.kind {
             self.enter_inputs(id, definition);
         }
         let (scope, Some(name)) = (definition.scope, definition.name) else {
@@ -97,9 +98,9 @@ impl<'t> Names<'t> {
         };
         let label = text.str(name);
         if label == PARENT {
-            findings.push(reserved(text, name));
+            diagnostics.push(reserved(text, name));
         }
-        let is = |id: &DefinitionId| is_called(text, *id, scope, label);
+        let is = |id: &DefinitionId| has_name(text, *id, scope, label);
         let again = |id: &DefinitionId| hash_of(text, *id);
         match self.definitions.entry(hash(scope, label), is, again) {
             Entry::Vacant(free) => {
@@ -108,8 +109,13 @@ impl<'t> Names<'t> {
             Entry::Occupied(first) => {
                 self.repeated[id as usize] = true;
                 let first = text.definition(*first.get());
-                if !same(text, first, definition) {
-                    findings.push(twice(text, name, first.place, definition.place));
+                if !is_same_definition(text, first, definition) {
+                    diagnostics.push(conflicting_definition(
+                        text,
+                        name,
+                        first.place,
+                        definition.place,
+                    ));
                 }
             }
         }
@@ -122,7 +128,7 @@ impl<'t> Names<'t> {
         }
     }
 
-    fn enter_aliases(&mut self, body: BodyId, findings: &mut Vec<Finding>) {
+    fn enter_aliases(&mut self, body: BodyId, diagnostics: &mut Vec<Diagnostic>) {
         let text = self.text;
         for (name, other) in &text.body(body).aliases {
             let key = (body, text.str(*name));
@@ -134,13 +140,13 @@ impl<'t> Names<'t> {
                 _ => None,
             };
             match other_meaning {
-                Some(first) => findings.push(twice(text, *name, first, *other)),
+                Some(first) => diagnostics.push(conflicting_definition(text, *name, first, *other)),
                 None => drop(self.aliases.insert(key, *other)),
             }
         }
     }
 
-    fn enter_outputs(&mut self, body: BodyId, findings: &mut Vec<Finding>) {
+    fn enter_outputs(&mut self, body: BodyId, diagnostics: &mut Vec<Diagnostic>) {
         let text = self.text;
         let outputs = &text.body(body).outputs;
         for (k, output) in outputs.iter().enumerate() {
@@ -148,7 +154,12 @@ impl<'t> Names<'t> {
             let first = *self.outputs.entry(key).or_insert(k);
             let places = [first, k].map(|k| text.source_place(outputs[k].source));
             if text.str(places[0]) != text.str(places[1]) {
-                findings.push(twice(text, output.name, places[0], places[1]));
+                diagnostics.push(conflicting_definition(
+                    text,
+                    output.name,
+                    places[0],
+                    places[1],
+                ));
             }
         }
     }
@@ -159,24 +170,26 @@ fn hash(scope: BodyId, name: &str) -> u64 {
 }
 
 /// Hash of a definition's scope and name. Definitions without a name are not entered in the table.
-fn hash_of(text: &Text<'_>, id: DefinitionId) -> u64 {
+fn hash_of(text: &ParsedText<'_>, id: DefinitionId) -> u64 {
     let definition = text.definition(id);
     let name = definition.name.map_or("", |n| text.str(n));
     hash(definition.scope, name)
 }
 
-fn is_called(text: &Text<'_>, id: DefinitionId, scope: BodyId, name: &str) -> bool {
+fn has_name(text: &ParsedText<'_>, id: DefinitionId, scope: BodyId, name: &str) -> bool {
     let definition = text.definition(id);
     definition.scope == scope && definition.name.is_some_and(|n| text.str(n) == name)
 }
 
 /// Whether two definitions are equal: the same text, or the same type with the same arguments in any order.
-fn same(text: &Text<'_>, a: &Definition, b: &Definition) -> bool {
+fn is_same_definition(text: &ParsedText<'_>, a: &Definition, b: &Definition) -> bool {
     if text.str(a.place) == text.str(b.place) {
         return true;
     }
     match (a.kind, b.kind) {
-        (Kind::Primitive(x), Kind::Primitive(y)) if text.str(x) == text.str(y) => {
+        (DefinitionKind::Primitive(x), DefinitionKind::Primitive(y))
+            if text.str(x) == text.str(y) =>
+        {
             arguments(text, a) == arguments(text, b)
         }
         _ => false,
@@ -184,12 +197,15 @@ fn same(text: &Text<'_>, a: &Definition, b: &Definition) -> bool {
 }
 
 /// Arguments of a definition without recording times, sorted by name.
-fn arguments<'t>(text: &Text<'t>, definition: &Definition) -> Vec<(&'t str, &'t str, &'t str)> {
+fn arguments<'t>(
+    text: &ParsedText<'t>,
+    definition: &Definition,
+) -> Vec<(&'t str, &'t str, &'t str)> {
     let said = |a: &Argument| {
         let name = text.str(a.name);
         match a.value {
-            Given::Text(value) => (name, "'", text.str(value)),
-            Given::Link(source) => match source.of {
+            ArgumentValue::Text(value) => (name, "'", text.str(value)),
+            ArgumentValue::Link(source) => match source.subject {
                 Subject::Name(of) => (name, text.str(of), text.str(source.port)),
                 Subject::Definition(_) => (name, "", text.str(text.source_place(source))),
             },
@@ -200,23 +216,28 @@ fn arguments<'t>(text: &Text<'t>, definition: &Definition) -> Vec<(&'t str, &'t 
     all
 }
 
-fn twice(text: &Text<'_>, name: Word, first: Place, second: Place) -> Finding {
+fn conflicting_definition(
+    text: &ParsedText<'_>,
+    name: Word,
+    first: TextRange,
+    second: TextRange,
+) -> Diagnostic {
     let name = text.str(name);
-    Finding::new(
+    Diagnostic::new(
         Code::RPI1106,
         format!("conflicting definitions of `{name}`"),
     )
-    .at(text.span(second), "defined again here")
-    .also(text.span(first), "first defined here")
+    .primary(text.span(second), "defined again here")
+    .secondary(text.span(first), "first defined here")
     .help("give one of them another name, or delete the wrong one")
     .note("identical definitions may be repeated, as the reference system does")
 }
 
-fn reserved(text: &Text<'_>, name: Word) -> Finding {
-    Finding::new(
+fn reserved(text: &ParsedText<'_>, name: Word) -> Diagnostic {
+    Diagnostic::new(
         Code::RPI1106,
         "`parent` is reserved for the enclosing fragment",
     )
-    .at(text.span(name), "defined here")
+    .primary(text.span(name), "defined here")
     .help("give this definition another name")
 }

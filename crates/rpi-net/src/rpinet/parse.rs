@@ -3,11 +3,11 @@
 //! After an error the parser resumes behind the next comma of the same list, so that one run reports every independent
 //! error. The nesting depth is limited so that no text can overflow the stack.
 
-use super::text::{
-    Argument, Body, BodyId, Definition, DefinitionId, Given, Kind, Output, Place, Source, Subject,
-    Text, Word, number,
+use super::parsed_text::{
+    Argument, ArgumentValue, Body, BodyId, Definition, DefinitionId, DefinitionKind, Output,
+    ParsedText, Source, Subject, TextRange, Word, to_u32,
 };
-use rpi_diag::{Code, FileId, Finding};
+use rpi_diag::{Code, Diagnostic, FileId};
 
 mod cursor;
 
@@ -15,44 +15,44 @@ mod cursor;
 pub const MAX_DEPTH: usize = 100;
 
 /// Parses the text of a net.
-pub(super) fn parse(file: FileId, text: &str) -> (Text<'_>, Vec<Finding>) {
+pub(super) fn parse(file: FileId, text: &str) -> (ParsedText<'_>, Vec<Diagnostic>) {
     let mut parser = Parser {
-        out: Text {
+        out: ParsedText {
             file,
             text,
             definitions: Vec::new(),
             arguments: Vec::new(),
             fragments: vec![Body::default()],
         },
-        at: 0,
+        offset: 0,
         depth: 0,
         open: Vec::new(),
-        findings: Vec::new(),
+        diagnostics: Vec::new(),
     };
     // An error that aborts the whole net is already among the diagnostics.
     let _ = parser.net();
-    (parser.out, parser.findings)
+    (parser.out, parser.diagnostics)
 }
 
 /// Marker for a syntax error that was already reported. The caller recovers where it can.
-struct Stop;
+struct SyntaxError;
 
-type Parsed<T> = Result<T, Stop>;
+type ParseResult<T> = Result<T, SyntaxError>;
 
 struct Parser<'t> {
-    out: Text<'t>,
-    at: usize,
+    out: ParsedText<'t>,
+    offset: usize,
     depth: usize,
     /// Arguments of the definitions that are not closed yet, innermost last.
     open: Vec<Argument>,
-    findings: Vec<Finding>,
+    diagnostics: Vec<Diagnostic>,
 }
 
 /// List that is being parsed: entries of a fragment, or arguments of a definition.
 #[derive(Clone, Copy)]
 struct List {
     /// Byte offset of the opening bracket.
-    open: usize,
+    open_offset: usize,
     close: u8,
     /// Fragment that contains the items of the list.
     scope: BodyId,
@@ -61,16 +61,16 @@ struct List {
 }
 
 impl<'t> Parser<'t> {
-    fn net(&mut self) -> Parsed<()> {
+    fn net(&mut self) -> ParseResult<()> {
         if u32::try_from(self.out.text.len()).is_err() {
             let message = "this net is longer than 4 GiB";
-            return Err(self.fault(Finding::new(Code::RPI0101, message)));
+            return Err(self.error(Diagnostic::new(Code::RPI0101, message)));
         }
         self.space();
-        let open = self.at;
+        let open = self.offset;
         self.expect(b'{', "a net begins with `{`")?;
         self.list(List {
-            open,
+            open_offset: open,
             close: b'}',
             scope: 0,
             owner: None,
@@ -83,7 +83,7 @@ impl<'t> Parser<'t> {
     }
 
     /// Parses entries or arguments, separated by commas, including the closing bracket.
-    fn list(&mut self, list: List) -> Parsed<()> {
+    fn list(&mut self, list: List) -> ParseResult<()> {
         loop {
             self.space();
             if self.eat(list.close) {
@@ -109,7 +109,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn not_separated(&mut self, list: List) -> Parsed<()> {
+    fn not_separated(&mut self, list: List) -> ParseResult<()> {
         if self.peek().is_none() {
             return Err(self.unclosed(list));
         }
@@ -119,16 +119,16 @@ impl<'t> Parser<'t> {
     }
 
     /// Skips to the next comma of this list, or to its end.
-    fn recover(&mut self, list: List) -> Parsed<()> {
+    fn recover(&mut self, list: List) -> ParseResult<()> {
         let mut depth = 0_usize;
         loop {
             self.space();
             match self.peek() {
-                None => return Err(Stop),
+                None => return Err(SyntaxError),
                 Some(b',') if depth == 0 => return Ok(()),
                 Some(c) if c == list.close && depth == 0 => return Ok(()),
                 // Closing bracket of the enclosing list: this list was not closed.
-                Some(b'}') if depth == 0 => return Err(Stop),
+                Some(b'}') if depth == 0 => return Err(SyntaxError),
                 Some(b'\'') => drop(self.quoted()),
                 Some(c) => {
                     depth = match c {
@@ -143,16 +143,16 @@ impl<'t> Parser<'t> {
     }
 
     /// Parses `name = primitive`, `name = primitive.port` or `name = other`.
-    fn entry(&mut self, scope: BodyId) -> Parsed<()> {
+    fn entry(&mut self, scope: BodyId) -> ParseResult<()> {
         let name = self.word("the name of a primitive or out-port")?;
-        self.debug_time()?;
+        self.recording_time()?;
         self.expect(b'=', "write `=` between a name and its definition")?;
         let of = self.subject(scope, None, Some(name))?;
         self.space();
         if self.eat(b'.') {
             let port = self.word("the name of an out-port")?;
-            self.rename(of);
-            let source = Source { of, port };
+            self.clear_name(of);
+            let source = Source { subject: of, port };
             self.body(scope).outputs.push(Output { name, source });
         } else if let Subject::Name(other) = of {
             self.body(scope).aliases.push((name, other));
@@ -161,25 +161,25 @@ impl<'t> Parser<'t> {
     }
 
     /// Removes the name of a definition: in `name = Type(..).port` the name belongs to the out-port.
-    fn rename(&mut self, of: Subject) {
+    fn clear_name(&mut self, of: Subject) {
         if let Subject::Definition(id) = of {
             self.definition(id).name = None;
         }
     }
 
     /// Parses `inPort = primitive.port` or `Parameter = 'text'`.
-    fn argument(&mut self, scope: BodyId, owner: DefinitionId) -> Parsed<()> {
+    fn argument(&mut self, scope: BodyId, owner: DefinitionId) -> ParseResult<()> {
         let name = self.word("the name of an in-port or parameter")?;
-        self.debug_time()?;
+        self.recording_time()?;
         self.expect(b'=', "write `=` between a port or parameter and its value")?;
         self.space();
         let value = if self.peek() == Some(b'\'') {
-            Given::Text(self.quoted()?)
+            ArgumentValue::Text(self.quoted()?)
         } else {
             let of = self.subject(scope, Some(owner), None)?;
             self.expect(b'.', "a link needs an out-port: `name.outPort`")?;
             let port = self.word("the name of an out-port")?;
-            Given::Link(Source { of, port })
+            ArgumentValue::Link(Source { subject: of, port })
         };
         self.open.push(Argument { name, value });
         Ok(())
@@ -191,9 +191,9 @@ impl<'t> Parser<'t> {
         scope: BodyId,
         owner: Option<DefinitionId>,
         name: Option<Word>,
-    ) -> Parsed<Subject> {
+    ) -> ParseResult<Subject> {
         self.space();
-        let start = self.at;
+        let start = self.offset;
         if self.peek() == Some(b'{') {
             let id = self.define(scope, owner, name, start);
             return self
@@ -206,7 +206,7 @@ impl<'t> Parser<'t> {
             return Ok(Subject::Name(word));
         }
         let id = self.define(scope, owner, name, start);
-        self.definition(id).kind = Kind::Primitive(word);
+        self.definition(id).kind = DefinitionKind::Primitive(word);
         self.nested(start, |p| p.arguments(id))?;
         Ok(Subject::Definition(id))
     }
@@ -219,29 +219,29 @@ impl<'t> Parser<'t> {
         name: Option<Word>,
         start: usize,
     ) -> DefinitionId {
-        let id = number(self.out.definitions.len());
+        let id = to_u32(self.out.definitions.len());
         self.out.definitions.push(Definition {
             scope,
             owner,
             name,
-            kind: Kind::Fragment(0),
-            arguments: Place::EMPTY,
-            place: Place::new(start, start),
+            kind: DefinitionKind::Fragment(0),
+            arguments: TextRange::EMPTY,
+            place: TextRange::new(start, start),
         });
         id
     }
 
-    fn fragment(&mut self, id: DefinitionId) -> Parsed<()> {
-        let scope = number(self.out.fragments.len());
+    fn fragment(&mut self, id: DefinitionId) -> ParseResult<()> {
+        let scope = to_u32(self.out.fragments.len());
         self.out.fragments.push(Body {
             definition: Some(id),
             ..Body::default()
         });
-        self.definition(id).kind = Kind::Fragment(scope);
-        let open = self.at;
+        self.definition(id).kind = DefinitionKind::Fragment(scope);
+        let open = self.offset;
         self.bump();
         self.list(List {
-            open,
+            open_offset: open,
             close: b'}',
             scope,
             owner: None,
@@ -253,19 +253,22 @@ impl<'t> Parser<'t> {
         }
     }
 
-    fn arguments(&mut self, id: DefinitionId) -> Parsed<()> {
-        let (scope, open) = (self.definition(id).scope, self.at);
+    fn arguments(&mut self, id: DefinitionId) -> ParseResult<()> {
+        let (scope, open) = (self.definition(id).scope, self.offset);
         let first = self.open.len();
         self.bump();
         let parsed = self.list(List {
-            open,
+            open_offset: open,
             close: b')',
             scope,
             owner: Some(id),
         });
         let start = self.out.arguments.len();
         self.out.arguments.extend(self.open.drain(first..));
-        let (arguments, end) = (Place::new(start, self.out.arguments.len()), number(self.at));
+        let (arguments, end) = (
+            TextRange::new(start, self.out.arguments.len()),
+            to_u32(self.offset),
+        );
         let definition = self.definition(id);
         definition.arguments = arguments;
         definition.place.end = end;
@@ -280,13 +283,17 @@ impl<'t> Parser<'t> {
         &mut self.out.fragments[id as usize]
     }
 
-    fn nested(&mut self, start: usize, inner: impl FnOnce(&mut Self) -> Parsed<()>) -> Parsed<()> {
+    fn nested(
+        &mut self,
+        start: usize,
+        inner: impl FnOnce(&mut Self) -> ParseResult<()>,
+    ) -> ParseResult<()> {
         if self.depth == MAX_DEPTH {
             let message = format!("primitives and fragments are nested more than {MAX_DEPTH} deep");
-            let finding = Finding::new(Code::RPI0103, message)
-                .at(self.span(start, self.at), "nested too deeply")
+            let diagnostic = Diagnostic::new(Code::RPI0103, message)
+                .primary(self.span(start, self.offset), "nested too deeply")
                 .help("name the inner primitives and link to them by name");
-            return Err(self.fault(finding));
+            return Err(self.error(diagnostic));
         }
         self.depth += 1;
         let result = inner(self);
@@ -296,24 +303,24 @@ impl<'t> Parser<'t> {
 
     /// Skips `[seconds]`, for which the reference system records the link. It has no effect here, since every flow can
     /// be recorded.
-    fn debug_time(&mut self) -> Parsed<()> {
+    fn recording_time(&mut self) -> ParseResult<()> {
         self.space();
-        let start = self.at;
+        let start = self.offset;
         if !self.eat(b'[') {
             return Ok(());
         }
-        let text = &self.out.text[self.at..];
+        let text = &self.out.text[self.offset..];
         let inside = text
             .find([']', ',', '=', '(', ')', '{', '}'])
             .unwrap_or(text.len());
-        self.at += inside;
+        self.offset += inside;
         let seconds = text[..inside].trim().parse::<f64>();
         if seconds.is_ok_and(|s| s >= 0.0) && self.eat(b']') {
             return Ok(());
         }
-        let finding = Finding::new(Code::RPI0101, "expected a recording time `[seconds]`")
-            .at(self.span(start, self.at), "not a recording time")
+        let diagnostic = Diagnostic::new(Code::RPI0101, "expected a recording time `[seconds]`")
+            .primary(self.span(start, self.offset), "not a recording time")
             .help("delete the brackets: recorded flows are selected when a net is run");
-        Err(self.fault(finding))
+        Err(self.error(diagnostic))
     }
 }

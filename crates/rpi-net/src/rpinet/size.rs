@@ -1,12 +1,12 @@
 //! Size of a net, counted in its text or in the net itself.
 
-use super::text::{Given, Kind, Text};
+use super::parsed_text::{ArgumentValue, DefinitionKind, ParsedText};
 use crate::net::{Activation, FragmentId, Net};
 use std::collections::BTreeSet;
 
 /// Element counts of a net.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub struct Size {
+pub struct NetSize {
     /// Number of primitives.
     pub primitives: usize,
     /// Number of fragments besides the root.
@@ -23,15 +23,15 @@ pub struct Size {
     pub bytes: usize,
 }
 
-impl Size {
+impl NetSize {
     /// Counts a net as it will run. A repeated definition counts once. A link counts once, at the primitive where it
     /// ends, whatever borders it crosses.
     #[must_use]
-    pub fn of(net: &Net) -> Size {
+    pub fn from_net(net: &Net) -> NetSize {
         let linked = |n: &crate::net::Node| n.inputs.iter().filter(|i| i.port().is_some()).count();
         let gated = |f: &&crate::net::Fragment| !matches!(f.activation, Activation::Always);
-        let depth = |id: FragmentId| net.enclosing(id).count() - 1;
-        Size {
+        let depth = |id: FragmentId| net.ancestors(id).count() - 1;
+        NetSize {
             primitives: net.nodes.len(),
             fragments: net.fragments.len() - 1,
             gated: net.fragments.iter().filter(gated).count(),
@@ -49,26 +49,26 @@ impl Size {
 
     /// Counts a text as the reference system does. A repeated definition counts twice, and every argument that is a
     /// link counts.
-    pub(super) fn of_text(text: &Text<'_>) -> Size {
-        let mut size = Size {
+    pub(super) fn from_text(text: &ParsedText<'_>) -> NetSize {
+        let mut size = NetSize {
             fragments: text.fragments.len() - 1,
             depth: depth(text),
             bytes: text.text.trim_end().len(),
-            ..Size::default()
+            ..NetSize::default()
         };
         let mut types = BTreeSet::new();
         for definition in &text.definitions {
             let arguments = text.arguments(definition);
             let links = arguments
                 .iter()
-                .filter(|a| matches!(a.value, Given::Link(_)));
+                .filter(|a| matches!(a.value, ArgumentValue::Link(_)));
             size.links += links.count();
             match definition.kind {
-                Kind::Primitive(ty) => {
+                DefinitionKind::Primitive(ty) => {
                     size.primitives += 1;
                     types.insert(text.str(ty));
                 }
-                Kind::Fragment(_) => {
+                DefinitionKind::Fragment(_) => {
                     let gated = arguments
                         .iter()
                         .any(|a| text.str(a.name) == super::build::ACTIVATION);
@@ -81,7 +81,7 @@ impl Size {
     }
 }
 
-fn depth(text: &Text<'_>) -> usize {
+fn depth(text: &ParsedText<'_>) -> usize {
     let mut depths = vec![0_usize; text.fragments.len()];
     for (k, body) in text.fragments.iter().enumerate() {
         if let Some(id) = body.definition {

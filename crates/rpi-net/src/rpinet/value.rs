@@ -10,16 +10,19 @@ use std::borrow::Cow;
 /// Returns an error if the text is not a value of the type.
 pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     match ty {
-        ParamType::Str => Ok(Value::Str(unescaped(text).into_owned())),
-        ParamType::One(scalar) => rpi_literal::read_one(text, scalar)?.ok_or_else(absent),
+        ParamType::Str => Ok(Value::Str(unescape(text).into_owned())),
+        ParamType::Scalar(scalar) => {
+            rpi_literal::parse_scalar(text, scalar)?.ok_or_else(absent_error)
+        }
         ParamType::Array(scalar) => {
-            let elements = rpi_literal::read_array(restored(text), scalar)?.ok_or_else(absent)?;
+            let elements = rpi_literal::parse_array(restore_bracket(text), scalar)?
+                .ok_or_else(absent_error)?;
             let elements: Option<Vec<Value>> = elements.into_iter().collect();
-            let elements = elements.ok_or_else(absent)?;
-            let len = u32::try_from(elements.len()).map_err(|_| absent())?;
-            Ok(Value::Cells {
+            let elements = elements.ok_or_else(absent_error)?;
+            let len = u32::try_from(elements.len()).map_err(|_| absent_error())?;
+            Ok(Value::Slots {
                 ty: Type::Array(scalar, len),
-                cells: elements.iter().flat_map(Value::cells).copied().collect(),
+                cells: elements.iter().flat_map(Value::slots).copied().collect(),
             })
         }
     }
@@ -30,7 +33,7 @@ pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
 pub fn write(value: &Value) -> String {
     match value {
         Value::Str(text) => text.replace('\\', "\\\\").replace('\'', "\\'"),
-        Value::Cells { ty, cells } => rpi_literal::write(cells, *ty),
+        Value::Slots { ty, cells } => rpi_literal::write(cells, *ty),
     }
 }
 
@@ -38,7 +41,7 @@ pub fn write(value: &Value) -> String {
 pub(super) fn neutral(ty: ParamType) -> Value {
     match ty {
         ParamType::Str => Value::Str(String::new()),
-        ParamType::One(_) | ParamType::Array(_) => Value::neutral(flow_type(ty)),
+        ParamType::Scalar(_) | ParamType::Array(_) => Value::neutral(flow_type(ty)),
     }
 }
 
@@ -46,26 +49,26 @@ pub(super) fn neutral(ty: ParamType) -> Value {
 /// one returned here.
 pub(super) fn flow_type(ty: ParamType) -> Type {
     match ty {
-        ParamType::One(scalar) => Type::One(scalar),
+        ParamType::Scalar(scalar) => Type::Scalar(scalar),
         ParamType::Array(scalar) => Type::Array(scalar, 0),
-        ParamType::Str => Type::One(rpi_image::Scalar::Bool),
+        ParamType::Str => Type::Scalar(rpi_image::Scalar::Bool),
     }
 }
 
-fn absent() -> LiteralError {
+fn absent_error() -> LiteralError {
     LiteralError {
-        at: 0,
+        offset: 0,
         message: "a parameter cannot be absent".into(),
     }
 }
 
 /// Restores the `[` of an empty array, which the reference system drops.
-fn restored(text: &str) -> &str {
+fn restore_bracket(text: &str) -> &str {
     if text.trim() == "]" { "[]" } else { text }
 }
 
 /// Resolves the escapes `\'` and `\\`. Other backslashes are literal, as the reference system writes them.
-fn unescaped(text: &str) -> Cow<'_, str> {
+fn unescape(text: &str) -> Cow<'_, str> {
     if !text.contains('\\') {
         return Cow::Borrowed(text);
     }

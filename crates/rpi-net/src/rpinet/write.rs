@@ -6,20 +6,20 @@
 
 use super::build::{FAIL, RESTART, RESTART_ON_ACTIVATION, TERMINATE};
 use super::constants;
-use super::ports::Ports;
+use super::text_names::TextNames;
 use super::value;
+use crate::fragment_tree::{FragmentTree, Item};
 use crate::net::Restart;
-use crate::net::{Driver, FragmentId, Input, Net, NodeId, PortRef};
-use crate::tree::{Item, Tree};
-use rpi_image::{InPort, Need, Value};
+use crate::net::{FragmentId, Input, Net, NodeId, PortRef, Termination};
+use rpi_image::{Fallback, InPort, Value};
 use std::fmt::Write;
 
 /// Formats a net. Its driver must be ports ([`super::with_ports`] converts results to ports).
-pub(super) fn write(net: &Net, tree: &Tree) -> String {
+pub(super) fn write(net: &Net, tree: &FragmentTree) -> String {
     let mut writer = Writer {
         net,
         tree,
-        ports: Ports::new(net, tree),
+        ports: TextNames::new(net, tree),
         out: String::with_capacity(100 * net.nodes.len()),
         comma: false,
     };
@@ -29,8 +29,8 @@ pub(super) fn write(net: &Net, tree: &Tree) -> String {
 
 struct Writer<'a> {
     net: &'a Net,
-    tree: &'a Tree,
-    ports: Ports<'a>,
+    tree: &'a FragmentTree,
+    ports: TextNames<'a>,
     out: String,
     /// Whether the next entry of the current list needs a comma before it.
     comma: bool,
@@ -57,7 +57,7 @@ impl Writer<'_> {
 
     fn fragment(&mut self, id: FragmentId) {
         let scope = self.tree.parent(id).unwrap_or(FragmentId::ROOT);
-        self.key(self.ports.fragment_name(id).to_owned().as_str());
+        self.begin_entry(self.ports.fragment_name(id).to_owned().as_str());
         self.body(id);
         self.open('(');
         for (name, source) in self.ports.inputs(id).to_vec() {
@@ -71,7 +71,7 @@ impl Writer<'_> {
 
     fn node(&mut self, id: NodeId) {
         let (net, node) = (self.net, self.net.node(id));
-        self.key(self.ports.node_name(id).to_owned().as_str());
+        self.begin_entry(self.ports.node_name(id).to_owned().as_str());
         self.out.push_str(node.desc().name);
         self.open('(');
         let inputs = || node.desc().inputs.iter().zip(&node.inputs);
@@ -80,7 +80,7 @@ impl Writer<'_> {
         }
         for (port, input) in inputs() {
             if let Input::Const(constant) = input {
-                self.stand_in(port, constant);
+                self.default_parameters(port, constant);
             }
         }
         for (param, setting) in node.desc().params.iter().zip(&node.params) {
@@ -90,13 +90,13 @@ impl Writer<'_> {
     }
 
     /// Writes the parameters that replace an in-port.
-    fn stand_in(&mut self, port: &InPort, constant: &Value) {
-        match port.need {
-            _ if is_nameless(port) => {}
-            Need::Required | Need::Absent => {}
-            Need::Param(name, _) => self.setting(name, constant),
-            Need::Params(parts, make) => {
-                let reals = constants::parts(constant, parts.len(), make);
+    fn default_parameters(&mut self, port: &InPort, constant: &Value) {
+        match port.fallback {
+            _ if lacks_reference_parameter(port) => {}
+            Fallback::Required | Fallback::AbsentValue => {}
+            Fallback::Param(name, _) => self.setting(name, constant),
+            Fallback::ComposedOfParams(parts, make) => {
+                let reals = constants::constant_parts(constant, parts.len(), make);
                 for ((name, _), real) in parts.iter().zip(reals) {
                     self.setting(name, &Value::real(real));
                 }
@@ -105,7 +105,7 @@ impl Writer<'_> {
     }
 
     fn driver(&mut self) {
-        let Driver::Ports { terminate, fail } = &self.net.driver else {
+        let Termination::Ports { terminate, fail } = &self.net.termination else {
             return;
         };
         for (name, source) in [(TERMINATE, terminate), (FAIL, fail)] {
@@ -118,14 +118,14 @@ impl Writer<'_> {
     /// Writes `name=source` for a source as seen in the fragment `scope`.
     fn link(&mut self, name: &str, scope: FragmentId, source: &Input) {
         match source {
-            Input::Open => {}
+            Input::Unconnected => {}
             Input::Port(port) => {
-                self.key(name);
+                self.begin_entry(name);
                 self.reference(scope, *port);
             }
             Input::Const(constant) => {
-                if let Some(ty) = constants::primitive(constant) {
-                    self.key(name);
+                if let Some(ty) = constants::constant_primitive(constant) {
+                    self.begin_entry(name);
                     let text = value::write(constant);
                     // Writing to a string cannot fail.
                     let _ = write!(self.out, "{ty}(Value='{text}').outValue");
@@ -142,7 +142,7 @@ impl Writer<'_> {
             self.out.push_str(self.ports.node_name(port.node));
             self.out.push('.');
             self.out.push_str(output);
-        } else if self.tree.common(scope, origin) == scope {
+        } else if self.tree.common_ancestor(scope, origin) == scope {
             let child = self.tree.child_towards(scope, origin).unwrap_or(origin);
             self.out.push_str(self.ports.fragment_name(child));
             self.out.push('.');
@@ -154,13 +154,13 @@ impl Writer<'_> {
     }
 
     fn setting(&mut self, name: &str, setting: &Value) {
-        self.key(name);
+        self.begin_entry(name);
         self.out.push('\'');
         self.out.push_str(&value::write(setting));
         self.out.push('\'');
     }
 
-    fn key(&mut self, name: &str) {
+    fn begin_entry(&mut self, name: &str) {
         if std::mem::replace(&mut self.comma, true) {
             self.out.push(',');
         }
@@ -184,13 +184,15 @@ fn is_linked(port: &InPort, input: &Input) -> bool {
     let Input::Const(constant) = input else {
         return input.port().is_some();
     };
-    match port.need {
-        Need::Required | Need::Absent => true,
-        Need::Param(..) | Need::Params(..) => is_nameless(port) && constant.as_bool() == Some(true),
+    match port.fallback {
+        Fallback::Required | Fallback::AbsentValue => true,
+        Fallback::Param(..) | Fallback::ComposedOfParams(..) => {
+            lacks_reference_parameter(port) && constant.as_bool() == Some(true)
+        }
     }
 }
 
 /// Whether the reference system has no parameter that replaces this in-port, although this system has.
-fn is_nameless(port: &InPort) -> bool {
+fn lacks_reference_parameter(port: &InPort) -> bool {
     port.name == "inReset"
 }

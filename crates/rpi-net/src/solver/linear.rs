@@ -2,34 +2,34 @@
 
 use super::rational::gcd;
 use super::sat::{Lit, Sat};
-use super::simplex::{Feasible, Simplex};
+use super::simplex::{Feasibility, Simplex};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 /// Linear term: a sum of variables with coefficients, sorted by variable, plus a constant.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
-pub(crate) struct Linear {
+pub(crate) struct LinearTerm {
     pub(crate) terms: Vec<(usize, i64)>,
     pub(crate) constant: i64,
 }
 
-impl Linear {
-    pub(crate) fn constant(value: i64) -> Linear {
-        Linear {
+impl LinearTerm {
+    pub(crate) fn constant(value: i64) -> LinearTerm {
+        LinearTerm {
             terms: Vec::new(),
             constant: value,
         }
     }
 
-    pub(crate) fn variable(variable: usize) -> Linear {
-        Linear {
+    pub(crate) fn variable(variable: usize) -> LinearTerm {
+        LinearTerm {
             terms: vec![(variable, 1)],
             constant: 0,
         }
     }
 
     /// Returns `self + factor * other`; `None` on overflow.
-    pub(crate) fn plus(&self, other: &Linear, factor: i64) -> Option<Linear> {
+    pub(crate) fn add_scaled(&self, other: &LinearTerm, factor: i64) -> Option<LinearTerm> {
         let mut terms: BTreeMap<usize, i64> = self.terms.iter().copied().collect();
         for (variable, own) in &other.terms {
             let term = terms.entry(*variable).or_insert(0);
@@ -37,7 +37,7 @@ impl Linear {
         }
         terms.retain(|_, factor| *factor != 0);
         let scaled = other.constant.checked_mul(factor)?;
-        Some(Linear {
+        Some(LinearTerm {
             terms: terms.into_iter().collect(),
             constant: self.constant.checked_add(scaled)?,
         })
@@ -54,7 +54,7 @@ struct Atom {
 
 /// All comparisons of a problem.
 #[derive(Debug, Default)]
-pub(crate) struct Comparisons {
+pub(crate) struct LinearTheory {
     simplex: Simplex,
     sums: FxHashMap<Vec<(usize, i64)>, usize>,
     atoms: Vec<Atom>,
@@ -62,7 +62,7 @@ pub(crate) struct Comparisons {
     bounds: FxHashMap<usize, BTreeMap<i128, Lit>>,
 }
 
-impl Comparisons {
+impl LinearTheory {
     /// Adds an integer variable with inclusive bounds.
     pub(crate) fn variable(&mut self, low: i64, high: i64) -> usize {
         self.simplex.variable(i128::from(low), i128::from(high))
@@ -72,7 +72,7 @@ impl Comparisons {
     pub(crate) fn at_most_bound(
         &mut self,
         sat: &mut Sat,
-        sum: &Linear,
+        sum: &LinearTerm,
         bound: i128,
     ) -> Option<Lit> {
         let constant = i128::from(sum.constant).checked_sub(bound)?;
@@ -89,7 +89,7 @@ impl Comparisons {
             .iter()
             .map(|(variable, f)| Some((*variable, f.checked_div(divisor)?)))
             .collect();
-        let variable = self.normal(terms?)?;
+        let variable = self.variable_for_sum(terms?)?;
         // d * s + c <= 0 is s <= floor(-c / d) for positive d, and not s <= ceil(c / -d) - 1 for negative d.
         let size = i128::from(divisor).abs();
         Some(match divisor > 0 {
@@ -102,7 +102,7 @@ impl Comparisons {
     }
 
     /// Returns the simplex variable for a sum; adds one if needed.
-    fn normal(&mut self, terms: Vec<(usize, i64)>) -> Option<usize> {
+    fn variable_for_sum(&mut self, terms: Vec<(usize, i64)>) -> Option<usize> {
         if let [(variable, 1)] = terms[..] {
             return Some(variable);
         }
@@ -159,7 +159,7 @@ impl Comparisons {
     }
 
     /// Checks whether the comparisons that an assignment makes true have an integer solution.
-    pub(crate) fn check(&mut self, sat: &Sat) -> Feasible {
+    pub(crate) fn check(&mut self, sat: &Sat) -> Feasibility {
         let bounds: Vec<(usize, i128, bool, Lit)> = self
             .atoms
             .iter()
@@ -174,7 +174,7 @@ impl Comparisons {
     }
 
     /// Value of a sum in the last solution; `None` if it is not an integer or overflows.
-    pub(crate) fn value(&self, sum: &Linear) -> Option<i128> {
+    pub(crate) fn value(&self, sum: &LinearTerm) -> Option<i128> {
         let mut total = i128::from(sum.constant);
         for (variable, factor) in &sum.terms {
             let value = self.simplex.value(*variable)?;

@@ -8,12 +8,12 @@ mod rational;
 mod sat;
 mod simplex;
 
-use linear::Comparisons;
-pub(crate) use linear::Linear;
+pub(crate) use linear::LinearTerm;
+use linear::LinearTheory;
 use rustc_hash::FxHashMap;
 use sat::Sat;
-pub(crate) use sat::{Answer, Lit};
-use simplex::Feasible;
+pub(crate) use sat::{Lit, SatResult};
+use simplex::Feasibility;
 
 /// Cost of a check of the comparisons, in steps per comparison and variable.
 const STEPS_PER_COMPARISON: u64 = 8;
@@ -22,7 +22,7 @@ const STEPS_PER_COMPARISON: u64 = 8;
 #[derive(Debug)]
 pub(crate) struct Solver {
     sat: Sat,
-    comparisons: Comparisons,
+    comparisons: LinearTheory,
     gates: FxHashMap<(Lit, Lit), Lit>,
 }
 
@@ -30,13 +30,13 @@ impl Solver {
     pub(crate) fn new() -> Solver {
         Solver {
             sat: Sat::new(),
-            comparisons: Comparisons::default(),
+            comparisons: LinearTheory::default(),
             gates: FxHashMap::default(),
         }
     }
 
     /// Adds a Boolean variable.
-    pub(crate) fn fresh(&mut self) -> Lit {
+    pub(crate) fn new_bool(&mut self) -> Lit {
         self.sat.fresh()
     }
 
@@ -46,7 +46,7 @@ impl Solver {
     }
 
     /// Adds a clause: at least one of the literals must be true.
-    pub(crate) fn require(&mut self, clause: &[Lit]) {
+    pub(crate) fn add_clause(&mut self, clause: &[Lit]) {
         self.sat.add(clause);
     }
 
@@ -91,7 +91,7 @@ impl Solver {
         self.or(left, right)
     }
 
-    pub(crate) fn choose(&mut self, condition: Lit, yes: Lit, no: Lit) -> Lit {
+    pub(crate) fn if_then_else(&mut self, condition: Lit, yes: Lit, no: Lit) -> Lit {
         if yes == no {
             return yes;
         }
@@ -105,18 +105,18 @@ impl Solver {
     }
 
     /// Returns a literal that is true exactly if the sum is at most 0. On overflow, the literal is unconstrained.
-    pub(crate) fn at_most_zero(&mut self, sum: &Linear) -> Lit {
+    pub(crate) fn at_most_zero(&mut self, sum: &LinearTerm) -> Lit {
         self.at_most(sum, 0)
     }
 
     /// Returns a literal that is true exactly if the sum fits in `i64`. On overflow, the literal is unconstrained.
-    pub(crate) fn fits(&mut self, sum: &Linear) -> Lit {
+    pub(crate) fn fits(&mut self, sum: &LinearTerm) -> Lit {
         let is_low = self.at_most(sum, i128::from(i64::MAX));
         let is_too_low = self.at_most(sum, i128::from(i64::MIN) - 1);
         self.and(is_low, !is_too_low)
     }
 
-    fn at_most(&mut self, sum: &Linear, bound: i128) -> Lit {
+    fn at_most(&mut self, sum: &LinearTerm, bound: i128) -> Lit {
         match self.comparisons.at_most_bound(&mut self.sat, sum, bound) {
             Some(lit) => lit,
             None => self.sat.fresh(),
@@ -124,10 +124,10 @@ impl Solver {
     }
 
     /// Searches for a solution under assumptions. Subtracts the steps taken from `steps`.
-    pub(crate) fn solve(&mut self, assumptions: &[Lit], steps: &mut u64) -> Answer {
+    pub(crate) fn solve(&mut self, assumptions: &[Lit], steps: &mut u64) -> SatResult {
         loop {
             match self.sat.search(assumptions, steps) {
-                Answer::Sat => {}
+                SatResult::Sat => {}
                 other => return other,
             }
             let work = self.comparisons.size() as u64 * STEPS_PER_COMPARISON;
@@ -136,9 +136,9 @@ impl Solver {
             *steps = steps.saturating_sub(self.comparisons.work());
             match checked {
                 // An unknown result counts as a solution, so that it never proves anything.
-                Feasible::Yes | Feasible::Unknown => return Answer::Sat,
-                Feasible::No(_) if *steps == 0 => return Answer::Unknown,
-                Feasible::No(together) => {
+                Feasibility::Feasible | Feasibility::Unknown => return SatResult::Sat,
+                Feasibility::Infeasible(_) if *steps == 0 => return SatResult::Unknown,
+                Feasibility::Infeasible(together) => {
                     let clause: Vec<Lit> = together.into_iter().map(|lit| !lit).collect();
                     self.sat.add(&clause);
                 }
@@ -152,7 +152,7 @@ impl Solver {
     }
 
     /// Value of a sum in the last solution.
-    pub(crate) fn sum(&self, sum: &Linear) -> Option<i128> {
+    pub(crate) fn sum(&self, sum: &LinearTerm) -> Option<i128> {
         self.comparisons.value(sum)
     }
 }

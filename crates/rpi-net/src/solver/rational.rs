@@ -10,10 +10,10 @@ pub(crate) struct Rational {
 }
 
 impl Rational {
-    pub(crate) const ZERO: Rational = Rational::whole(0);
-    pub(crate) const ONE: Rational = Rational::whole(1);
+    pub(crate) const ZERO: Rational = Rational::from_int(0);
+    pub(crate) const ONE: Rational = Rational::from_int(1);
 
-    pub(crate) const fn whole(value: i128) -> Rational {
+    pub(crate) const fn from_int(value: i128) -> Rational {
         Rational {
             numerator: value,
             denominator: 1,
@@ -34,7 +34,7 @@ impl Rational {
             return self
                 .numerator
                 .checked_add(other.numerator)
-                .map(Rational::whole);
+                .map(Rational::from_int);
         }
         let left = self.numerator.checked_mul(other.denominator)?;
         let right = other.numerator.checked_mul(self.denominator)?;
@@ -80,7 +80,7 @@ impl Rational {
     }
 
     /// Value as an integer; `None` if it is not one.
-    pub(crate) fn as_whole(self) -> Option<i128> {
+    pub(crate) fn as_int(self) -> Option<i128> {
         (self.denominator == 1).then_some(self.numerator)
     }
 
@@ -94,7 +94,7 @@ impl Rational {
     }
 
     /// Compares two fractions; `None` on overflow.
-    pub(crate) fn order(self, other: Rational) -> Option<Ordering> {
+    pub(crate) fn checked_cmp(self, other: Rational) -> Option<Ordering> {
         if self.denominator == other.denominator {
             return Some(self.numerator.cmp(&other.numerator));
         }

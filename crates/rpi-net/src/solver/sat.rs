@@ -30,7 +30,7 @@ impl Lit {
     }
 
     /// Truth value of the literal if its variable has this value.
-    fn of(self, value: bool) -> bool {
+    fn under(self, value: bool) -> bool {
         value != self.is_negated()
     }
 
@@ -48,7 +48,7 @@ impl Not for Lit {
 
 /// Result of a search.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Answer {
+pub(crate) enum SatResult {
     Sat,
     Unsat,
     /// The step budget is exhausted.
@@ -81,8 +81,8 @@ pub(crate) struct Sat {
     /// Candidates for the next decision, by activity. Outdated entries are skipped.
     queue: BinaryHeap<(u64, Reverse<u32>)>,
     trail: Vec<Lit>,
-    limits: Vec<usize>,
-    head: usize,
+    decision_starts: Vec<usize>,
+    propagation_head: usize,
     is_contradictory: bool,
 }
 
@@ -99,8 +99,8 @@ impl Sat {
             bump: 1.0,
             queue: BinaryHeap::new(),
             trail: Vec::new(),
-            limits: Vec::new(),
-            head: 0,
+            decision_starts: Vec::new(),
+            propagation_head: 0,
             is_contradictory: false,
         };
         let fixed = sat.fresh();
@@ -128,7 +128,7 @@ impl Sat {
 
     /// Truth value of a literal in the current assignment.
     pub(crate) fn value(&self, lit: Lit) -> Option<bool> {
-        self.values[lit.var()].map(|value| lit.of(value))
+        self.values[lit.var()].map(|value| lit.under(value))
     }
 
     /// Adds a clause and undoes all decisions.
@@ -153,31 +153,31 @@ impl Sat {
 
     /// Searches for an assignment of all variables that satisfies all clauses and the assumptions. Subtracts one step
     /// from `steps` for each clause visited. After `Sat`, the assignment is kept until clauses are added.
-    pub(crate) fn search(&mut self, assumptions: &[Lit], steps: &mut u64) -> Answer {
+    pub(crate) fn search(&mut self, assumptions: &[Lit], steps: &mut u64) -> SatResult {
         self.backtrack(0);
         loop {
             if self.is_contradictory {
-                return Answer::Unsat;
+                return SatResult::Unsat;
             }
             match self.propagate(steps) {
                 // A conflict without any decision refutes the clauses themselves.
-                Some(_) if self.limits.is_empty() => self.is_contradictory = true,
+                Some(_) if self.decision_starts.is_empty() => self.is_contradictory = true,
                 Some(conflict) => {
                     *steps = steps.saturating_sub(self.values.len() as u64 / VARIABLES_PER_STEP);
                     self.resolve(conflict);
                 }
-                None if *steps == 0 => return Answer::Unknown,
-                None => match self.next(assumptions) {
+                None if *steps == 0 => return SatResult::Unknown,
+                None => match self.next_decision(assumptions) {
                     Some(Ok(decision)) => {
                         *steps = steps.saturating_sub(STEPS_PER_DECISION);
-                        self.limits.push(self.trail.len());
+                        self.decision_starts.push(self.trail.len());
                         // An assumption that is already true gets an empty level, since levels index the assumptions.
                         if self.value(decision).is_none() {
                             self.assign(decision, NONE);
                         }
                     }
-                    Some(Err(())) => return Answer::Unsat,
-                    None => return Answer::Sat,
+                    Some(Err(())) => return SatResult::Unsat,
+                    None => return SatResult::Sat,
                 },
             }
         }
@@ -185,8 +185,8 @@ impl Sat {
 
     /// Returns the next assumption or decision; an error if an assumption is false; `None` if all variables are
     /// assigned.
-    fn next(&mut self, assumptions: &[Lit]) -> Option<Result<Lit, ()>> {
-        if let Some(&assumed) = assumptions.get(self.limits.len()) {
+    fn next_decision(&mut self, assumptions: &[Lit]) -> Option<Result<Lit, ()>> {
+        if let Some(&assumed) = assumptions.get(self.decision_starts.len()) {
             return Some(match self.value(assumed) {
                 Some(false) => Err(()),
                 _ => Ok(assumed),
@@ -212,15 +212,15 @@ impl Sat {
     fn assign(&mut self, lit: Lit, reason: u32) {
         let var = lit.var();
         self.values[var] = Some(!lit.is_negated());
-        self.levels[var] = u32::try_from(self.limits.len()).unwrap_or(u32::MAX);
+        self.levels[var] = u32::try_from(self.decision_starts.len()).unwrap_or(u32::MAX);
         self.reasons[var] = reason;
         self.trail.push(lit);
     }
 
     /// Unit propagation. Returns a clause whose literals are all false, if there is one.
     fn propagate(&mut self, steps: &mut u64) -> Option<u32> {
-        while let Some(&lit) = self.trail.get(self.head) {
-            self.head += 1;
+        while let Some(&lit) = self.trail.get(self.propagation_head) {
+            self.propagation_head += 1;
             let falsified = !lit;
             let mut watching = std::mem::take(&mut self.watches[falsified.index()]);
             let mut conflict = None;
@@ -229,7 +229,7 @@ impl Sat {
                     return true;
                 }
                 *steps = steps.saturating_sub(1);
-                let (stays, failed) = self.visit(id, falsified);
+                let (stays, failed) = self.update_watch(id, falsified);
                 conflict = failed.then_some(id);
                 stays
             });
@@ -243,7 +243,7 @@ impl Sat {
 
     /// Searches for another literal that the clause can watch. Returns whether it still watches `falsified`, and
     /// whether all its literals are false.
-    fn visit(&mut self, id: u32, falsified: Lit) -> (bool, bool) {
+    fn update_watch(&mut self, id: u32, falsified: Lit) -> (bool, bool) {
         let at = id as usize;
         if self.clauses[at][0] == falsified {
             self.clauses[at].swap(0, 1);
@@ -286,7 +286,7 @@ impl Sat {
     }
 
     fn analyse(&mut self, conflict: u32) -> (Vec<Lit>, usize) {
-        let here = u32::try_from(self.limits.len()).unwrap_or(u32::MAX);
+        let here = u32::try_from(self.decision_starts.len()).unwrap_or(u32::MAX);
         let mut seen = vec![false; self.values.len()];
         let mut learnt = vec![Lit::TRUE];
         let (mut open, mut at, mut clause) = (0, self.trail.len(), conflict);
@@ -351,7 +351,7 @@ impl Sat {
     }
 
     fn backtrack(&mut self, level: usize) {
-        let Some(&limit) = self.limits.get(level) else {
+        let Some(&limit) = self.decision_starts.get(level) else {
             return;
         };
         while self.trail.len() > limit {
@@ -362,7 +362,7 @@ impl Sat {
                 self.enqueue(var);
             }
         }
-        self.limits.truncate(level);
-        self.head = self.trail.len();
+        self.decision_starts.truncate(level);
+        self.propagation_head = self.trail.len();
     }
 }

@@ -27,20 +27,20 @@ enum Reason {
 
 /// Result of a check.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Feasible {
-    Yes,
+pub(crate) enum Feasibility {
+    Feasible,
     /// These literals cannot all be true.
-    No(Vec<Lit>),
+    Infeasible(Vec<Lit>),
     Unknown,
 }
 
 /// Reason for which a check ends early: a conflict between bounds, or an unknown result.
-enum Stop {
+enum CheckError {
     Conflict(Vec<Reason>),
     Unknown,
 }
 
-type Checked = Result<(), Stop>;
+type CheckResult = Result<(), CheckError>;
 
 type Bound = Option<(i128, Reason)>;
 
@@ -66,15 +66,15 @@ pub(crate) struct Simplex {
     branches: usize,
 }
 
-fn known<T>(value: Option<T>) -> Result<T, Stop> {
-    value.ok_or(Stop::Unknown)
+fn or_unknown<T>(value: Option<T>) -> Result<T, CheckError> {
+    value.ok_or(CheckError::Unknown)
 }
 
 impl Simplex {
     /// Adds a variable with inclusive bounds.
     pub(crate) fn variable(&mut self, low: i128, high: i128) -> usize {
         self.variables.push(Variable {
-            value: Rational::whole(0.clamp(low, high)),
+            value: Rational::from_int(0.clamp(low, high)),
             lower: Some((low, Reason::Always)),
             upper: Some((high, Reason::Always)),
             limits: (low, high),
@@ -103,7 +103,7 @@ impl Simplex {
         let mut definition = Row::new();
         let mut value = Rational::ZERO;
         for (variable, factor) in terms {
-            let factor = Rational::whole(i128::from(*factor));
+            let factor = Rational::from_int(i128::from(*factor));
             value = value.add(self.variables[*variable].value.mul(factor)?)?;
             definition.insert(*variable, factor);
             match self.rows.get(variable).cloned() {
@@ -129,7 +129,7 @@ impl Simplex {
 
     /// Asserts bounds and checks feasibility. Each bound consists of a variable, its value, whether it is an upper
     /// bound, and its literal.
-    pub(crate) fn check(&mut self, bounds: &[(usize, i128, bool, Lit)]) -> Feasible {
+    pub(crate) fn check(&mut self, bounds: &[(usize, i128, bool, Lit)]) -> Feasibility {
         self.reset();
         let mut asserted = bounds.iter();
         let all = self
@@ -137,37 +137,43 @@ impl Simplex {
             .recompute()
             .and_then(|()| {
                 asserted.try_for_each(|(variable, bound, is_upper, lit)| {
-                    self.bound(*variable, *bound, *is_upper, Reason::Asserted(*lit))
+                    self.assert_bound(*variable, *bound, *is_upper, Reason::Asserted(*lit))
                 })
             })
-            .and_then(|()| self.feasible())
-            .and_then(|()| self.divisible())
-            .and_then(|()| self.integral(0));
+            .and_then(|()| self.make_feasible())
+            .and_then(|()| self.check_divisibility())
+            .and_then(|()| self.branch(0));
         match all {
-            Ok(()) => Feasible::Yes,
-            Err(Stop::Unknown) => {
-                self.start_over();
-                Feasible::Unknown
+            Ok(()) => Feasibility::Feasible,
+            Err(CheckError::Unknown) => {
+                self.restore_rows();
+                Feasibility::Unknown
             }
-            Err(Stop::Conflict(reasons)) => Feasible::No(literals(&reasons)),
+            Err(CheckError::Conflict(reasons)) => Feasibility::Infeasible(literals(&reasons)),
         }
     }
 
     /// Restores the original rows: a pivot that overflows ends half-way and leaves the rows inconsistent.
-    fn start_over(&mut self) {
+    fn restore_rows(&mut self) {
         self.rows.clone_from(&self.definitions);
         for variable in &mut self.variables {
             let (low, high) = variable.limits;
-            variable.value = Rational::whole(0.clamp(low, high));
+            variable.value = Rational::from_int(0.clamp(low, high));
         }
     }
 
     /// Integer value of a variable after a check; `None` if the value is not an integer.
     pub(crate) fn value(&self, variable: usize) -> Option<i128> {
-        self.variables[variable].value.as_whole()
+        self.variables[variable].value.as_int()
     }
 
-    fn bound(&mut self, at: usize, bound: i128, is_upper: bool, reason: Reason) -> Checked {
+    fn assert_bound(
+        &mut self,
+        at: usize,
+        bound: i128,
+        is_upper: bool,
+        reason: Reason,
+    ) -> CheckResult {
         let variable = &mut self.variables[at];
         let (own, other) = match is_upper {
             true => (&mut variable.upper, &variable.lower),
@@ -180,11 +186,11 @@ impl Simplex {
         if let Some((other, why)) = other
             && exceeds(bound, *other)
         {
-            return Err(Stop::Conflict(vec![reason, *why]));
+            return Err(CheckError::Conflict(vec![reason, *why]));
         }
         *own = Some((bound, reason));
-        let limit = Rational::whole(bound);
-        let order = known(variable.value.order(limit))?;
+        let limit = Rational::from_int(bound);
+        let order = or_unknown(variable.value.checked_cmp(limit))?;
         let violated = match is_upper {
             true => order == Ordering::Greater,
             false => order == Ordering::Less,
@@ -197,29 +203,31 @@ impl Simplex {
     }
 
     /// Sets a non-basic variable and updates all basic ones.
-    fn update(&mut self, at: usize, value: Rational) -> Checked {
-        let change = known(value.sub(self.variables[at].value))?;
+    fn update(&mut self, at: usize, value: Rational) -> CheckResult {
+        let change = or_unknown(value.sub(self.variables[at].value))?;
         self.variables[at].value = value;
         for (basic, row) in &self.rows {
             if let Some(factor) = row.get(&at) {
                 let sum = &mut self.variables[*basic].value;
-                *sum = known(factor.mul(change).and_then(|c| sum.add(c)))?;
+                *sum = or_unknown(factor.mul(change).and_then(|c| sum.add(c)))?;
             }
         }
         Ok(())
     }
 
     /// First basic variable outside its bounds, with the bound to move to and whether it lies above.
-    fn violation(&self) -> Result<Option<(usize, i128, bool)>, Stop> {
+    fn violation(&self) -> Result<Option<(usize, i128, bool)>, CheckError> {
         for basic in self.rows.keys() {
             let variable = &self.variables[*basic];
             if let Some((low, _)) = variable.lower
-                && known(variable.value.order(Rational::whole(low)))? == Ordering::Less
+                && or_unknown(variable.value.checked_cmp(Rational::from_int(low)))?
+                    == Ordering::Less
             {
                 return Ok(Some((*basic, low, true)));
             }
             if let Some((high, _)) = variable.upper
-                && known(variable.value.order(Rational::whole(high)))? == Ordering::Greater
+                && or_unknown(variable.value.checked_cmp(Rational::from_int(high)))?
+                    == Ordering::Greater
             {
                 return Ok(Some((*basic, high, false)));
             }
@@ -227,14 +235,14 @@ impl Simplex {
         Ok(None)
     }
 
-    fn feasible(&mut self) -> Checked {
+    fn make_feasible(&mut self) -> CheckResult {
         while let Some((basic, target, upwards)) = self.violation()? {
             self.pivots += 1;
             if self.pivots > PIVOTS {
-                return Err(Stop::Unknown);
+                return Err(CheckError::Unknown);
             }
             let Some(entering) = self.entering(basic, upwards) else {
-                return Err(Stop::Conflict(self.explain(basic, upwards)));
+                return Err(CheckError::Conflict(self.explain(basic, upwards)));
             };
             self.pivot(basic, entering, target)?;
         }
@@ -251,7 +259,7 @@ impl Simplex {
                 true => variable.upper,
                 false => variable.lower,
             };
-            bound.is_none_or(|(b, _)| Some(b) != variable.value.as_whole())
+            bound.is_none_or(|(b, _)| Some(b) != variable.value.as_int())
         };
         row.iter().find(can_move).map(|(at, _)| *at)
     }
@@ -268,37 +276,37 @@ impl Simplex {
     }
 
     /// Exchanges `basic` for `entering`; `basic` takes the value `target`.
-    fn pivot(&mut self, basic: usize, entering: usize, target: i128) -> Checked {
+    fn pivot(&mut self, basic: usize, entering: usize, target: i128) -> CheckResult {
         let Some(mut row) = self.rows.remove(&basic) else {
-            return Err(Stop::Unknown);
+            return Err(CheckError::Unknown);
         };
-        let factor = known(row.remove(&entering))?;
-        let move_by = Rational::whole(target).sub(self.variables[basic].value);
-        let change = known(move_by.and_then(|m| m.div(factor)))?;
+        let factor = or_unknown(row.remove(&entering))?;
+        let move_by = Rational::from_int(target).sub(self.variables[basic].value);
+        let change = or_unknown(move_by.and_then(|m| m.div(factor)))?;
         // entering = (basic - rest) / factor
-        let inverse = known(Rational::ONE.div(factor))?;
-        let negated = known(inverse.negated())?;
+        let inverse = or_unknown(Rational::ONE.div(factor))?;
+        let negated = or_unknown(inverse.negated())?;
         let mut solved = Row::from([(basic, inverse)]);
-        known(add_scaled(&mut solved, &row, negated))?;
+        or_unknown(add_scaled(&mut solved, &row, negated))?;
         for other in self.rows.values_mut() {
             if let Some(factor) = other.remove(&entering) {
-                known(add_scaled(other, &solved, factor))?;
+                or_unknown(add_scaled(other, &solved, factor))?;
             }
         }
-        let moved = known(self.variables[entering].value.add(change))?;
+        let moved = or_unknown(self.variables[entering].value.add(change))?;
         self.variables[entering].value = moved;
         self.rows.insert(entering, solved);
-        self.variables[basic].value = Rational::whole(target);
+        self.variables[basic].value = Rational::from_int(target);
         self.recompute()
     }
 
     /// Computes the values of all basic variables from the non-basic ones.
-    fn recompute(&mut self) -> Checked {
+    fn recompute(&mut self) -> CheckResult {
         for (basic, row) in &self.rows {
             let mut sum = Rational::ZERO;
             for (at, factor) in row {
-                let term = known(self.variables[*at].value.mul(*factor))?;
-                sum = known(sum.add(term))?;
+                let term = or_unknown(self.variables[*at].value.mul(*factor))?;
+                sum = or_unknown(sum.add(term))?;
             }
             self.variables[*basic].value = sum;
         }
@@ -306,62 +314,62 @@ impl Simplex {
     }
 
     /// Divisibility (GCD) test: whether each row has an integer solution when variables with equal bounds are fixed.
-    fn divisible(&self) -> Checked {
+    fn check_divisibility(&self) -> CheckResult {
         for (basic, row) in &self.rows {
             let mut scale: i128 = 1;
             for factor in row.values() {
                 let denominator = factor.denominator();
-                let shared = known(gcd(scale, denominator))?.max(1);
-                scale = known((scale / shared).checked_mul(denominator))?;
+                let shared = or_unknown(gcd(scale, denominator))?.max(1);
+                scale = or_unknown((scale / shared).checked_mul(denominator))?;
             }
             let (mut constant, mut divisor) = (0i128, 0i128);
             let mut reasons = Vec::new();
-            let own = (basic, Rational::whole(-1));
+            let own = (basic, Rational::from_int(-1));
             for (at, factor) in row.iter().map(|(at, f)| (at, *f)).chain([own]) {
-                let scaled = known(factor.mul(Rational::whole(scale)))?;
-                let scaled = known(scaled.as_whole())?;
-                match self.fixed(*at) {
+                let scaled = or_unknown(factor.mul(Rational::from_int(scale)))?;
+                let scaled = or_unknown(scaled.as_int())?;
+                match self.fixed_value(*at) {
                     Some((value, whys)) => {
-                        let term = known(scaled.checked_mul(value))?;
-                        constant = known(constant.checked_add(term))?;
+                        let term = or_unknown(scaled.checked_mul(value))?;
+                        constant = or_unknown(constant.checked_add(term))?;
                         reasons.extend(whys);
                     }
-                    None => divisor = known(gcd(divisor, scaled))?,
+                    None => divisor = or_unknown(gcd(divisor, scaled))?,
                 }
             }
             if divisor != 0 && constant % divisor != 0 {
-                return Err(Stop::Conflict(reasons));
+                return Err(CheckError::Conflict(reasons));
             }
         }
         Ok(())
     }
 
-    fn fixed(&self, at: usize) -> Option<(i128, [Reason; 2])> {
+    fn fixed_value(&self, at: usize) -> Option<(i128, [Reason; 2])> {
         let variable = &self.variables[at];
         let ((low, why), (high, because)) = (variable.lower?, variable.upper?);
         (low == high).then_some((low, [why, because]))
     }
 
     /// Branches until all variables are integers.
-    fn integral(&mut self, depth: usize) -> Checked {
+    fn branch(&mut self, depth: usize) -> CheckResult {
         let fraction = (0..self.variables.len()).find(|at| self.value(*at).is_none());
         let Some(at) = fraction else {
             return Ok(());
         };
         self.branches += 1;
         if self.branches > BRANCHES {
-            return Err(Stop::Unknown);
+            return Err(CheckError::Unknown);
         }
         let below = self.variables[at].value.floor();
         let saved = (self.variables[at].lower, self.variables[at].upper);
         let mut reasons = Vec::new();
-        for (bound, is_upper) in [(below, true), (known(below.checked_add(1))?, false)] {
+        for (bound, is_upper) in [(below, true), (or_unknown(below.checked_add(1))?, false)] {
             let tried = self
-                .bound(at, bound, is_upper, Reason::Branch(depth))
-                .and_then(|()| self.feasible())
-                .and_then(|()| self.divisible())
-                .and_then(|()| self.integral(depth + 1));
-            let Err(Stop::Conflict(found)) = tried else {
+                .assert_bound(at, bound, is_upper, Reason::Branch(depth))
+                .and_then(|()| self.make_feasible())
+                .and_then(|()| self.check_divisibility())
+                .and_then(|()| self.branch(depth + 1));
+            let Err(CheckError::Conflict(found)) = tried else {
                 return tried;
             };
             (self.variables[at].lower, self.variables[at].upper) = saved;
@@ -372,7 +380,7 @@ impl Simplex {
                 break;
             }
         }
-        Err(Stop::Conflict(reasons))
+        Err(CheckError::Conflict(reasons))
     }
 }
 

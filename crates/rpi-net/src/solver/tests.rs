@@ -18,7 +18,7 @@ impl Random {
 /// Disjunct of a clause: a comparison `sum of factors * x + constant <= 0`, or a Boolean. The last field says whether
 /// it must hold.
 #[derive(Clone, Debug)]
-enum Part {
+enum Disjunct {
     Boolean(usize, bool),
     AtMostZero([i64; 3], i64, bool),
 }
@@ -27,26 +27,26 @@ const BOOLEANS: usize = 4;
 const LOW: i64 = -3;
 const HIGH: i64 = 3;
 
-fn part(random: &mut Random) -> Part {
+fn part(random: &mut Random) -> Disjunct {
     let holds = random.below(2) == 0;
     if random.below(3) == 0 {
-        return Part::Boolean(random.below(BOOLEANS as u64) as usize, holds);
+        return Disjunct::Boolean(random.below(BOOLEANS as u64) as usize, holds);
     }
     let factors = [0; 3].map(|_: i64| random.below(5) as i64 - 2);
-    Part::AtMostZero(factors, random.below(9) as i64 - 4, holds)
+    Disjunct::AtMostZero(factors, random.below(9) as i64 - 4, holds)
 }
 
-fn holds(part: &Part, booleans: u64, integers: [i64; 3]) -> bool {
+fn holds(part: &Disjunct, booleans: u64, integers: [i64; 3]) -> bool {
     match part {
-        Part::Boolean(at, wanted) => (booleans >> at & 1 == 1) == *wanted,
-        Part::AtMostZero(factors, constant, wanted) => {
+        Disjunct::Boolean(at, wanted) => (booleans >> at & 1 == 1) == *wanted,
+        Disjunct::AtMostZero(factors, constant, wanted) => {
             let sum: i64 = (0..3).map(|k| factors[k] * integers[k]).sum();
             (sum + constant <= 0) == *wanted
         }
     }
 }
 
-fn has_solution(clauses: &[Vec<Part>]) -> bool {
+fn has_solution(clauses: &[Vec<Disjunct>]) -> bool {
     let all = LOW..=HIGH;
     let triples = all.clone().flat_map(|x| {
         let all = all.clone();
@@ -70,21 +70,21 @@ fn answers_agree_with_a_search_of_all_assignments() {
     let mut answers = [0; 2];
     for round in 0..400 {
         let count = 2 + random.below(14);
-        let clauses: Vec<Vec<Part>> = (0..count)
+        let clauses: Vec<Vec<Disjunct>> = (0..count)
             .map(|_| (0..=random.below(3)).map(|_| part(&mut random)).collect())
             .collect();
         let mut solver = Solver::new();
-        let booleans: Vec<Lit> = (0..BOOLEANS).map(|_| solver.fresh()).collect();
+        let booleans: Vec<Lit> = (0..BOOLEANS).map(|_| solver.new_bool()).collect();
         let integers = [0; 3].map(|_| solver.integer(LOW, HIGH));
         for clause in &clauses {
             let lits: Vec<Lit> = clause
                 .iter()
                 .map(|part| match part {
-                    Part::Boolean(at, true) => booleans[*at],
-                    Part::Boolean(at, false) => !booleans[*at],
-                    Part::AtMostZero(factors, constant, wanted) => {
+                    Disjunct::Boolean(at, true) => booleans[*at],
+                    Disjunct::Boolean(at, false) => !booleans[*at],
+                    Disjunct::AtMostZero(factors, constant, wanted) => {
                         let terms = (0..3).map(|k| (integers[k], factors[k]));
-                        let sum = Linear {
+                        let sum = LinearTerm {
                             terms: terms.filter(|(_, f)| *f != 0).collect(),
                             constant: *constant,
                         };
@@ -93,16 +93,16 @@ fn answers_agree_with_a_search_of_all_assignments() {
                     }
                 })
                 .collect();
-            solver.require(&lits);
+            solver.add_clause(&lits);
         }
         let mut steps = 1_000_000;
         let answer = solver.solve(&[], &mut steps);
         let expected = match has_solution(&clauses) {
-            true => Answer::Sat,
-            false => Answer::Unsat,
+            true => SatResult::Sat,
+            false => SatResult::Unsat,
         };
         assert_eq!(answer, expected, "round {round}: {clauses:?}");
-        answers[usize::from(expected == Answer::Sat)] += 1;
+        answers[usize::from(expected == SatResult::Sat)] += 1;
     }
     assert!(answers[0] > 50 && answers[1] > 50, "{answers:?}");
 }
@@ -110,12 +110,12 @@ fn answers_agree_with_a_search_of_all_assignments() {
 #[test]
 fn assumptions_hold_for_one_question_only() {
     let mut solver = Solver::new();
-    let (a, b) = (solver.fresh(), solver.fresh());
+    let (a, b) = (solver.new_bool(), solver.new_bool());
     let both = solver.and(a, b);
-    solver.require(&[!both]);
+    solver.add_clause(&[!both]);
     let mut steps = 1_000;
-    assert_eq!(solver.solve(&[a, b], &mut steps), Answer::Unsat);
-    assert_eq!(solver.solve(&[a], &mut steps), Answer::Sat);
+    assert_eq!(solver.solve(&[a, b], &mut steps), SatResult::Unsat);
+    assert_eq!(solver.solve(&[a], &mut steps), SatResult::Sat);
     assert_eq!(solver.value(b), Some(false));
 }
 
@@ -127,17 +127,17 @@ fn remainders_that_exclude_each_other_are_refuted() {
     // n - 6 q = 0 and n - 3 p = 1
     for (terms, constant) in [(vec![(n, 1), (q, -6)], 0), (vec![(n, 1), (p, -3)], -1)] {
         let negated = terms.iter().map(|(v, f)| (*v, -f)).collect();
-        let above = Linear { terms, constant };
-        let below = Linear {
+        let above = LinearTerm { terms, constant };
+        let below = LinearTerm {
             terms: negated,
             constant: -constant,
         };
         for sum in [above, below] {
             let lit = solver.at_most_zero(&sum);
-            solver.require(&[lit]);
+            solver.add_clause(&[lit]);
         }
     }
-    assert_eq!(solver.solve(&[], &mut 100_000), Answer::Unsat);
+    assert_eq!(solver.solve(&[], &mut 100_000), SatResult::Unsat);
 }
 
 /// Comparisons that are not required have factors that overflow. They must not refute anything.
@@ -157,7 +157,7 @@ fn what_does_not_fit_refutes_nothing() {
                 terms.extend((random.below(2) == 0 && factor != 0).then_some((*variable, factor)));
             }
             let constant = (random.below(u64::MAX) >> 20) as i64;
-            lits.push(solver.at_most_zero(&Linear { terms, constant }));
+            lits.push(solver.at_most_zero(&LinearTerm { terms, constant }));
         }
         let mut clauses = Vec::new();
         for _ in 0..3 {
@@ -165,7 +165,7 @@ fn what_does_not_fit_refutes_nothing() {
             let asked = [0; 2].map(|_| lits[random.below(lits.len() as u64) as usize]);
             solver.solve(&asked, &mut 100_000);
             clauses.push(vec![small_comparison(&mut random)]);
-            let Some(Part::AtMostZero(factors, constant, wanted)) =
+            let Some(Disjunct::AtMostZero(factors, constant, wanted)) =
                 clauses.last().map(|c| c[0].clone())
             else {
                 continue;
@@ -174,12 +174,12 @@ fn what_does_not_fit_refutes_nothing() {
                 .map(|k| (small[k], factors[k]))
                 .filter(|(_, f)| *f != 0)
                 .collect();
-            let lit = solver.at_most_zero(&Linear { terms, constant });
-            solver.require(&[if wanted { lit } else { !lit }]);
+            let lit = solver.at_most_zero(&LinearTerm { terms, constant });
+            solver.add_clause(&[if wanted { lit } else { !lit }]);
             let answer = solver.solve(&[], &mut 100_000);
             let is_solvable = has_solution(&clauses);
             assert!(
-                !is_solvable || answer != Answer::Unsat,
+                !is_solvable || answer != SatResult::Unsat,
                 "round {round}: {clauses:?}"
             );
             found[usize::from(is_solvable)] += 1;
@@ -188,7 +188,7 @@ fn what_does_not_fit_refutes_nothing() {
     assert!(found[0] > 50 && found[1] > 50, "{found:?}");
 }
 
-fn small_comparison(random: &mut Random) -> Part {
+fn small_comparison(random: &mut Random) -> Disjunct {
     let factors = [0; 3].map(|_: i64| random.below(5) as i64 - 2);
-    Part::AtMostZero(factors, random.below(9) as i64 - 4, random.below(2) == 0)
+    Disjunct::AtMostZero(factors, random.below(9) as i64 - 4, random.below(2) == 0)
 }

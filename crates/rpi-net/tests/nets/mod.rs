@@ -1,14 +1,14 @@
 //! Recorded nets outside the repository.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use rpi_diag::{FileId, Finding, Severity, SourceMap, Style, render};
+use rpi_diag::{Diagnostic, FileId, Severity, SourceMap, Style, render};
 use rpi_net::Net;
 use std::path::PathBuf;
 
 /// Name and text of every net in a folder outside the repository, sorted by name; `None`, with a message, if it is
 /// missing.
 pub(crate) fn nets_in(folder: &str) -> Option<Vec<(String, String)>> {
-    let dir = rpi_testkit::shared_path(&format!("nets/{folder}"))?;
+    let dir = rpi_testkit::external_data_path(&format!("nets/{folder}"))?;
     let mut paths: Vec<PathBuf> = std::fs::read_dir(dir)
         .expect("the folder can be read")
         .map(|entry| entry.expect("its entries can be read").path())
@@ -36,16 +36,16 @@ pub(crate) fn all() -> Option<Vec<(String, String)>> {
 /// # Panics
 /// Panics with all diagnostics if the text has an error.
 pub(crate) fn net(name: &str, text: &str) -> Net {
-    let (net, findings) = rpi_net::rpinet::read(name, FileId(0), text);
-    net.unwrap_or_else(|| panic!("{}", shown(name, text, &findings)))
+    let (net, diagnostics) = rpi_net::rpinet::parse(name, FileId(0), text);
+    net.unwrap_or_else(|| panic!("{}", rendered(name, text, &diagnostics)))
 }
 
 /// Renders diagnostics as a user sees them, errors first.
-pub(crate) fn shown(name: &str, text: &str, findings: &[Finding]) -> String {
+pub(crate) fn rendered(name: &str, text: &str, diagnostics: &[Diagnostic]) -> String {
     let mut sources = SourceMap::new();
     sources.add(name, text);
-    let mut findings = findings.to_vec();
-    findings.sort_by_key(|f| f.severity() != Severity::Error);
-    findings.truncate(20);
-    render(&findings, &sources, Style::default())
+    let mut diagnostics = diagnostics.to_vec();
+    diagnostics.sort_by_key(|f| f.severity() != Severity::Error);
+    diagnostics.truncate(20);
+    render(&diagnostics, &sources, Style::default())
 }

@@ -1,19 +1,19 @@
 //! Controllers that move a mobile platform to a pose in the plane.
 
 use super::twist::twist;
-use crate::flow::{Pose, Twist, Vector};
 use crate::geometry;
 use crate::macros::primitive;
 use crate::registry::Prim;
+use crate::value_types::{Pose, Twist, Vector};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 pub(super) const ALL: &[Prim] = &[OMNIDIRECTIONAL, DIFFERENTIAL];
 
 /// Distance (m) and angle (rad) within which a goal counts as reached. Also the velocity (m/s, rad/s) that counts as
 /// rest.
-const NEAR: f64 = 1e-3;
+const GOAL_TOLERANCE: f64 = 1e-3;
 /// Angle between heading and goal (rad) below which a differential drive moves straight.
-const AHEAD: f64 = 0.1;
+const HEADING_TOLERANCE: f64 = 0.1;
 
 primitive! {
     /// Velocity, in platform coordinates, that moves an omnidirectional platform to the pose `inDest`. Each component
@@ -35,9 +35,9 @@ primitive! {
     full |_, _, _, (vx, vy, vyaw, px, py, pyaw), (position, velocity, goal): (Pose, Twist, Pose)| {
         let left = position.inverse() * goal;
         let (x, y, yaw) = (left.translation.x, left.translation.y, geometry::to_abc(left.rotation).0);
-        let near = |size: f64| libm::fabs(size) < NEAR;
+        let near = |size: f64| libm::fabs(size) < GOAL_TOLERANCE;
         let rest = near(geometry::norm(velocity.linear)) && near(geometry::norm(velocity.angular));
-        let wanted = planar(bounded(px * x, vx), bounded(py * y, vy), bounded(pyaw * yaw, vyaw));
+        let wanted = planar_twist(clamp_magnitude(px * x, vx), clamp_magnitude(py * y, vy), clamp_magnitude(pyaw * yaw, vyaw));
         (wanted, rest && near(x) && near(y) && near(yaw))
     }
 }
@@ -53,14 +53,14 @@ primitive! {
     out { outTwist: Twist }
     presence if_all work 150;
     full |_, _, _, (vx, vyaw, px, pyaw), (position, _, goal)| {
-        let way = position.zip(goal).map(|(position, goal)| planar_way(position, goal));
+        let way = position.zip(goal).map(|(position, goal)| planar_error(position, goal));
         (way.map(|way| differential(way, (vx, vyaw), (px, pyaw))),)
     }
 }
 
 /// Returns the remaining error in the plane: distance (m), bearing in platform coordinates (rad) and difference of
 /// orientation (rad).
-fn planar_way(position: Pose, goal: Pose) -> (f64, f64, f64) {
+fn planar_error(position: Pose, goal: Pose) -> (f64, f64, f64) {
     let (heading, wanted) = (
         geometry::to_abc(position.rotation).0,
         geometry::to_abc(goal.rotation).0,
@@ -69,8 +69,8 @@ fn planar_way(position: Pose, goal: Pose) -> (f64, f64, f64) {
     let distance = libm::sqrt(way.x * way.x + way.y * way.y);
     (
         distance,
-        wrapped(libm::atan2(way.y, way.x) - heading),
-        wrapped(wanted - heading),
+        normalise_angle(libm::atan2(way.y, way.x) - heading),
+        normalise_angle(wanted - heading),
     )
 }
 
@@ -79,31 +79,31 @@ fn differential(
     bounds: (f64, f64),
     gains: (f64, f64),
 ) -> Twist {
-    if distance < NEAR {
-        return planar(0.0, 0.0, bounded(gains.1 * turn, bounds.1));
+    if distance < GOAL_TOLERANCE {
+        return planar_twist(0.0, 0.0, clamp_magnitude(gains.1 * turn, bounds.1));
     }
     let backwards = libm::fabs(bearing) > FRAC_PI_2;
     let bearing = if backwards {
-        wrapped(bearing + PI)
+        normalise_angle(bearing + PI)
     } else {
         bearing
     };
-    if libm::fabs(bearing) > AHEAD {
-        return planar(0.0, 0.0, bounded(gains.1 * bearing, bounds.1));
+    if libm::fabs(bearing) > HEADING_TOLERANCE {
+        return planar_twist(0.0, 0.0, clamp_magnitude(gains.1 * bearing, bounds.1));
     }
     let speed = libm::sqrt(2.0 * gains.0 * distance).min(bounds.0);
-    planar(if backwards { -speed } else { speed }, 0.0, 0.0)
+    planar_twist(if backwards { -speed } else { speed }, 0.0, 0.0)
 }
 
 /// Returns the angle normalised to -π to π.
-fn wrapped(angle: f64) -> f64 {
+fn normalise_angle(angle: f64) -> f64 {
     libm::atan2(libm::sin(angle), libm::cos(angle))
 }
 
-fn bounded(value: f64, bound: f64) -> f64 {
+fn clamp_magnitude(value: f64, bound: f64) -> f64 {
     value.max(-bound).min(bound)
 }
 
-fn planar(x: f64, y: f64, yaw: f64) -> Twist {
+fn planar_twist(x: f64, y: f64, yaw: f64) -> Twist {
     twist(Vector::new(x, y, 0.0), Vector::new(0.0, 0.0, yaw))
 }

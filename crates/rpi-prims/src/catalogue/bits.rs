@@ -1,10 +1,10 @@
 //! Conversion between numbers and arrays of bits, as used by field buses. Element 0 is the least significant bit.
 
-use crate::bulk::Array;
-use crate::cx::{Cx, FaultCode};
+use crate::aggregates::Array;
+use crate::context::{Context, FaultCode};
 use crate::macros::primitive;
 use crate::registry::Prim;
-use rpi_image::Shape;
+use rpi_image::ShapeRule;
 
 pub(super) const ALL: &[Prim] = &[BIN_TO_DEC, DEC_TO_BIN, BCD_TO_DEC, DEC_TO_BCD];
 
@@ -18,7 +18,7 @@ primitive! {
     presence strict work 64;
     full |cx, _, _, (bits, signed), (array,)| {
         let bits = width(array, bits);
-        let value = number(cx.cells, array, 0, bits);
+        let value = number(cx.slots, array, 0, bits);
         let negative = signed && bits > 0 && value >> (bits - 1) == 1;
         (if negative { value - (1 << bits) } else { value },)
     }
@@ -31,12 +31,12 @@ primitive! {
     in { inValue: i64 }
     param { amountBits: i64 = Int(8); signBit: bool = Bool(false) }
     out { outArray: Array<bool>; overflowBit: bool }
-    shape Shape::Size("amountBits");
+    shape ShapeRule::FromParam("amountBits");
     presence strict work 64;
     mixed |cx, _, (_, signed), (value,), (array, _)| {
         let bits = array.len().min(63);
         for k in 0..array.len() {
-            array.set(cx.cells, k as i64, (value >> k.min(63)) & 1 == 1);
+            array.set(cx.slots, k as i64, (value >> k.min(63)) & 1 == 1);
         }
         let (least, beyond) = if signed { (-((1 << bits) >> 1), (1 << bits) >> 1) } else { (0, 1 << bits) };
         (array, !(least..beyond).contains(&value))
@@ -55,7 +55,7 @@ primitive! {
         let bits = width(array, bits);
         let digits = bits - usize::from(signed && bits > 0);
         let value = decimal(cx, place, array, digits);
-        let negative = digits < bits && array.get(cx.cells, digits as i64) == Some(true);
+        let negative = digits < bits && array.get(cx.slots, digits as i64) == Some(true);
         (if negative { -value } else { value },)
     }
 }
@@ -67,20 +67,20 @@ primitive! {
     in { inValue: i64 }
     param { amountBits: i64 = Int(16); signBit: bool = Bool(true) }
     out { outArray: Array<bool>; overflowBit: bool }
-    shape Shape::Size("amountBits");
+    shape ShapeRule::FromParam("amountBits");
     presence strict work 64;
     mixed |cx, _, (_, signed), (value,), (array, _)| {
         let digits = array.len() - usize::from(signed && !array.is_empty());
         let mut rest = value.unsigned_abs();
         for first in (0..digits).step_by(4) {
             for k in first..digits.min(first + 4) {
-                array.set(cx.cells, k as i64, ((rest % 10) >> (k - first)) & 1 == 1);
+                array.set(cx.slots, k as i64, ((rest % 10) >> (k - first)) & 1 == 1);
             }
             let room = 1 << (digits - first).min(4);
             // A digit that does not fit leaves a rest above 0, which sets the overflow bit.
             rest = if rest % 10 < room { rest / 10 } else { u64::MAX };
         }
-        array.set(cx.cells, digits as i64, value < 0);
+        array.set(cx.slots, digits as i64, value < 0);
         (array, rest > 0 || (value < 0 && digits == array.len()))
     }
 }
@@ -95,10 +95,10 @@ fn number(cells: &[u64], array: Array<bool>, first: usize, bits: usize) -> i64 {
     (0..bits).map(bit).sum()
 }
 
-fn decimal(cx: &mut Cx<'_>, place: u32, array: Array<bool>, bits: usize) -> i64 {
+fn decimal(cx: &mut Context<'_>, place: u32, array: Array<bool>, bits: usize) -> i64 {
     let mut value = 0;
     for first in (0..bits).step_by(4).rev() {
-        let digit = number(cx.cells, array, first, (bits - first).min(4));
+        let digit = number(cx.slots, array, first, (bits - first).min(4));
         if digit > 9 {
             cx.fault(FaultCode::LossyConversion, place);
         }

@@ -1,6 +1,6 @@
 //! Clocks, and flows that the core provides to a command.
 
-use crate::cx::FaultCode;
+use crate::context::FaultCode;
 use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
@@ -16,7 +16,7 @@ primitive! {
     state { f64 }
     presence strict work 2;
     full |cx, _, (time,), (), (reset, increment)| {
-        *time = if reset { 0.0 } else { *time } + increment * cx.clock.dt;
+        *time = if reset { 0.0 } else { *time } + increment * cx.time.dt;
         (*time,)
     }
 }

@@ -37,7 +37,7 @@
 //! An actuator or a function with several in-ports receives their concatenation as one value, in the order of their
 //! declaration. The result of a function with several out-ports is split in the same way.
 
-use rpi_image::{Answer, DevicePorts, DeviceUse, Role};
+use rpi_image::{DevicePortNames, DeviceResponse, DeviceUse, Role};
 
 /// Creates a role that reads one device port per out-port.
 pub(super) const fn sensor(
@@ -53,7 +53,7 @@ pub(super) const fn actuator(
     device: &'static str,
     index: Option<&'static str>,
     port: &'static [&'static str; 1],
-    answers: &'static [Answer],
+    answers: &'static [DeviceResponse],
 ) -> Role {
     Role::Actuator(device_use(device, index, port, answers))
 }
@@ -67,12 +67,12 @@ const fn device_use(
     device: &'static str,
     index: Option<&'static str>,
     ports: &'static [&'static str],
-    answers: &'static [Answer],
+    answers: &'static [DeviceResponse],
 ) -> DeviceUse {
     DeviceUse {
         device,
         index,
-        ports: DevicePorts::Fixed(ports),
-        answers,
+        ports: DevicePortNames::Fixed(ports),
+        responses: answers,
     }
 }

@@ -1,10 +1,10 @@
 //! Edges, latches, and windows over the recent values of a Boolean.
 
-use crate::bulk::Region;
-use crate::cx::Cx;
+use crate::aggregates::StateRange;
+use crate::context::Context;
 use crate::macros::primitive;
+use crate::moving_sum::Window;
 use crate::registry::Prim;
-use crate::window::Window;
 use rpi_image::{SizeArgs, Value};
 
 pub(super) const ALL: &[Prim] = &[EDGE_DETECTION, TRIGGER, LAST_N, HISTORY];
@@ -82,15 +82,15 @@ fn last_n(args: &SizeArgs<'_>) -> u32 {
 }
 
 fn last_seconds(args: &SizeArgs<'_>) -> u32 {
-    Window::<i64>::cells(args.cycles(0))
+    Window::<i64>::cells(args.cycles_of_param(0))
 }
 
 /// Adds a value to the window. Returns the number of true values and the length of the window.
-fn trues(cx: &mut Cx<'_>, history: Region, value: bool, reset: bool) -> (i64, i64) {
-    let window = Window::<i64>::of(history);
+fn trues(cx: &mut Context<'_>, history: StateRange, value: bool, reset: bool) -> (i64, i64) {
+    let window = Window::<i64>::from_region(history);
     if reset {
-        window.clear(cx.cells);
+        window.clear(cx.slots);
     }
-    let count = window.push(cx.cells, i64::from(value));
+    let count = window.push(cx.slots, i64::from(value));
     (count, window.capacity() as i64)
 }

@@ -1,9 +1,9 @@
 //! Poses: position (m) and orientation of one frame in another. The reference system calls them frames.
 
-use crate::flow::{Pose, Rotation, Twist, Vector};
 use crate::geometry;
 use crate::macros::primitive;
 use crate::registry::Prim;
+use crate::value_types::{Pose, Rotation, Twist, Vector};
 use nalgebra::Translation3;
 
 pub(super) const ALL: &[Prim] = &[
@@ -20,7 +20,7 @@ pub(super) const ALL: &[Prim] = &[
 primitive! {
     /// Pose from position (m) and orientation.
     FROM_POS_ROT = "World::FrameFromPosRot";
-    in { inPos: Vector = [super::spatial::XYZ]; inRot: Rotation = [super::spatial::ABC] }
+    in { inPos: Vector = [super::spatial_fallbacks::XYZ]; inRot: Rotation = [super::spatial_fallbacks::ABC] }
     out { outValue: Pose }
     presence strict work 7;
     pure |(position, rotation)| (pose(position, rotation),)
@@ -33,7 +33,7 @@ primitive! {
         inX: f64 = X(Real(0.0));
         inY: f64 = Y(Real(0.0));
         inZ: f64 = Z(Real(0.0));
-        inRot: Rotation = [super::spatial::ABC]
+        inRot: Rotation = [super::spatial_fallbacks::ABC]
     }
     out { outValue: Pose }
     presence strict work 7;
@@ -83,7 +83,7 @@ primitive! {
     in { inFrom: Pose; inTo: Pose; inAmount: f64 }
     out { outValue: Pose }
     presence strict work 150;
-    pure |(from, to, amount)| (between(from, to, amount),)
+    pure |(from, to, amount)| (interpolate(from, to, amount),)
 }
 
 primitive! {
@@ -93,7 +93,7 @@ primitive! {
     in { inFrame: Pose; inTwist: Twist }
     out { outValue: Pose }
     presence strict work 90;
-    full |cx, _, _, _, (frame, twist)| (moved(frame, twist, cx.clock.dt),)
+    full |cx, _, _, _, (frame, twist)| (integrate(frame, twist, cx.time.dt),)
 }
 
 /// Creates a pose from position and orientation.
@@ -102,7 +102,7 @@ pub(super) fn pose(position: Vector, rotation: Rotation) -> Pose {
 }
 
 /// Interpolates between two poses: linear in the position, along the shortest arc in the orientation.
-pub(super) fn between(from: Pose, to: Pose, amount: f64) -> Pose {
+pub(super) fn interpolate(from: Pose, to: Pose, amount: f64) -> Pose {
     let (p, q) = (from.translation.vector, to.translation.vector);
     pose(
         p + (q - p) * amount,
@@ -111,7 +111,7 @@ pub(super) fn between(from: Pose, to: Pose, amount: f64) -> Pose {
 }
 
 /// Returns the pose after `dt` seconds of motion with a constant velocity in base coordinates.
-pub(crate) fn moved(frame: Pose, twist: Twist, dt: f64) -> Pose {
+pub(crate) fn integrate(frame: Pose, twist: Twist, dt: f64) -> Pose {
     let position = frame.translation.vector + twist.linear * dt;
     pose(position, geometry::exp(twist.angular * dt) * frame.rotation)
 }

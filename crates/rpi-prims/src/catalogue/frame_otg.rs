@@ -1,10 +1,10 @@
 //! Online trajectory generation for poses: position and orientation move on one straight path and arrive together.
 
 use super::twist::twist;
-use crate::flow::{Pose, Rotation, Twist, Vector};
 use crate::geometry;
 use crate::macros::primitive;
 use crate::registry::Prim;
+use crate::value_types::{Pose, Rotation, Twist, Vector};
 
 pub(super) const ALL: &[Prim] = &[FRAME_OTG];
 
@@ -34,8 +34,8 @@ primitive! {
         let velocity = velocity.unwrap_or_default();
         let goal = (to, goal_velocity.unwrap_or_default());
         let limits = Limits { velocity: (v, w), acceleration: (a, alpha) };
-        let next = step(from, velocity, goal, limits, cx.clock.dt, geometry::log);
-        (Some(super::frame::moved(from, next, cx.clock.dt)), Some(next))
+        let next = step(from, velocity, goal, limits, cx.time.dt, geometry::log);
+        (Some(super::frame::integrate(from, next, cx.time.dt)), Some(next))
     }
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Limits {
 }
 
 /// Fraction of the acceleration used for planning the stop. The margin avoids overshoot in discrete time.
-const BRAKING: f64 = 0.8;
+const BRAKING_FRACTION: f64 = 0.8;
 
 /// Returns the velocity of the next period. `log` computes the rotation vector of a rotation (replaceable for
 /// [`crate::differences`]).
@@ -61,47 +61,48 @@ pub(crate) fn step(
 ) -> Twist {
     let turn = from.rotation * log(from.rotation.inverse() * to.rotation);
     let way = twist(to.translation.vector - from.translation.vector, turn);
-    let (linear, angular) = sizes(way);
-    let time = quotient(linear, limits.velocity.0).max(quotient(angular, limits.velocity.1));
-    let way = sum(way, goal_velocity, time);
-    let wanted = scaled(way, pace(way, limits, dt));
-    let change = sum(wanted, velocity, -1.0);
-    let (linear, angular) = sizes(change);
-    let share =
-        share(linear, limits.acceleration.0 * dt).min(share(angular, limits.acceleration.1 * dt));
-    sum(velocity, change, share)
+    let (linear, angular) = magnitudes(way);
+    let time = travel_time(linear, limits.velocity.0).max(travel_time(angular, limits.velocity.1));
+    let way = add_scaled(way, goal_velocity, time);
+    let wanted = scale(way, path_rate(way, limits, dt));
+    let change = add_scaled(wanted, velocity, -1.0);
+    let (linear, angular) = magnitudes(change);
+    let share = scale_within(linear, limits.acceleration.0 * dt)
+        .min(scale_within(angular, limits.acceleration.1 * dt));
+    add_scaled(velocity, change, share)
 }
 
 /// Returns the fraction of a path to cover per second.
-fn pace(way: Twist, limits: Limits, dt: f64) -> f64 {
-    let (linear, angular) = sizes(way);
-    let stop = |length: f64, acceleration: f64| libm::sqrt(2.0 * BRAKING * acceleration * length);
+fn path_rate(way: Twist, limits: Limits, dt: f64) -> f64 {
+    let (linear, angular) = magnitudes(way);
+    let stop =
+        |length: f64, acceleration: f64| libm::sqrt(2.0 * BRAKING_FRACTION * acceleration * length);
     let fast = (
         limits.velocity.0.min(stop(linear, limits.acceleration.0)),
         limits.velocity.1.min(stop(angular, limits.acceleration.1)),
     );
-    let per_period = share(linear, fast.0 * dt).min(share(angular, fast.1 * dt));
+    let per_period = scale_within(linear, fast.0 * dt).min(scale_within(angular, fast.1 * dt));
     per_period / dt
 }
 
 /// Returns the largest factor, at most 1, that scales a size within a bound.
-fn share(size: f64, bound: f64) -> f64 {
+fn scale_within(size: f64, bound: f64) -> f64 {
     if size > bound { bound / size } else { 1.0 }
 }
 
 /// Returns the time for a path; 0 if there is no speed.
-fn quotient(way: f64, speed: f64) -> f64 {
+fn travel_time(way: f64, speed: f64) -> f64 {
     if speed > 0.0 { way / speed } else { 0.0 }
 }
 
-fn sizes(t: Twist) -> (f64, f64) {
+fn magnitudes(t: Twist) -> (f64, f64) {
     (geometry::norm(t.linear), geometry::norm(t.angular))
 }
 
-fn scaled(t: Twist, factor: f64) -> Twist {
+fn scale(t: Twist, factor: f64) -> Twist {
     twist(t.linear * factor, t.angular * factor)
 }
 
-fn sum(a: Twist, b: Twist, factor: f64) -> Twist {
+fn add_scaled(a: Twist, b: Twist, factor: f64) -> Twist {
     twist(a.linear + b.linear * factor, a.angular + b.angular * factor)
 }

@@ -1,6 +1,6 @@
 //! Arithmetic and comparison of 64-bit integers. Overflow is a fault; results never wrap.
 
-use crate::cx::{Cx, FaultCode};
+use crate::context::{Context, FaultCode};
 use crate::macros::primitive;
 use crate::registry::Prim;
 
@@ -20,7 +20,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
-    full |cx, place, _, _, (a, b)| (fits(cx, place, a.checked_add(b)),)
+    full |cx, place, _, _, (a, b)| (or_overflow_fault(cx, place, a.checked_add(b)),)
 }
 
 primitive! {
@@ -29,7 +29,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
-    full |cx, place, _, _, (a, b)| (fits(cx, place, a.checked_mul(b)),)
+    full |cx, place, _, _, (a, b)| (or_overflow_fault(cx, place, a.checked_mul(b)),)
 }
 
 primitive! {
@@ -38,7 +38,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 10 faults;
-    full |cx, place, _, _, (a, b)| (divided(cx, place, b, a.checked_div(b)),)
+    full |cx, place, _, _, (a, b)| (or_division_fault(cx, place, b, a.checked_div(b)),)
 }
 
 primitive! {
@@ -76,12 +76,12 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
-    full |cx, place, _, _, (a,)| (whole(cx, place, a),)
+    full |cx, place, _, _, (a,)| (truncate_or_fault(cx, place, a),)
 }
 
 /// Returns the result; on overflow, raises a fault and returns 0.
 #[inline(always)]
-pub(super) fn fits(cx: &mut Cx<'_>, place: u32, result: Option<i64>) -> i64 {
+pub(super) fn or_overflow_fault(cx: &mut Context<'_>, place: u32, result: Option<i64>) -> i64 {
     result.unwrap_or_else(|| {
         cx.fault(FaultCode::IntegerOverflow, place);
         0
@@ -90,7 +90,12 @@ pub(super) fn fits(cx: &mut Cx<'_>, place: u32, result: Option<i64>) -> i64 {
 
 /// Returns the result of a division; if there is none, raises a fault for division by zero or overflow and returns 0.
 #[inline(always)]
-pub(super) fn divided(cx: &mut Cx<'_>, place: u32, divisor: i64, result: Option<i64>) -> i64 {
+pub(super) fn or_division_fault(
+    cx: &mut Context<'_>,
+    place: u32,
+    divisor: i64,
+    result: Option<i64>,
+) -> i64 {
     result.unwrap_or_else(|| {
         let code = if divisor == 0 {
             FaultCode::DivisionByZero
@@ -104,7 +109,7 @@ pub(super) fn divided(cx: &mut Cx<'_>, place: u32, divisor: i64, result: Option<
 
 /// Returns the integer part of a real; raises a fault and returns 0 if it is not a 64-bit integer.
 #[inline(always)]
-pub(super) fn whole(cx: &mut Cx<'_>, place: u32, real: f64) -> i64 {
+pub(super) fn truncate_or_fault(cx: &mut Context<'_>, place: u32, real: f64) -> i64 {
     // 2^63. As a real it is exact, and all reals below it fit in 64 bits.
     const LIMIT: f64 = 9_223_372_036_854_775_808.0;
     if (-LIMIT..LIMIT).contains(&real) {

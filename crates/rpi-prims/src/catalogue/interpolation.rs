@@ -13,7 +13,7 @@ primitive! {
     in { inValue: f64; inMin: f64 = Min(Real(0.0)); inMax: f64 = Max(Real(1000.0)) }
     out { outActive: bool; outValue: f64 }
     presence strict work 6;
-    pure |(x, min, max)| share(x, min, max)
+    pure |(x, min, max)| relative_position(x, min, max)
 }
 
 primitive! {
@@ -67,7 +67,7 @@ primitive! {
     pure |(t, from, control1, control2, to)| (bezier(t, from, control1, control2, to),)
 }
 
-fn share(x: f64, min: f64, max: f64) -> (bool, f64) {
+fn relative_position(x: f64, min: f64, max: f64) -> (bool, f64) {
     if x < min {
         return (false, 0.0);
     }

@@ -1,11 +1,11 @@
 //! Dense matrices of reals, stored row by row. Sizes are checked when a net is loaded. Indices count from 0.
 
-use super::linear;
-use crate::bulk::{Array, Matrix};
-use crate::cx::{Cx, FaultCode};
+use super::linear_solver;
+use crate::aggregates::{Array, Matrix};
+use crate::context::{Context, FaultCode};
 use crate::macros::primitive;
 use crate::registry::Prim;
-use rpi_image::{Scalar, Shape, ShapeArgs, Type};
+use rpi_image::{Scalar, ShapeArgs, ShapeRule, Type};
 
 pub(super) const ALL: &[Prim] = &[CREATE, GET, SET, TRANSPOSE, SCALE, MULTIPLY, APPLY, SOLVE];
 
@@ -15,9 +15,9 @@ primitive! {
     in {}
     param { Rows: i64 = Int(1); Cols: i64 = Int(1) }
     out { outMatrix: Matrix }
-    shape Shape::Of(|args| Some(Type::Matrix(args.size(0)?, args.size(1)?)));
+    shape ShapeRule::Computed(|args| Some(Type::Matrix(args.size(0)?, args.size(1)?)));
     presence strict work 36;
-    bulk |cx, _, _, (), (matrix,)| matrix.elements().fill(cx.cells, 0.0)
+    bulk |cx, _, _, (), (matrix,)| matrix.elements().fill(cx.slots, 0.0)
 }
 
 primitive! {
@@ -26,7 +26,7 @@ primitive! {
     in { inMatrix: Matrix }
     param { Row: i64 = Int(0); Col: i64 = Int(0) }
     out { outValue: f64 }
-    shape Shape::Of(|args| holds(args, 0, 1).then_some(Type::One(Scalar::Real)));
+    shape ShapeRule::Computed(|args| has_element(args, 0, 1).then_some(Type::Scalar(Scalar::Real)));
     presence strict work 1 faults;
     full |cx, place, _, (row, col), (matrix,)| (element(cx, place, matrix, row, col),)
 }
@@ -38,11 +38,11 @@ primitive! {
     in { inMatrix: Matrix; inValue: f64 = Value(Real(0.0)) }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0); Row: i64 = Int(0); Col: i64 = Int(0) }
     out { outMatrix: Matrix }
-    shape Shape::Of(|args| holds(args, 2, 3).then_some(*args.inputs.first()?)?);
+    shape ShapeRule::Computed(|args| has_element(args, 2, 3).then_some(*args.inputs.first()?)?);
     presence strict work 36 faults;
     bulk |cx, place, (_, _, row, col), (from, value), (to,)| {
-        let copied = to.elements().copy(cx.cells, from.elements(), 0);
-        if !(copied && to.set(cx.cells, index(row), index(col), value)) {
+        let copied = to.elements().copy(cx.slots, from.elements(), 0);
+        if !(copied && to.set(cx.slots, index(row), index(col), value)) {
             cx.fault(FaultCode::IndexOutOfRange, place);
         }
     }
@@ -54,9 +54,9 @@ primitive! {
     in { inMatrix: Matrix }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
     out { outMatrix: Matrix }
-    shape Shape::Of(|args| args.shape(0).map(|(rows, cols)| Type::Matrix(cols, rows)));
+    shape ShapeRule::Computed(|args| args.shape(0).map(|(rows, cols)| Type::Matrix(cols, rows)));
     presence strict work 36;
-    bulk |cx, _, _, (from,), (to,)| to.fill_with(cx.cells, |cells, row, col| from.at_or_zero(cells, col, row))
+    bulk |cx, _, _, (from,), (to,)| to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, col, row))
 }
 
 primitive! {
@@ -65,10 +65,10 @@ primitive! {
     in { inMatrix: Matrix; inValue: f64 = Value(Real(0.0)) }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
     out { outMatrix: Matrix }
-    shape Shape::Of(|args| *args.inputs.first()?);
+    shape ShapeRule::Computed(|args| *args.inputs.first()?);
     presence strict work 36;
     bulk |cx, _, _, (from, factor), (to,)| {
-        to.fill_with(cx.cells, |cells, row, col| from.at_or_zero(cells, row, col) * factor);
+        to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, row, col) * factor);
     }
 }
 
@@ -78,11 +78,11 @@ primitive! {
     in { inMatrix1: Matrix; inMatrix2: Matrix }
     param { Rows: i64 = Int(0); Cols: i64 = Int(0) }
     out { outMatrix: Matrix }
-    shape Shape::Of(product);
+    shape ShapeRule::Computed(product_shape);
     presence strict work 216;
     bulk |cx, _, _, (a, b), (to,)| {
-        to.fill_with(cx.cells, |cells, row, col| {
-            (0..a.cols).map(|k| a.at_or_zero(cells, row, k) * b.at_or_zero(cells, k, col)).sum()
+        to.fill_with(cx.slots, |cells, row, col| {
+            (0..a.cols).map(|k| a.get_or_zero(cells, row, k) * b.get_or_zero(cells, k, col)).sum()
         });
     }
 }
@@ -93,15 +93,15 @@ primitive! {
     in { inMatrix: Matrix; inVector: Array<f64> }
     param { Size: i64 = Int(0) }
     out { outValue: Array<f64> }
-    shape Shape::Of(image);
+    shape ShapeRule::Computed(image_shape);
     presence strict work 36;
     bulk |cx, _, _, (matrix, vector), (to,)| {
         for row in 0..matrix.rows {
             let sum = (0..matrix.cols).map(|k| {
-                matrix.at_or_zero(cx.cells, row, k) * vector.get(cx.cells, k as i64).unwrap_or(0.0)
+                matrix.get_or_zero(cx.slots, row, k) * vector.get(cx.slots, k as i64).unwrap_or(0.0)
             });
             let sum: f64 = sum.sum();
-            to.set(cx.cells, row as i64, sum);
+            to.set(cx.slots, row as i64, sum);
         }
     }
 }
@@ -114,14 +114,14 @@ primitive! {
     in { inMatrix: Matrix; inResult: Array<f64> }
     param { Size: i64 = Int(0) }
     out { outValue: Array<f64> }
-    shape Shape::Of(solution);
+    shape ShapeRule::Computed(solution_shape);
     presence strict work 400;
-    bulk |cx, _, _, (matrix, right), (to,)| linear::solve(cx.cells, matrix, right, to)
+    bulk |cx, _, _, (matrix, right), (to,)| linear_solver::solve(cx.slots, matrix, right, to)
 }
 
-fn element(cx: &mut Cx<'_>, place: u32, matrix: Matrix, row: i64, col: i64) -> f64 {
+fn element(cx: &mut Context<'_>, place: u32, matrix: Matrix, row: i64, col: i64) -> f64 {
     matrix
-        .get(cx.cells, index(row), index(col))
+        .get(cx.slots, index(row), index(col))
         .unwrap_or_else(|| {
             cx.fault(FaultCode::IndexOutOfRange, place);
             0.0
@@ -134,24 +134,24 @@ pub(super) fn index(index: i64) -> usize {
 }
 
 /// Returns whether the parameters `row` and `col` are valid indices of matrix input 0.
-fn holds(args: &ShapeArgs<'_>, row: usize, col: usize) -> bool {
+fn has_element(args: &ShapeArgs<'_>, row: usize, col: usize) -> bool {
     let inside = |index: Option<u32>, size| index.is_some_and(|i| i < size);
     args.shape(0)
         .is_some_and(|(rows, cols)| inside(args.size(row), rows) && inside(args.size(col), cols))
 }
 
-fn product(args: &ShapeArgs<'_>) -> Option<Type> {
+fn product_shape(args: &ShapeArgs<'_>) -> Option<Type> {
     let ((rows, inner), (other, cols)) = (args.shape(0)?, args.shape(1)?);
     (inner == other).then_some(Type::Matrix(rows, cols))
 }
 
-fn image(args: &ShapeArgs<'_>) -> Option<Type> {
+fn image_shape(args: &ShapeArgs<'_>) -> Option<Type> {
     let (rows, cols) = args.shape(0)?;
     (cols == args.len(1)?).then_some(Type::Array(Scalar::Real, rows))
 }
 
-fn solution(args: &ShapeArgs<'_>) -> Option<Type> {
+fn solution_shape(args: &ShapeArgs<'_>) -> Option<Type> {
     let (rows, cols) = args.shape(0)?;
-    let fits = rows == cols && rows == args.len(1)? && rows as usize <= linear::LARGEST;
+    let fits = rows == cols && rows == args.len(1)? && rows as usize <= linear_solver::MAX_ROWS;
     fits.then_some(Type::Array(Scalar::Real, rows))
 }

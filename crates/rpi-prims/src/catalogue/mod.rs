@@ -1,13 +1,8 @@
 //! All primitives, one module per family. [`SORTED`] is the table.
 
-mod arm;
-mod average;
-mod base;
 mod base_control;
 mod bits;
-mod blocks;
 mod clock;
-mod curves;
 mod devices;
 mod events;
 pub(crate) mod frame;
@@ -18,16 +13,21 @@ mod generic;
 mod int;
 mod interpolation;
 mod io;
-mod linear;
+mod kuka_lwr;
+mod linear_solver;
 mod logic;
-mod lwr;
 mod matrix;
+mod matrix_blocks;
+mod mobile_base;
+mod moving_average;
 pub(crate) mod otg;
-mod own;
 mod real;
+mod robot_arm;
 mod rotation;
-mod spatial;
-mod stamps;
+mod rotation_curves;
+mod rpi_ops;
+mod spatial_fallbacks;
+mod time_alignment;
 mod times;
 mod twist;
 mod vector;
@@ -37,14 +37,14 @@ use core::cmp::Ordering;
 
 /// Primitives of each family. A new module needs one line here.
 const FAMILIES: &[&[Prim]] = &[
-    arm::ALL,
-    average::ALL,
-    base::ALL,
+    robot_arm::ALL,
+    moving_average::ALL,
+    mobile_base::ALL,
     base_control::ALL,
     bits::ALL,
-    blocks::ALL,
+    matrix_blocks::ALL,
     clock::ALL,
-    curves::ALL,
+    rotation_curves::ALL,
     events::ALL,
     frame::ALL,
     frame_otg::ALL,
@@ -63,31 +63,31 @@ const FAMILIES: &[&[Prim]] = &[
     interpolation::ALL,
     io::ALL,
     logic::ALL,
-    lwr::ALL,
+    kuka_lwr::ALL,
     matrix::ALL,
     otg::ALL,
-    own::commands::ALL,
-    own::guarded::ALL,
-    own::int::ALL,
-    own::machine::ALL,
-    own::logic::ALL,
-    own::profile::ALL,
-    own::reach::ALL,
-    own::real::ALL,
-    own::spatial::ALL,
-    own::ticks::ALL,
-    own::typed::boolean::ALL,
-    own::typed::double::ALL,
-    own::typed::frame::ALL,
-    own::typed::int::ALL,
-    own::typed::rotation::ALL,
-    own::typed::time::ALL,
-    own::typed::twist::ALL,
-    own::typed::vector::ALL,
-    own::typed::wrench::ALL,
+    rpi_ops::commands::ALL,
+    rpi_ops::guarded::ALL,
+    rpi_ops::int::ALL,
+    rpi_ops::machine_int::ALL,
+    rpi_ops::logic::ALL,
+    rpi_ops::profile::ALL,
+    rpi_ops::state_to_rest::ALL,
+    rpi_ops::real::ALL,
+    rpi_ops::spatial::ALL,
+    rpi_ops::ticks::ALL,
+    rpi_ops::per_type::boolean::ALL,
+    rpi_ops::per_type::double::ALL,
+    rpi_ops::per_type::frame::ALL,
+    rpi_ops::per_type::int::ALL,
+    rpi_ops::per_type::rotation::ALL,
+    rpi_ops::per_type::time::ALL,
+    rpi_ops::per_type::twist::ALL,
+    rpi_ops::per_type::vector::ALL,
+    rpi_ops::per_type::wrench::ALL,
     real::ALL,
     rotation::ALL,
-    stamps::ALL,
+    time_alignment::ALL,
     times::ALL,
     twist::ALL,
     vector::ALL,
@@ -107,12 +107,12 @@ pub(crate) static SORTED: [Prim; COUNT] = sorted();
 
 // A bottom-up merge sort written with loops, because `slice::sort` is not a `const fn`.
 const fn sorted() -> [Prim; COUNT] {
-    let (mut from, mut to) = (listed(), listed());
+    let (mut from, mut to) = (unsorted(), unsorted());
     let mut run = 1;
     while run < COUNT {
         let mut at = 0;
         while at < COUNT {
-            to = merged(&from, to, at, at + run, at + 2 * run);
+            to = merge_runs(&from, to, at, at + run, at + 2 * run);
             at += 2 * run;
         }
         (from, to) = (to, from);
@@ -122,7 +122,7 @@ const fn sorted() -> [Prim; COUNT] {
 }
 
 /// Returns all primitives, family by family.
-const fn listed() -> [Prim; COUNT] {
+const fn unsorted() -> [Prim; COUNT] {
     let mut all = [FAMILIES[0][0]; COUNT];
     let (mut n, mut k) = (0, 0);
     while k < FAMILIES.len() {
@@ -139,7 +139,7 @@ const fn listed() -> [Prim; COUNT] {
 
 /// Returns `to` with the sorted runs `from[a..b]` and `from[b..c]` merged into `to[a..c]`. Runs may end at the end of
 /// the table.
-const fn merged(
+const fn merge_runs(
     from: &[Prim; COUNT],
     mut to: [Prim; COUNT],
     a: usize,
@@ -153,7 +153,7 @@ const fn merged(
     let (mut left, mut right, mut at) = (a, b, a);
     while at < c {
         let take_left =
-            right == c || (left < b && before(from[left].desc.name, from[right].desc.name));
+            right == c || (left < b && sorts_before(from[left].desc.name, from[right].desc.name));
         if take_left {
             to[at] = from[left];
             left += 1;
@@ -167,8 +167,8 @@ const fn merged(
 }
 
 /// Returns whether `a` sorts before `b`; panics (a compile error) for equal names.
-const fn before(a: &str, b: &str) -> bool {
-    let order = order(a, b);
+const fn sorts_before(a: &str, b: &str) -> bool {
+    let order = compare_names(a, b);
     assert!(
         !matches!(order, Ordering::Equal),
         "two primitives have the same registered name"
@@ -177,22 +177,22 @@ const fn before(a: &str, b: &str) -> bool {
 }
 
 /// Compares names byte by byte.
-pub(crate) const fn order(a: &str, b: &str) -> Ordering {
+pub(crate) const fn compare_names(a: &str, b: &str) -> Ordering {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut k = 0;
     while k < a.len() && k < b.len() {
         if a[k] != b[k] {
-            return less(a[k] < b[k]);
+            return ordering(a[k] < b[k]);
         }
         k += 1;
     }
     match a.len() == b.len() {
         true => Ordering::Equal,
-        false => less(a.len() < b.len()),
+        false => ordering(a.len() < b.len()),
     }
 }
 
-const fn less(is_less: bool) -> Ordering {
+const fn ordering(is_less: bool) -> Ordering {
     if is_less {
         Ordering::Less
     } else {

@@ -33,7 +33,7 @@ primitive! {
         let (Some(goal), Some(max_velocity), Some(max_acceleration)) = (goal, max_velocity, max_acceleration) else {
             return (None, None, None);
         };
-        let dt = cx.clock.dt;
+        let dt = cx.time.dt;
         let position = position.unwrap_or(*ended);
         let derived = if *known { (position - *started) / dt } else { 0.0 };
         let from = (position, velocity.unwrap_or(derived));
@@ -60,7 +60,7 @@ primitive! {
     state { bool, f64 }
     presence strict work 60;
     full |cx, _, (known, last), (), (position, velocity, goal, max_velocity, max_acceleration): (f64, f64, f64, f64, f64)| {
-        let dt = cx.clock.dt;
+        let dt = cx.time.dt;
         let goal_velocity = if *known { (goal - *last) / dt } else { 0.0 };
         (*known, *last) = (true, goal);
         step((position, velocity), (goal, goal_velocity), max_velocity, max_acceleration, dt)
@@ -79,7 +79,7 @@ pub(crate) fn step(
     if max_acceleration == 0.0 {
         return (from.0 + from.1 * dt, from.1, 0.0);
     }
-    let sigma = sliding(from, to, max_acceleration, dt);
+    let sigma = sliding_variable(from, to, max_acceleration, dt);
     let room = max_velocity - max_acceleration * dt + from.1 * libm::copysign(1.0, sigma);
     let acceleration = if room < 0.0 {
         0.0
@@ -92,7 +92,7 @@ pub(crate) fn step(
 
 /// Returns the sliding variable σ of the filter. The acceleration has the opposite sign; it is maximal for |σ| of 1 or
 /// more and proportional below.
-fn sliding(from: (f64, f64), to: (f64, f64), max_acceleration: f64, dt: f64) -> f64 {
+fn sliding_variable(from: (f64, f64), to: (f64, f64), max_acceleration: f64, dt: f64) -> f64 {
     let speed = (from.1 - to.1) / (max_acceleration * dt);
     let z = (from.0 - to.0) / (max_acceleration * dt * dt) + speed / 2.0;
     let m = libm::floor((1.0 + libm::sqrt(1.0 + 8.0 * libm::fabs(z))) / 2.0);

@@ -1,10 +1,10 @@
 //! Rotations. They are stored as unit quaternions; only these conversions use Euler angles a, b, c (about z, the new y
 //! and the new x, in rad).
 
-use crate::flow::{Rotation, Vector};
 use crate::geometry;
 use crate::macros::primitive;
 use crate::registry::Prim;
+use crate::value_types::{Rotation, Vector};
 
 pub(super) const ALL: &[Prim] = &[
     FROM_ABC,
@@ -40,7 +40,7 @@ primitive! {
 primitive! {
     /// Rotation by `inAngle` (rad) about `inAxis`, which should be a unit vector: its length scales the angle.
     FROM_AXIS_ANGLE = "World::RotationFromAxisAngle";
-    in { inAxis: Vector = [super::spatial::AXIS]; inAngle: f64 = Angle(Real(0.0)) }
+    in { inAxis: Vector = [super::spatial_fallbacks::AXIS]; inAngle: f64 = Angle(Real(0.0)) }
     out { outValue: Rotation }
     presence strict work 50;
     pure |(axis, angle): (Vector, f64)| (geometry::exp(axis * angle),)

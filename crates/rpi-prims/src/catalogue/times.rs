@@ -1,10 +1,10 @@
 //! Points in time: whole nanoseconds since the Unix epoch.
 
 use super::generic::sampled;
-use crate::cx::{Cx, FaultCode};
-use crate::flow::Time;
+use crate::context::{Context, FaultCode};
 use crate::macros::{interface, primitive};
 use crate::registry::Prim;
+use crate::value_types::Time;
 use rpi_image::{CommandFlow, Role};
 
 pub(super) const ALL: &[Prim] = &[NET, WALL, ADD, DIFF, PRE, AT_TIME];
@@ -33,7 +33,7 @@ primitive! {
     in { inTime: Time; inDelta: f64 }
     out { outValue: Time }
     presence strict work 3 faults;
-    full |cx, place, _, _, (time, delta)| (later(cx, place, time, delta),)
+    full |cx, place, _, _, (time, delta)| (add_seconds(cx, place, time, delta),)
 }
 
 primitive! {
@@ -63,7 +63,7 @@ primitive! {
     in { inValue: Time; inAge: f64 = Age(Real(0.0)) }
     param { MaxAge: f64 = Real(1.0) }
     out { outValue: Time }
-    ring { sampled::history::<Time> }
+    ring { sampled::history_slots::<Time> }
     presence maybe work 4;
     full |cx, _, history, (max_age,), (value, age)| {
         (sampled::at_time::<Time>(cx, *history, max_age, value, age),)
@@ -76,8 +76,8 @@ pub(super) fn seconds_between(first: Time, second: Time) -> f64 {
     nanoseconds as f64 / 1e9
 }
 
-fn later(cx: &mut Cx<'_>, place: u32, time: Time, seconds: f64) -> Time {
-    let delta = super::int::whole(cx, place, seconds * 1e9);
+fn add_seconds(cx: &mut Context<'_>, place: u32, time: Time, seconds: f64) -> Time {
+    let delta = super::int::truncate_or_fault(cx, place, seconds * 1e9);
     Time(time.0.checked_add(delta).unwrap_or_else(|| {
         cx.fault(FaultCode::IntegerOverflow, place);
         time.0

@@ -1,9 +1,9 @@
 //! Velocities, or twists (m/s, rad/s), and wrenches (N, N m).
 
-use crate::flow::{Pose, Rotation, Twist, Vector, Wrench};
 use crate::geometry;
 use crate::macros::primitive;
 use crate::registry::Prim;
+use crate::value_types::{Pose, Rotation, Twist, Vector, Wrench};
 
 pub(super) const ALL: &[Prim] = &[
     ADD,
@@ -42,13 +42,13 @@ primitive! {
     in { inPrevFrame: Pose; inFrame: Pose }
     out { outValue: Twist }
     presence strict work 90;
-    full |cx, _, _, _, (from, to)| (velocity(from, to, cx.clock.dt),)
+    full |cx, _, _, _, (from, to)| (velocity(from, to, cx.time.dt),)
 }
 
 primitive! {
     /// Velocity from its linear (m/s) and angular (rad/s) parts.
     FROM_VELOCITIES = "World::TwistFromVelocities";
-    in { inTransVel: Vector = [super::spatial::XYZ]; inRotVel: Vector = [super::spatial::RXYZ] }
+    in { inTransVel: Vector = [super::spatial_fallbacks::XYZ]; inRotVel: Vector = [super::spatial_fallbacks::RXYZ] }
     out { outValue: Twist }
     presence strict work 6;
     pure |(linear, angular)| (twist(linear, angular),)

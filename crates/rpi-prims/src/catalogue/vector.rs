@@ -1,8 +1,8 @@
 //! Vectors: positions in m, or directions.
 
-use crate::flow::{Rotation, Vector};
 use crate::macros::primitive;
 use crate::registry::Prim;
+use crate::value_types::{Rotation, Vector};
 
 pub(super) const ALL: &[Prim] = &[ADD, CROSS, DOT, SCALE, ROTATE, FROM_XYZ, TO_XYZ];
 

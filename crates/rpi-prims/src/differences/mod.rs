@@ -6,10 +6,10 @@
 //! the same table. An entry should explain as few values as possible: if a fault can be computed, the recorded value
 //! must equal its result.
 
-mod faults;
+mod fault_models;
 mod table;
 
-use crate::flow::Flow;
+use crate::value_types::FlowType;
 use rpi_image::{PrimDesc, Value};
 
 pub use table::DIFFERENCES;
@@ -24,20 +24,20 @@ pub struct Difference {
     /// Names of the out-ports; one `*` matches any text.
     pub ports: &'static [&'static str],
     /// Condition under which the fault appears.
-    pub when: When,
+    pub condition: Condition,
     /// Behaviour of the reference system.
     pub fault: &'static str,
     /// Correct behaviour.
-    pub right: &'static str,
+    pub correct: &'static str,
     /// Name of the test of the correct behaviour.
     pub test: &'static str,
 }
 
 /// Condition under which a fault appears.
 #[derive(Clone, Copy, Debug)]
-pub enum When {
+pub enum Condition {
     /// The recorded value equals the result of the fault model for the recorded inputs.
-    Gives(fn(&Case<'_>) -> Option<Wrong>),
+    FaultModel(fn(&DifferenceCase<'_>) -> Option<FaultyValue>),
     /// The fault affects every value, in a way that cannot be computed.
     Always,
     /// No value is recorded, although there should be one.
@@ -56,23 +56,23 @@ pub enum When {
 }
 
 /// Maximum number of slots of a single value.
-const WIDEST: usize = 8;
+const MAX_SLOTS: usize = 8;
 
 /// Result of a fault model, as slots.
 #[derive(Clone, Copy, Debug)]
-pub struct Wrong {
-    cells: [u64; WIDEST],
+pub struct FaultyValue {
+    cells: [u64; MAX_SLOTS],
     len: usize,
 }
 
-impl Wrong {
+impl FaultyValue {
     /// Creates the result from a value.
-    fn value<T: Flow>(value: T) -> Wrong {
-        let mut cells = [0; WIDEST];
+    fn value<T: FlowType>(value: T) -> FaultyValue {
+        let mut cells = [0; MAX_SLOTS];
         value.store(&mut cells, 0);
-        Wrong {
+        FaultyValue {
             cells,
-            len: T::CELLS,
+            len: T::SLOTS,
         }
     }
 
@@ -96,7 +96,7 @@ pub enum Recorded<'a> {
 
 /// Computed value that differs from the recorded one, with its context.
 #[derive(Clone, Copy, Debug)]
-pub struct Case<'a> {
+pub struct DifferenceCase<'a> {
     /// Declaration of the primitive.
     pub desc: &'a PrimDesc,
     /// Index of the out-port.
@@ -124,20 +124,20 @@ pub struct Case<'a> {
     pub reads_aliased: bool,
 }
 
-impl Case<'_> {
+impl DifferenceCase<'_> {
     /// Returns the value of the in-port with index `k`; `None` if it is absent.
-    fn input<T: Flow>(&self, k: usize) -> Option<T> {
+    fn input<T: FlowType>(&self, k: usize) -> Option<T> {
         let cells = self.inputs.get(k).copied().flatten()?;
-        (cells.len() >= T::CELLS).then(|| T::load(cells, 0))
+        (cells.len() >= T::SLOTS).then(|| T::load(cells, 0))
     }
 }
 
 /// In-ports that recorded nets connect although the primitive does not have them, with their types.
-pub const EXTRA_IN_PORTS: &[(&str, &str)] = &[("Core::IntArrayIsNull", "inNull")];
+pub const IGNORED_IN_PORTS: &[(&str, &str)] = &[("Core::IntArrayIsNull", "inNull")];
 
 /// Returns whether a primitive of the reference outputs the object that it reads, not a copy.
 #[must_use]
-pub fn passes_on(name: &str) -> bool {
+pub fn outputs_alias(name: &str) -> bool {
     const HAND_ON: [&str; 7] = [
         "World::*SetNull",
         "World::*Conditional",
@@ -152,27 +152,27 @@ pub fn passes_on(name: &str) -> bool {
 
 /// Returns whether an entry applies to an out-port, so that its recorded value may be accepted in some cycle.
 #[must_use]
-pub fn concerns(desc: &PrimDesc, port: usize) -> bool {
-    DIFFERENCES.iter().any(|entry| entry.speaks_of(desc, port))
+pub fn has_difference(desc: &PrimDesc, port: usize) -> bool {
+    DIFFERENCES.iter().any(|entry| entry.applies_to(desc, port))
 }
 
 /// Returns the entry that explains a difference. `same` returns whether two values of the port are equal within the
 /// tolerance.
 #[must_use]
 pub fn explain(
-    case: &Case<'_>,
+    case: &DifferenceCase<'_>,
     same: impl Fn(&[u64], &[u64]) -> bool,
 ) -> Option<&'static Difference> {
     let mut entries = DIFFERENCES
         .iter()
-        .filter(|entry| entry.speaks_of(case.desc, case.port));
-    entries.find(|entry| entry.when.holds(case, &same))
+        .filter(|entry| entry.applies_to(case.desc, case.port));
+    entries.find(|entry| entry.condition.holds(case, &same))
 }
 
 impl Difference {
     /// Returns whether the entry applies to an out-port.
     #[must_use]
-    pub fn speaks_of(&self, desc: &PrimDesc, port: usize) -> bool {
+    pub fn applies_to(&self, desc: &PrimDesc, port: usize) -> bool {
         let Some(port) = desc.outputs.get(port).map(|out| out.name) else {
             return false;
         };
@@ -181,21 +181,21 @@ impl Difference {
     }
 }
 
-impl When {
-    fn holds(self, case: &Case<'_>, same: &impl Fn(&[u64], &[u64]) -> bool) -> bool {
+impl Condition {
+    fn holds(self, case: &DifferenceCase<'_>, same: &impl Fn(&[u64], &[u64]) -> bool) -> bool {
         match (self, case.recorded) {
-            (When::Gives(wrong), Recorded::Value(recorded)) => {
+            (Condition::FaultModel(wrong), Recorded::Value(recorded)) => {
                 wrong(case).is_some_and(|wrong| same(wrong.cells(), recorded))
             }
-            (When::Always, Recorded::Value(_)) => case.computed.is_some(),
-            (When::NothingRecorded, Recorded::Absent) => true,
-            (When::NotAllConnected, Recorded::Absent) => case.sources.contains(&None),
-            (When::AliasedSource, Recorded::Value(recorded)) => {
-                faults::aliased(case, recorded, same)
+            (Condition::Always, Recorded::Value(_)) => case.computed.is_some(),
+            (Condition::NothingRecorded, Recorded::Absent) => true,
+            (Condition::NotAllConnected, Recorded::Absent) => case.sources.contains(&None),
+            (Condition::AliasedSource, Recorded::Value(recorded)) => {
+                fault_models::aliased(case, recorded, same)
             }
-            (When::ReadsAliased, _) => case.reads_aliased,
-            (When::FirstCycleAfterPause, Recorded::Absent) => case.after_pause,
-            (When::OtherType, Recorded::Other) => true,
+            (Condition::ReadsAliased, _) => case.reads_aliased,
+            (Condition::FirstCycleAfterPause, Recorded::Absent) => case.after_pause,
+            (Condition::OtherType, Recorded::Other) => true,
             _ => false,
         }
     }

@@ -1,6 +1,6 @@
 //! Examples of primitives: inputs and expected outputs.
 
-use super::{Rig, near, reals};
+use super::{TestBench, near, reals};
 use rpi_image::{Scalar, Type, Value};
 
 /// Example: primitive, inputs, expected outputs.
@@ -9,8 +9,8 @@ pub(crate) type Line<'a> = (&'a str, &'a [Value], &'a [Value]);
 /// Runs each example on its own test bench.
 pub(crate) fn check(lines: &[Line<'_>]) {
     for (name, inputs, outputs) in lines {
-        let mut rig = Rig::new(name, &[]);
-        let given = rig.give(inputs);
+        let mut rig = TestBench::new(name, &[]);
+        let given = rig.step_present(inputs);
         assert_eq!(rig.fault, None, "{name}");
         same(name, &given, outputs);
     }
@@ -23,7 +23,8 @@ pub(crate) fn same(name: &str, given: &[Value], wanted: &[Value]) {
         assert_eq!(given.ty(), wanted.ty(), "{name}");
         match wanted.ty() {
             Some(
-                Type::One(Scalar::Bool | Scalar::Int | Scalar::Time) | Type::Array(Scalar::Bool, _),
+                Type::Scalar(Scalar::Bool | Scalar::Int | Scalar::Time)
+                | Type::Array(Scalar::Bool, _),
             ) => {
                 assert_eq!(given, wanted, "{name}");
             }

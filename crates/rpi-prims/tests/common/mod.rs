@@ -5,9 +5,11 @@
 
 pub(crate) mod golden;
 
-use rpi_image::{ParamType, PortType, Presence, Scalar, ShapeArgs, SizeArgs, State, Type, Value};
-use rpi_prims::operand::Flow;
-use rpi_prims::{Clock, Cx, FaultCode, NoDevices, Prim, PrimId};
+use rpi_image::{
+    ParamType, PortType, Presence, Scalar, ShapeArgs, SizeArgs, StateSize, Type, Value,
+};
+use rpi_prims::operand::FlowType;
+use rpi_prims::{Context, CycleTime, FaultCode, NoDevices, Prim, PrimId};
 
 /// Period of the test bench, s.
 pub(crate) const DT: f64 = 0.01;
@@ -20,7 +22,7 @@ pub(crate) enum Form {
 }
 
 /// Primitive with its memory.
-pub(crate) struct Rig {
+pub(crate) struct TestBench {
     prim: &'static Prim,
     form: Form,
     cells: Vec<u64>,
@@ -39,18 +41,18 @@ struct Slot {
     presence: usize,
 }
 
-impl Rig {
+impl TestBench {
     /// Creates a bench for a primitive with parameters by name, arrays of length 3 and matrices of 3 by 3.
-    pub(crate) fn new(name: &str, params: &[(&str, Value)]) -> Rig {
-        Rig::with_form(name, params, Form::Optional)
+    pub(crate) fn new(name: &str, params: &[(&str, Value)]) -> TestBench {
+        TestBench::with_form(name, params, Form::Optional)
     }
 
-    pub(crate) fn with_form(name: &str, params: &[(&str, Value)], form: Form) -> Rig {
-        let prim = PrimId::of(name)
+    pub(crate) fn with_form(name: &str, params: &[(&str, Value)], form: Form) -> TestBench {
+        let prim = PrimId::from_name(name)
             .unwrap_or_else(|| panic!("{name} is registered"))
             .prim();
         let params = values(prim, params);
-        let mut rig = Rig {
+        let mut rig = TestBench {
             prim,
             form: if prim.optional.is_none() {
                 Form::Total
@@ -85,7 +87,7 @@ impl Rig {
         }
         for value in params.iter().filter(|v| v.ty().is_some()) {
             let slot = self.slot(value.ty().expect("no text"));
-            self.cells[slot.at..slot.presence].copy_from_slice(value.cells());
+            self.cells[slot.at..slot.presence].copy_from_slice(value.slots());
             self.port(slot, false);
         }
         for slot in self.outputs.clone() {
@@ -96,7 +98,7 @@ impl Rig {
 
     fn slot(&mut self, ty: Type) -> Slot {
         let at = self.cells.len();
-        let presence = at + ty.cells() as usize;
+        let presence = at + ty.slots() as usize;
         self.cells.resize(presence + 1, 0);
         Slot { ty, at, presence }
     }
@@ -104,7 +106,7 @@ impl Rig {
     fn port(&mut self, slot: Slot, with_presence: bool) {
         self.words.push(slot.at as u32);
         match slot.ty {
-            Type::One(_) => {}
+            Type::Scalar(_) => {}
             Type::Array(_, n) => self.words.push(n),
             Type::Matrix(r, c) => self.words.extend([r, c]),
         }
@@ -116,9 +118,9 @@ impl Rig {
     fn state(&mut self, params: &[Value]) {
         let args = SizeArgs { params, dt: DT };
         let len = match self.prim.desc.state {
-            State::None => return,
-            State::Cells(n) => n,
-            State::Sized(size) => size(&args),
+            StateSize::None => return,
+            StateSize::Fixed(n) => n,
+            StateSize::Computed(size) => size(&args),
         };
         let at = self.cells.len();
         self.cells.resize(at + len as usize, 0);
@@ -126,7 +128,7 @@ impl Rig {
             init(&args, &mut self.cells[at..]);
         }
         self.words.push(at as u32);
-        if matches!(self.prim.desc.state, State::Sized(_)) {
+        if matches!(self.prim.desc.state, StateSize::Computed(_)) {
             self.words.push(len);
         }
     }
@@ -142,7 +144,7 @@ impl Rig {
         for (slot, value) in self.inputs.iter().zip(inputs) {
             self.cells[slot.presence] = u64::from(value.is_some());
             if let Some(value) = value {
-                self.cells[slot.at..slot.presence].copy_from_slice(value.cells());
+                self.cells[slot.at..slot.presence].copy_from_slice(value.slots());
             }
         }
         let total = self.form == Form::Total;
@@ -158,7 +160,7 @@ impl Rig {
     }
 
     /// Runs one cycle with all inputs present. All outputs must be present.
-    pub(crate) fn give(&mut self, inputs: &[Value]) -> Vec<Value> {
+    pub(crate) fn step_present(&mut self, inputs: &[Value]) -> Vec<Value> {
         let inputs: Vec<_> = inputs.iter().cloned().map(Some).collect();
         self.step(&inputs)
             .into_iter()
@@ -181,17 +183,17 @@ impl Rig {
             self.prim.optional
         };
         let time = (self.cycle as i64) * 10_000_000;
-        let clock = Clock {
+        let clock = CycleTime {
             dt: DT,
             tick_ns: 10_000_000,
-            ticks: 1,
-            cycle: self.cycle,
+            period_ticks: 1,
+            cycle_index: self.cycle,
             net_ns: time,
             wall_ns: time,
         };
-        let mut cx = Cx {
-            cells: &mut self.cells,
-            clock,
+        let mut cx = Context {
+            slots: &mut self.cells,
+            time: clock,
             devices: &mut NoDevices,
             fault: None,
         };
@@ -203,13 +205,13 @@ impl Rig {
 
     fn output(&self, slot: Slot, sure: bool) -> Option<Value> {
         let cells = self.cells[slot.at..slot.presence].into();
-        (sure || self.cells[slot.presence] != 0).then_some(Value::Cells { ty: slot.ty, cells })
+        (sure || self.cells[slot.presence] != 0).then_some(Value::Slots { ty: slot.ty, cells })
     }
 }
 
 fn sized(ty: PortType) -> Type {
     match ty {
-        PortType::One(s) => Type::One(s),
+        PortType::Scalar(s) => Type::Scalar(s),
         PortType::Array(s) => Type::Array(s, 3),
         PortType::Matrix => Type::Matrix(3, 3),
     }
@@ -223,7 +225,7 @@ fn values(prim: &Prim, given: &[(&str, Value)]) -> Vec<Value> {
             .map(|(_, v)| v.clone());
         given.unwrap_or_else(|| match p.ty {
             ParamType::Str => Value::Str(String::new()),
-            ParamType::One(s) => p.default.value(s.into()).expect("a default"),
+            ParamType::Scalar(s) => p.default.value(s.into()).expect("a default"),
             ParamType::Array(s) => Value::neutral(Type::Array(s, 0)),
         })
     };
@@ -231,28 +233,28 @@ fn values(prim: &Prim, given: &[(&str, Value)]) -> Vec<Value> {
 }
 
 /// Creates a value of a flow type.
-pub(crate) fn of<T: Flow>(value: T) -> Value {
-    let mut cells = vec![0; T::CELLS];
+pub(crate) fn value_of<T: FlowType>(value: T) -> Value {
+    let mut cells = vec![0; T::SLOTS];
     value.store(&mut cells, 0);
-    Value::Cells {
-        ty: Type::One(T::SCALAR),
+    Value::Slots {
+        ty: Type::Scalar(T::SCALAR),
         cells: cells.into(),
     }
 }
 
 /// Returns the Rust value of a value.
-pub(crate) fn get<T: Flow>(value: &Value) -> T {
-    assert_eq!(value.ty(), Some(Type::One(T::SCALAR)));
-    T::load(value.cells(), 0)
+pub(crate) fn get<T: FlowType>(value: &Value) -> T {
+    assert_eq!(value.ty(), Some(Type::Scalar(T::SCALAR)));
+    T::load(value.slots(), 0)
 }
 
 /// Creates an array.
-pub(crate) fn array<T: Flow>(values: &[T]) -> Value {
+pub(crate) fn array<T: FlowType>(values: &[T]) -> Value {
     let cells = values
         .iter()
-        .flat_map(|v| of(*v).cells().to_vec())
+        .flat_map(|v| value_of(*v).slots().to_vec())
         .collect();
-    Value::Cells {
+    Value::Slots {
         ty: Type::Array(T::SCALAR, values.len() as u32),
         cells,
     }
@@ -261,7 +263,7 @@ pub(crate) fn array<T: Flow>(values: &[T]) -> Value {
 /// Creates a matrix, row by row.
 pub(crate) fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Value {
     let cells = rows.iter().flatten().map(|v| v.to_bits()).collect();
-    Value::Cells {
+    Value::Slots {
         ty: Type::Matrix(R as u32, C as u32),
         cells,
     }
@@ -269,7 +271,7 @@ pub(crate) fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Val
 
 /// Returns the reals of a value.
 pub(crate) fn reals(value: &Value) -> Vec<f64> {
-    value.cells().iter().map(|c| f64::from_bits(*c)).collect()
+    value.slots().iter().map(|c| f64::from_bits(*c)).collect()
 }
 
 /// Asserts that two lists of reals are equal within 1e-12.

@@ -1,9 +1,9 @@
 //! Tests of rotations and poses.
 
-use crate::common::{self, Rig, get, near, of};
+use crate::common::{self, TestBench, get, near, value_of};
 use crate::one;
-use rpi_prims::flow::{Pose, Rotation, Twist, Vector};
 use rpi_prims::geometry;
+use rpi_prims::value_types::{Pose, Rotation, Twist, Vector};
 use std::f64::consts::FRAC_PI_2;
 
 /// Returns rotations in all octants and some about one axis.
@@ -28,7 +28,8 @@ pub(crate) fn same_rotation(a: Rotation, b: Rotation) {
 #[test]
 fn a_rotation_leaves_its_axis_where_it_is() {
     for rotation in rotations() {
-        let out = Rig::new("World::RotationToAxisAngle", &[]).give(&[of(rotation)]);
+        let out =
+            TestBench::new("World::RotationToAxisAngle", &[]).step_present(&[value_of(rotation)]);
         let (axis, angle): (Vector, f64) = (get(&out[0]), get(&out[1]));
         near((rotation * axis).as_slice(), axis.as_slice());
         same_rotation(geometry::exp(axis * angle), rotation);
@@ -38,7 +39,8 @@ fn a_rotation_leaves_its_axis_where_it_is() {
 #[test]
 fn a_rotation_goes_through_a_quaternion_unchanged() {
     for rotation in rotations() {
-        let parts = Rig::new("World::RotationToQuaternion", &[]).give(&[of(rotation)]);
+        let parts =
+            TestBench::new("World::RotationToQuaternion", &[]).step_present(&[value_of(rotation)]);
         let back = one("World::RotationFromQuaternion", &parts);
         same_rotation(get(&back), rotation);
     }
@@ -65,7 +67,12 @@ const TO: (f64, f64, f64) = (-1.1, 0.7, 0.4);
 #[test]
 fn interpolated_poses_start_and_end_where_they_should() {
     let (from, to) = (pose(0.1, 0.2, 0.3, FROM), pose(-0.4, 0.5, 0.1, TO));
-    let at = |amount: f64| get::<Pose>(&one("World::FrameLerp", &[of(from), of(to), of(amount)]));
+    let at = |amount: f64| {
+        get::<Pose>(&one(
+            "World::FrameLerp",
+            &[value_of(from), value_of(to), value_of(amount)],
+        ))
+    };
     same_pose(at(0.0), from);
     same_pose(at(1.0), to);
     let half = geometry::to_axis_angle(from.rotation.inverse() * at(0.5).rotation).1;
@@ -76,21 +83,26 @@ fn interpolated_poses_start_and_end_where_they_should() {
 #[test]
 fn a_twist_from_two_frames_leads_from_one_to_the_other() {
     let (from, to) = (pose(0.1, 0.2, 0.3, FROM), pose(-0.4, 0.5, 0.1, TO));
-    let twist = one("World::TwistFromFrames", &[of(from), of(to)]);
-    let end = one("World::FrameAddTwist", &[of(from), twist]);
+    let twist = one("World::TwistFromFrames", &[value_of(from), value_of(to)]);
+    let end = one("World::FrameAddTwist", &[value_of(from), twist]);
     same_pose(get(&end), to);
 }
 
 #[test]
 fn poses_generated_online_arrive() {
     let goal = pose(-0.4, 0.5, 0.1, TO);
-    let limits = [0.5, 2.0, 1.0, 4.0].map(of);
+    let limits = [0.5, 2.0, 1.0, 4.0].map(value_of);
     let (mut at, mut velocity) = (pose(0.1, 0.2, 0.3, FROM), Twist::default());
-    let mut rig = Rig::new("World::FrameOTG", &[]);
+    let mut rig = TestBench::new("World::FrameOTG", &[]);
     for _ in 0..600 {
-        let mut inputs = vec![of(at), of(velocity), of(goal), of(Twist::default())];
+        let mut inputs = vec![
+            value_of(at),
+            value_of(velocity),
+            value_of(goal),
+            value_of(Twist::default()),
+        ];
         inputs.extend(limits.clone());
-        let out = rig.give(&inputs);
+        let out = rig.step_present(&inputs);
         let next: Twist = get(&out[1]);
         let change = (next.linear - velocity.linear).norm();
         assert!(change <= 2.0 * common::DT + 1e-12 && next.linear.norm() <= 0.5 + 1e-12);
@@ -110,7 +122,13 @@ fn a_curve_of_rotations_keeps_its_ends_and_velocities() {
     let at = |t: f64| {
         get::<Rotation>(&one(
             "World::RotationBezier",
-            &[of(t), of(from), of(v), of(w), of(to)],
+            &[
+                value_of(t),
+                value_of(from),
+                value_of(v),
+                value_of(w),
+                value_of(to),
+            ],
         ))
     };
     same_rotation(at(0.0), from);
@@ -128,12 +146,12 @@ fn a_curve_of_rotations_keeps_its_ends_and_velocities() {
 fn small_and_unscaled_quaternions_are_rotations() {
     let small = one(
         "World::RotationFromQuaternion",
-        &[1e-6, 0.0, 0.0, 1.0].map(of),
+        &[1e-6, 0.0, 0.0, 1.0].map(value_of),
     );
     near(&[geometry::to_axis_angle(get(&small)).1], &[2e-6]);
     let scaled = one(
         "World::RotationFromQuaternion",
-        &[0.0, 0.0, 3.0, 3.0].map(of),
+        &[0.0, 0.0, 3.0, 3.0].map(value_of),
     );
     same_rotation(get(&scaled), geometry::from_abc(FRAC_PI_2, 0.0, 0.0));
 }

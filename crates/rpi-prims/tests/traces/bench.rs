@@ -4,7 +4,7 @@ use crate::graph::{connect_reads, in_order, origins};
 use crate::net;
 use crate::params::{check_len, check_names, parameter, params, port_param};
 use crate::trace::Trace;
-use rpi_image::{Need, PortType, Role, ShapeArgs, SizeArgs, State, Type, Value};
+use rpi_image::{Fallback, PortType, Role, ShapeArgs, SizeArgs, StateSize, Type, Value};
 use rpi_prims::{Prim, PrimId};
 use std::collections::HashMap;
 
@@ -21,7 +21,7 @@ pub(crate) struct Slot {
 
 impl Slot {
     pub(crate) fn range(self) -> std::ops::Range<usize> {
-        self.at..self.at + self.ty.cells() as usize
+        self.at..self.at + self.ty.slots() as usize
     }
 }
 
@@ -91,7 +91,7 @@ struct Builder {
 
 impl Builder {
     fn node(&mut self, net: &net::Prim, trace: &Trace) -> Result<(), String> {
-        let prim = PrimId::of(&net.ty)
+        let prim = PrimId::from_name(&net.ty)
             .ok_or_else(|| format!("unknown type {}", net.ty))?
             .prim();
         check_names(prim, net)?;
@@ -128,14 +128,14 @@ impl Builder {
 
     fn slot(&mut self, ty: Type) -> Slot {
         let at = self.bench.cells.len();
-        let presence = at + ty.cells() as usize;
+        let presence = at + ty.slots() as usize;
         self.bench.cells.resize(presence + 2, 0);
         Slot { ty, at, presence }
     }
 
     fn constant(&mut self, value: &Value) -> Slot {
         let slot = self.slot(value.ty().expect("no text"));
-        self.bench.cells[slot.range()].copy_from_slice(value.cells());
+        self.bench.cells[slot.range()].copy_from_slice(value.slots());
         self.bench.cells[slot.presence] = 1;
         slot
     }
@@ -143,7 +143,7 @@ impl Builder {
     /// Returns a slot for an in-port without a source: never present.
     fn absent(&mut self, ty: PortType) -> Slot {
         self.slot(match ty {
-            PortType::One(s) => Type::One(s),
+            PortType::Scalar(s) => Type::Scalar(s),
             PortType::Array(s) => Type::Array(s, 0),
             PortType::Matrix => Type::Matrix(0, 0),
         })
@@ -171,14 +171,14 @@ impl Builder {
         if let Some(slot) = self.recorded.get(source) {
             return Ok(*slot);
         }
-        let PortType::One(scalar) = ty else {
+        let PortType::Scalar(scalar) = ty else {
             return Err(format!("no source {source}"));
         };
         // Only a delay may precede its source.
         if prim.desc.role != Role::Delay {
             return Err(format!("no source {source}"));
         }
-        Ok(self.slot(Type::One(scalar)))
+        Ok(self.slot(Type::Scalar(scalar)))
     }
 
     fn fallback(
@@ -192,11 +192,11 @@ impl Builder {
                 .find(|(n, _)| n == name)
                 .map(|(_, text)| text.as_str())
         };
-        let value = match port.need {
-            Need::Required => return Err(format!("{} is not connected", port.name)),
-            Need::Absent => return Ok(None),
-            Need::Param(name, default) => parameter(port_param(port.ty), given(name), default)?,
-            Need::Params(names, make) => {
+        let value = match port.fallback {
+            Fallback::Required => return Err(format!("{} is not connected", port.name)),
+            Fallback::AbsentValue => return Ok(None),
+            Fallback::Param(name, default) => parameter(port_param(port.ty), given(name), default)?,
+            Fallback::ComposedOfParams(names, make) => {
                 let real = |(name, default): &(&str, f64)| {
                     given(name).map_or(*default, |t| t.parse().expect("a real"))
                 };
@@ -261,9 +261,9 @@ impl Builder {
     fn state(&mut self, prim: &Prim, params: &[Value], words: &mut Vec<u32>) {
         let args = SizeArgs { params, dt: PERIOD };
         let len = match prim.desc.state {
-            State::None => return,
-            State::Cells(n) => n,
-            State::Sized(size) => size(&args),
+            StateSize::None => return,
+            StateSize::Fixed(n) => n,
+            StateSize::Computed(size) => size(&args),
         };
         let at = self.bench.cells.len();
         self.bench.cells.resize(at + len as usize, 0);
@@ -271,7 +271,7 @@ impl Builder {
             init(&args, &mut self.bench.cells[at..]);
         }
         words.push(at as u32);
-        if matches!(prim.desc.state, State::Sized(_)) {
+        if matches!(prim.desc.state, StateSize::Computed(_)) {
             words.push(len);
         }
     }
@@ -292,7 +292,7 @@ impl Builder {
 fn port_words(words: &mut Vec<u32>, slot: Slot, optional: bool) {
     words.push(slot.at as u32);
     match slot.ty {
-        Type::One(_) => {}
+        Type::Scalar(_) => {}
         Type::Array(_, n) => words.push(n),
         Type::Matrix(r, c) => words.extend([r, c]),
     }

@@ -10,10 +10,10 @@ const GIMBAL_TOLERANCE: f64 = 1e-6;
 /// Returns whether two values are equal within the tolerance of their type.
 pub(crate) fn equal(ty: Type, ours: &[u64], theirs: &[u64]) -> bool {
     let scalar = match ty {
-        Type::One(s) | Type::Array(s, _) => s,
+        Type::Scalar(s) | Type::Array(s, _) => s,
         Type::Matrix(..) => Scalar::Real,
     };
-    let width = scalar.cells() as usize;
+    let width = scalar.slots() as usize;
     let pairs = ours.chunks(width).zip(theirs.chunks(width));
     ours.len() == theirs.len() && pairs.into_iter().all(|(a, b)| one(scalar, a, b))
 }

@@ -76,7 +76,7 @@ pub(crate) fn origins(nodes: &[Node], node: usize) -> Vec<Slot> {
         if out.recorded.ty == first.recorded.ty {
             found.push(out.recorded);
         }
-        if differences::passes_on(nodes[*source].prim.desc.name)
+        if differences::outputs_alias(nodes[*source].prim.desc.name)
             && !std::mem::replace(&mut seen[*source], true)
         {
             open.extend((0..nodes[*source].reads.len()).map(|port| (*source, port)));

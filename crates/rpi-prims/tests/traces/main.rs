@@ -3,8 +3,8 @@
 
 mod bench;
 mod compare;
+mod compare_outputs;
 mod graph;
-mod judge;
 mod net;
 mod params;
 mod report;
@@ -18,7 +18,7 @@ rpi_testkit::trap_allocations!();
 
 #[test]
 fn every_node_of_every_recorded_net_gives_the_recorded_values() {
-    let Some(nets) = rpi_testkit::shared_path("nets/corpus/nets") else {
+    let Some(nets) = rpi_testkit::external_data_path("nets/corpus/nets") else {
         return;
     };
     let mut report = report::Report::default();

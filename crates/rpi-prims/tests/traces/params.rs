@@ -9,7 +9,7 @@ use rpi_prims::differences;
 
 pub(crate) fn port_param(ty: PortType) -> ParamType {
     match ty {
-        PortType::One(s) => ParamType::One(s),
+        PortType::Scalar(s) => ParamType::Scalar(s),
         PortType::Array(s) => ParamType::Array(s),
         PortType::Matrix => ParamType::Str,
     }
@@ -29,7 +29,7 @@ pub(crate) fn parameter(
     default: rpi_image::PortDefault,
 ) -> Result<Value, String> {
     let ty = match (ty, text) {
-        (ParamType::One(s), _) => Type::One(s),
+        (ParamType::Scalar(s), _) => Type::Scalar(s),
         (ParamType::Array(s), text) => Type::Array(s, text.map_or(0, text::array_len)),
         (ParamType::Str, text) => return Ok(Value::Str(text.unwrap_or_default().into())),
     };
@@ -40,21 +40,20 @@ pub(crate) fn parameter(
         Some(text) => {
             let cells = text::cells(ty, text).ok_or_else(|| format!("not a {ty}: {text}"))?;
             let cells = cells.into();
-            Ok(Value::Cells { ty, cells })
+            Ok(Value::Slots { ty, cells })
         }
     }
 }
 
 pub(crate) fn check_names(prim: &Prim, net: &net::Prim) -> Result<(), String> {
-    let extra = |name: &str| differences::EXTRA_IN_PORTS.contains(&(prim.desc.name, name));
+    let extra = |name: &str| differences::IGNORED_IN_PORTS.contains(&(prim.desc.name, name));
     let unknown_port = net
         .inputs
         .iter()
         .find(|(name, _)| prim.desc.input(name).is_none() && !extra(name));
-    let unknown_param = net
-        .params
-        .iter()
-        .find(|(name, _)| prim.desc.param(name).is_none() && prim.desc.fallback(name).is_none());
+    let unknown_param = net.params.iter().find(|(name, _)| {
+        prim.desc.param(name).is_none() && prim.desc.in_port_of_param(name).is_none()
+    });
     match unknown_port.or(unknown_param) {
         Some((name, _)) => Err(format!("{} has no {name}", net.ty)),
         None => Ok(()),

@@ -1,17 +1,17 @@
 //! Runs a net cycle by cycle and compares its outputs.
 
 use crate::bench::{Bench, Node, Out, PERIOD, Slot};
-use crate::judge::{Around, judge};
+use crate::compare_outputs::{ComparisonContext, compare_outputs};
 use crate::report::Report;
 use crate::text;
 use crate::trace::Trace;
 use rpi_image::{CommandFlow, Presence, Role};
 use rpi_prims::differences;
-use rpi_prims::{Clock, Cx, NoDevices, RunFn};
+use rpi_prims::{Context, CycleTime, NoDevices, RunFn};
 
 /// History of a node besides its state.
 #[derive(Default)]
-struct Past {
+struct NodeHistory {
     /// Value slots and presence of the input of a delay in the last active cycle.
     delayed: Option<Vec<u64>>,
     /// Whether an input was absent in some cycle. From then on, the states of the total and the optional form may
@@ -26,7 +26,7 @@ struct Past {
 /// Compares all nodes in all cycles.
 pub(crate) fn run(id: &str, bench: Bench, trace: &Trace, report: &mut Report) {
     let Bench { mut cells, nodes } = bench;
-    let mut past: Vec<Past> = nodes.iter().map(|_| Past::default()).collect();
+    let mut past: Vec<NodeHistory> = nodes.iter().map(|_| NodeHistory::default()).collect();
     for cycle in 1..=trace.cycles {
         for out in nodes.iter().flat_map(|n| &n.outs) {
             load(&mut cells, out, trace, cycle);
@@ -35,16 +35,16 @@ pub(crate) fn run(id: &str, bench: Bench, trace: &Trace, report: &mut Report) {
         for k in 0..nodes.len() {
             let (node, active) = (&nodes[k], active(&nodes[k], &cells));
             let reads_aliased = node.reads.iter().flatten().any(|&k| past[k].aliased);
-            past[k].aliased = reads_aliased && differences::passes_on(node.prim.desc.name);
+            past[k].aliased = reads_aliased && differences::outputs_alias(node.prim.desc.name);
             if active && evaluate(node, &mut past[k], &mut cells, clock) {
-                let around = Around {
+                let around = ComparisonContext {
                     id,
                     cycle,
                     nodes: &nodes,
                     after_pause: cycle > 1 && !past[k].was_active,
                     reads_aliased,
                 };
-                past[k].aliased |= judge(&around, node, &mut cells, report);
+                past[k].aliased |= compare_outputs(&around, node, &mut cells, report);
             }
             past[k].was_active = active;
         }
@@ -56,13 +56,13 @@ pub(crate) fn run(id: &str, bench: Bench, trace: &Trace, report: &mut Report) {
     }
 }
 
-fn clock(trace: &Trace, cycle: usize) -> Clock {
+fn clock(trace: &Trace, cycle: usize) -> CycleTime {
     let ms = trace.start_ms + 25 * (cycle as i64 - 1);
-    Clock {
+    CycleTime {
         dt: PERIOD,
         tick_ns: 25_000_000,
-        ticks: 1,
-        cycle: cycle as u64 - 1,
+        period_ticks: 1,
+        cycle_index: cycle as u64 - 1,
         net_ns: ms * 1_000_000,
         wall_ns: ms * 1_000_000,
     }
@@ -95,10 +95,10 @@ fn active(node: &Node, cells: &[u64]) -> bool {
 }
 
 /// Computes the outputs of a node. Returns false if they come from outside.
-fn evaluate(node: &Node, past: &mut Past, cells: &mut [u64], clock: Clock) -> bool {
+fn evaluate(node: &Node, past: &mut NodeHistory, cells: &mut [u64], clock: CycleTime) -> bool {
     match node.prim.desc.role {
         Role::Compute => compute(node, past, cells, clock),
-        Role::Constant => put(cells, node, Some(node.params[0].cells().to_vec())),
+        Role::Constant => put(cells, node, Some(node.params[0].slots().to_vec())),
         Role::Delay => put(cells, node, past.delayed.clone()),
         Role::IsAbsent => {
             let absent = value(cells, node.inputs[0]).is_none();
@@ -121,7 +121,7 @@ fn put(cells: &mut [u64], node: &Node, value: Option<Vec<u64>>) {
     }
 }
 
-fn compute(node: &Node, past: &mut Past, cells: &mut [u64], clock: Clock) {
+fn compute(node: &Node, past: &mut NodeHistory, cells: &mut [u64], clock: CycleTime) {
     let absent = node.inputs.iter().any(|slot| cells[slot.presence] == 0);
     past.had_absence |= absent;
     let strict = node
@@ -168,11 +168,11 @@ fn set_presence(node: &Node, cells: &mut [u64], present: bool) {
     }
 }
 
-fn call(form: Option<RunFn>, words: &[u32], cells: &mut [u64], clock: Clock) {
+fn call(form: Option<RunFn>, words: &[u32], cells: &mut [u64], clock: CycleTime) {
     let form = form.expect("a form for this presence");
-    let mut cx = Cx {
-        cells,
-        clock,
+    let mut cx = Context {
+        slots: cells,
+        time: clock,
         devices: &mut NoDevices,
         fault: None,
     };

@@ -7,7 +7,7 @@ use rpi_prims::geometry;
 /// object, and an array of the reference may contain absent elements.
 pub(crate) fn cells(ty: Type, text: &str) -> Option<Vec<u64>> {
     let (scalar, count) = match ty {
-        Type::One(s) => (s, 1),
+        Type::Scalar(s) => (s, 1),
         Type::Array(s, n) => (s, n as usize),
         Type::Matrix(..) => return None,
     };

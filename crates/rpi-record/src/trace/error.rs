@@ -29,7 +29,7 @@ impl fmt::Display for TraceError {
 
 /// A file that cannot be read, or that has an invalid format.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct ReadError {
+pub struct FileReadError {
     /// Path of the file.
     pub path: PathBuf,
     /// Line number, from 1, if the error has a line.
@@ -38,11 +38,11 @@ pub struct ReadError {
     pub message: String,
 }
 
-impl fmt::Display for ReadError {
+impl fmt::Display for FileReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line = self.line.map(|line| format!(":{line}")).unwrap_or_default();
         write!(f, "{}{line}: {}", self.path.display(), self.message)
     }
 }
 
-impl std::error::Error for ReadError {}
+impl std::error::Error for FileReadError {}

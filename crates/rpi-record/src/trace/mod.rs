@@ -5,11 +5,11 @@
 //! selected ports or selected cycles) is in [`comma`]. A trace holds values as text; they are parsed once the types of
 //! the net are known.
 
-mod arena;
-mod comma;
+mod csv;
 mod error;
-mod tabbed;
+mod trace_data;
+mod tsv;
 
-pub use arena::{Cycle, PortId, Row, Trace, read_text};
-pub use error::{ReadError, TraceError};
-pub use tabbed::TraceWriter;
+pub use error::{FileReadError, TraceError};
+pub use trace_data::{Trace, TraceCycle, TracePortId, TraceRow, read_text};
+pub use tsv::TraceWriter;

@@ -2,19 +2,21 @@
 
 use std::rc::Rc;
 
-use rpi_sema::typed::{Activation, Call, ExprId, FlowId, Kind, Place, Unit, UnitKind};
+use rpi_sema::typed::{
+    Activation, Call, ExprId, FlowId, TargetPlace, TypedExprKind, Unit, UnitKind,
+};
 
-use super::{Clock, Decider, Finder, Sampling, base, common};
+use super::{Clock, ClockCondition, ClockSolver, Sampling, base, common_prefix};
 
 /// Returns the call if an expression is one.
-pub(crate) fn call_of(kind: &Kind) -> Option<&Call> {
+pub(crate) fn call_of(kind: &TypedExprKind) -> Option<&Call> {
     match kind {
-        Kind::Call(call) => Some(call),
+        TypedExprKind::Call(call) => Some(call),
         _ => None,
     }
 }
 
-impl<'p> Finder<'p> {
+impl<'p> ClockSolver<'p> {
     /// Returns the clock of a leaf of the result of a call: that of the out-port, seen from the caller.
     pub(super) fn call(&mut self, id: ExprId, call: &Call, k: usize) -> Clock {
         let callee = &self.units[call.unit.0 as usize];
@@ -27,9 +29,9 @@ impl<'p> Finder<'p> {
         if (is_needed || has_own_start) && runs.is_none() {
             runs = base();
         }
-        self.found.calls[id.0 as usize].clone_from(&runs);
+        self.clocks.calls[id.0 as usize].clone_from(&runs);
         match port {
-            Some(port) => Some(self.seen(id, call, runs?.to_vec(), &port)),
+            Some(port) => Some(self.in_caller(id, call, runs?.to_vec(), &port)),
             None => runs,
         }
     }
@@ -41,7 +43,7 @@ impl<'p> Finder<'p> {
         if kept || callee.kind == UnitKind::Fragment {
             return base();
         }
-        let clocks = self.known[call.unit.0 as usize].as_ref()?;
+        let clocks = self.callees[call.unit.0 as usize].as_ref()?;
         for output in &callee.outputs {
             let leaves = &clocks.flows[output.0 as usize];
             match leaves.get(k) {
@@ -58,35 +60,38 @@ impl<'p> Finder<'p> {
         let callee = &self.units[call.unit.0 as usize];
         let mut clocks = Vec::new();
         for (port, arg) in callee.inputs.iter().zip(&call.args) {
-            let own = self.of_port(call, *port).len();
-            for clock in arg.iter().flat_map(|arg| &self.found.exprs[arg.0 as usize]) {
+            let own = self.port_clock(call, *port).len();
+            for clock in arg
+                .iter()
+                .flat_map(|arg| &self.clocks.exprs[arg.0 as usize])
+            {
                 let outer =
                     |clock: &Rc<[Sampling]>| clock[..clock.len().saturating_sub(own)].into();
                 clocks.push(clock.as_ref().map(outer));
             }
         }
         call.activation.operands(&mut |operand| {
-            clocks.extend(self.found.exprs[operand.0 as usize].iter().cloned());
+            clocks.extend(self.clocks.exprs[operand.0 as usize].iter().cloned());
         });
-        common(clocks.into_iter())
+        common_prefix(clocks.into_iter())
     }
 
     /// Returns the clock of an in-port in the callee.
-    fn of_port(&self, call: &Call, port: FlowId) -> Rc<[Sampling]> {
-        let clocks = self.known[call.unit.0 as usize].as_ref();
+    fn port_clock(&self, call: &Call, port: FlowId) -> Rc<[Sampling]> {
+        let clocks = self.callees[call.unit.0 as usize].as_ref();
         let clock = clocks.and_then(|clocks| clocks.flows[port.0 as usize].first()?.clone());
         clock.unwrap_or_else(|| Rc::new([]))
     }
 
     /// Returns the clock of an argument that has none of its own.
-    pub(super) fn of_argument(&self, id: ExprId, call: &Call, number: usize) -> Clock {
+    pub(super) fn argument_clock(&self, id: ExprId, call: &Call, number: usize) -> Clock {
         let port = self.units[call.unit.0 as usize].inputs[number];
-        let runs = self.found.calls[id.0 as usize].clone()?;
-        Some(self.seen(id, call, runs.to_vec(), &self.of_port(call, port)))
+        let runs = self.clocks.calls[id.0 as usize].clone()?;
+        Some(self.in_caller(id, call, runs.to_vec(), &self.port_clock(call, port)))
     }
 
     /// Appends a clock of the callee to the clock of the call, with the names of the caller.
-    fn seen(
+    fn in_caller(
         &self,
         id: ExprId,
         call: &Call,
@@ -95,12 +100,12 @@ impl<'p> Finder<'p> {
     ) -> Rc<[Sampling]> {
         for Sampling { by, value } in inner {
             let named = match by {
-                Decider::Flow(flow) => self.name(id, call, *flow),
-                Decider::Behind(..) => None,
+                ClockCondition::Flow(flow) => self.caller_flow(id, call, *flow),
+                ClockCondition::InCall(..) => None,
             };
             let by = match named {
-                Some(flow) => self.by(flow),
-                None => Decider::Behind(id, Box::new(by.clone())),
+                Some(flow) => self.clock_condition(flow),
+                None => ClockCondition::InCall(id, Box::new(by.clone())),
             };
             clock.push(Sampling { by, value: *value });
         }
@@ -108,11 +113,11 @@ impl<'p> Finder<'p> {
     }
 
     /// Returns the flow of the caller that is passed to an in-port or bound to an out-port.
-    fn name(&self, id: ExprId, call: &Call, port: FlowId) -> Option<FlowId> {
+    fn caller_flow(&self, id: ExprId, call: &Call, port: FlowId) -> Option<FlowId> {
         let callee = &self.units[call.unit.0 as usize];
         if let Some(number) = callee.inputs.iter().position(|input| *input == port) {
             return match self.unit.expr(call.args[number]?).kind {
-                Kind::Flow(flow) => Some(flow),
+                TypedExprKind::Flow(flow) => Some(flow),
                 _ => None,
             };
         }
@@ -121,7 +126,9 @@ impl<'p> Finder<'p> {
         let mut binding = equations.filter(|equation| equation.value == id);
         let targets = &binding.next()?.targets;
         match targets.get(number)?.place {
-            Place::Flow { flow, at: 0 } if targets.len() == callee.outputs.len() => Some(flow),
+            TargetPlace::Flow { flow, at: 0 } if targets.len() == callee.outputs.len() => {
+                Some(flow)
+            }
             _ => None,
         }
     }

@@ -2,9 +2,9 @@
 
 use std::rc::Rc;
 
-use rpi_sema::typed::{Block, BlockId, ExprId, Kind, Place, Unit};
+use rpi_sema::typed::{Block, BlockId, ExprId, TargetPlace, TypedExprKind, Unit};
 
-use super::{Clock, Finder, base, common, then};
+use super::{Clock, ClockSolver, base, common_prefix, sampled};
 
 /// Returns, for each expression, the block that contains it. The condition of a block belongs to the enclosing block.
 pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
@@ -55,16 +55,16 @@ fn roots(unit: &Unit, block: &Block) -> Vec<ExprId> {
     roots
 }
 
-impl Finder<'_> {
+impl ClockSolver<'_> {
     /// Assigns to each expression without a clock that of its reader.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn adopt_reader_clocks(&mut self) {
         for equation in self.unit.blocks.iter().flat_map(|block| &block.equations) {
             let mut first = 0;
             for target in &equation.targets {
                 for k in 0..target.ty.leaf_count() {
                     let clock = match target.place {
-                        Place::Flow { flow, at } => {
-                            self.found.flows[flow.0 as usize][at as usize + k].clone()
+                        TargetPlace::Flow { flow, at } => {
+                            self.clocks.flows[flow.0 as usize][at as usize + k].clone()
                         }
                         _ => base(),
                     };
@@ -80,40 +80,42 @@ impl Finder<'_> {
             .into_iter()
             .rev()
         {
-            for leaf in &mut self.found.exprs[id.0 as usize] {
+            for leaf in &mut self.clocks.exprs[id.0 as usize] {
                 leaf.get_or_insert_with(|| Rc::new([]));
             }
-            self.hand_down(id);
+            self.propagate_to_operands(id);
         }
     }
 
     /// Assigns to the operands of an expression the clock on which it reads them.
-    fn hand_down(&mut self, id: ExprId) {
+    fn propagate_to_operands(&mut self, id: ExprId) {
         let expr = self.unit.expr(id);
-        let whole = common(self.found.exprs[id.0 as usize].iter().cloned());
+        let whole = common_prefix(self.clocks.exprs[id.0 as usize].iter().cloned());
         match &expr.kind {
-            Kind::Call(call) => {
-                self.found.calls[id.0 as usize] =
-                    self.found.calls[id.0 as usize].clone().or(whole.clone());
+            TypedExprKind::Call(call) => {
+                self.clocks.calls[id.0 as usize] =
+                    self.clocks.calls[id.0 as usize].clone().or(whole.clone());
                 for (number, arg) in call.args.iter().enumerate() {
-                    let clock = self.of_argument(id, call, number);
+                    let clock = self.argument_clock(id, call, number);
                     arg.iter().for_each(|arg| self.give_all(*arg, &clock));
                 }
-                let runs = self.found.calls[id.0 as usize].clone();
+                let runs = self.clocks.calls[id.0 as usize].clone();
                 call.activation
                     .operands(&mut |operand| self.give_all(operand, &runs));
             }
-            Kind::Merge { on, cases } => {
+            TypedExprKind::Merge { on, cases } => {
                 self.give_all(*on, &whole);
-                if let (Kind::Flow(flow), Some(clock)) = (&self.unit.expr(*on).kind, &whole) {
+                if let (TypedExprKind::Flow(flow), Some(clock)) =
+                    (&self.unit.expr(*on).kind, &whole)
+                {
                     for (value, case) in cases {
-                        let case_clock = Some(then(clock, self.by(*flow), *value));
+                        let case_clock = Some(sampled(clock, self.clock_condition(*flow), *value));
                         self.give_all(*case, &case_clock);
                     }
                 }
             }
-            Kind::When { value, clock } => {
-                let clock = self.found.flows[clock.flow.0 as usize]
+            TypedExprKind::When { value, clock } => {
+                let clock = self.clocks.flows[clock.flow.0 as usize]
                     .first()
                     .cloned()
                     .flatten();
@@ -121,7 +123,7 @@ impl Finder<'_> {
             }
             kind => {
                 for k in 0..expr.ty.leaf_count() {
-                    let clock = self.found.exprs[id.0 as usize][k].clone();
+                    let clock = self.clocks.exprs[id.0 as usize][k].clone();
                     let mut read = Vec::new();
                     self.reads(kind, &expr.ty, k, &mut |operand, leaf| {
                         read.push((operand, leaf))
@@ -140,7 +142,7 @@ impl Finder<'_> {
     }
 
     fn give(&mut self, id: ExprId, k: usize, clock: Clock) {
-        let leaf = &mut self.found.exprs[id.0 as usize][k];
+        let leaf = &mut self.clocks.exprs[id.0 as usize][k];
         *leaf = leaf.take().or(clock);
     }
 }

@@ -3,15 +3,15 @@
 //!
 //! A plain run tests a few programs; `RPI_PROGRAMS=10000` sets their number, `RPI_SEED` the first seed.
 
-mod made;
+mod generator;
 #[path = "../properties/random.rs"]
 mod random;
 
-use made::{Made, made};
+use generator::{GeneratedProgram, generate};
 use random::Random;
 use rpi_diag::Code;
-use rpi_driver::{Input, Kind, Typed, compile, typed};
-use rpi_reference::{Leaf, Reference, Value};
+use rpi_driver::{Input, InputKind, TypedProgram, check_typed, compile};
+use rpi_reference::{Interpreter, Leaf, Value};
 
 /// Number of programs in a plain run.
 const PROGRAMS: u64 = 200;
@@ -25,7 +25,7 @@ const DT: f64 = 1e-3;
 
 /// Result of the compiler for two set-points.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Said {
+enum Verdict {
     /// No diagnostic: they are proved mutually exclusive.
     Exclusive,
     /// Error: they conflict in some run.
@@ -42,26 +42,26 @@ fn number(name: &str, otherwise: u64) -> u64 {
 fn input(text: &str) -> Input {
     Input {
         path: "random.rpi".into(),
-        kind: Kind::Rpi,
+        kind: InputKind::Rpi,
         bytes: text.as_bytes().to_vec(),
     }
 }
 
 /// Returns the result of the compiler for the command of a program.
-fn said(made: &Made) -> Said {
+fn said(made: &GeneratedProgram) -> Verdict {
     let text = made.command();
     let compiled = compile(&input(&text)).expect("it is text");
-    let other = |f: &&rpi_diag::Finding| {
+    let other = |f: &&rpi_diag::Diagnostic| {
         f.severity() == rpi_diag::Severity::Error && f.code != Code::RPI6101
     };
-    if let Some(finding) = compiled.findings.iter().find(other) {
-        panic!("{finding:?}\n{text}");
+    if let Some(diagnostic) = compiled.diagnostics.iter().find(other) {
+        panic!("{diagnostic:?}\n{text}");
     }
-    let has = |code: Code| compiled.findings.iter().any(|f| f.code == code);
+    let has = |code: Code| compiled.diagnostics.iter().any(|f| f.code == code);
     match (has(Code::RPI6101), has(Code::RPI6105)) {
-        (true, _) => Said::Together,
-        (false, true) => Said::Open,
-        (false, false) => Said::Exclusive,
+        (true, _) => Verdict::Together,
+        (false, true) => Verdict::Open,
+        (false, false) => Verdict::Exclusive,
     }
 }
 
@@ -87,11 +87,11 @@ fn row(random: &mut Random, before: Option<&Vec<Leaf>>) -> Vec<Leaf> {
 }
 
 /// Returns whether both set-points are present in the same cycle of some run.
-fn meets(program: &Typed, seed: u64) -> bool {
+fn meets(program: &TypedProgram, seed: u64) -> bool {
     let unit = program.unit("main").expect("it has a node");
     (0..RUNS).any(|run| {
         let mut random = Random::new(seed ^ (run << 40));
-        let mut reference = Reference::new(&program.units, unit, DT);
+        let mut reference = Interpreter::new(&program.units, unit, DT);
         let mut before = None;
         (0..CYCLES).any(|_| {
             let now = row(&mut random, before.as_ref());
@@ -115,24 +115,24 @@ struct Counts {
 }
 
 fn look_at(seed: u64, counts: &mut Counts) {
-    let made = made(seed);
+    let made = generate(seed);
     let text = made.node();
-    let program = typed(&input(&text)).expect("it is text");
+    let program = check_typed(&input(&text)).expect("it is text");
     let program = program.unwrap_or_else(|f| panic!("{f:?}\n{text}"));
     let (meets, said) = (meets(&program, seed), said(&made));
     let told = || format!("RPI_SEED={seed} RPI_PROGRAMS=1\n{}", made.command());
     assert!(!(meets && made.is_exclusive), "not exclusive: {}", told());
     assert!(
-        !(meets && said == Said::Exclusive),
+        !(meets && said == Verdict::Exclusive),
         "wrongly proved: {}",
         told()
     );
     assert!(
-        !(made.is_exclusive && said == Said::Together),
+        !(made.is_exclusive && said == Verdict::Together),
         "wrongly rejected: {}",
         told()
     );
-    if said == Said::Open && std::env::var("RPI_TELL").is_ok() {
+    if said == Verdict::Open && std::env::var("RPI_TELL").is_ok() {
         println!("open, meets {meets}: {}", told());
     }
     let row = match (made.is_exclusive, meets) {
@@ -144,8 +144,8 @@ fn look_at(seed: u64, counts: &mut Counts) {
 }
 
 /// Returns the diagnostics of a program in `tests/exclusive`.
-fn findings(text: &str) -> Vec<rpi_diag::Finding> {
-    compile(&input(text)).expect("it is text").findings
+fn diagnostics(text: &str) -> Vec<rpi_diag::Diagnostic> {
+    compile(&input(text)).expect("it is text").diagnostics
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn set_points_that_exclude_each_other_are_accepted() {
         include_str!("../../../../tests/exclusive/accepted_robots_too.rpi"),
     ];
     for text in programs {
-        let told: Vec<String> = findings(text)
+        let told: Vec<String> = diagnostics(text)
             .iter()
             .filter(|f| f.severity() == rpi_diag::Severity::Error || f.code == Code::RPI6105)
             .map(|f| format!("{}: {} at {:?}", f.code, f.message, f.span()))
@@ -169,8 +169,8 @@ fn set_points_that_exclude_each_other_are_accepted() {
 #[test]
 fn set_points_that_meet_are_refused_with_the_values_of_a_run() {
     let text = include_str!("../../../../tests/exclusive/refused.rpi");
-    let findings = findings(text);
-    let errors = findings
+    let diagnostics = diagnostics(text);
+    let errors = diagnostics
         .iter()
         .filter(|f| f.severity() == rpi_diag::Severity::Error);
     let refused = errors.filter(|f| {

@@ -4,12 +4,12 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rpi_diag::{Severity, apply, sure_edits};
-use rpi_driver::{Kind, compile};
+use rpi_driver::{InputKind, compile};
 
 use crate::clocked;
 use crate::program::{Counts, program};
 use crate::random::Random;
-use crate::run::{Ready, input};
+use crate::run::{CompiledNode, input};
 use crate::{CYCLES, PROGRAMS, SEED, number};
 
 /// Number of mistakes per program.
@@ -146,10 +146,10 @@ fn misspelt(word: &str, random: &mut Random) -> String {
 }
 
 /// Applies all sure fixes. Returns the text if it has no errors then, and whether it had any before.
-fn fixed(text: &str, kind: Kind) -> Option<(String, bool)> {
+fn fixed(text: &str, kind: InputKind) -> Option<(String, bool)> {
     let (mut text, mut had_errors) = (text.to_owned(), None);
     for _ in 0..ROUNDS {
-        let found = compile(&input(&text, kind)).ok()?.findings;
+        let found = compile(&input(&text, kind)).ok()?.diagnostics;
         let is_wrong = found.iter().any(|f| f.severity() == Severity::Error);
         had_errors.get_or_insert(is_wrong);
         let edits = sure_edits(&found);
@@ -162,14 +162,14 @@ fn fixed(text: &str, kind: Kind) -> Option<(String, bool)> {
 }
 
 /// Returns whether a program with a mistake could be fixed and compared, or a description of the failure.
-fn holds(correct: &str, kind: Kind, random: &mut Random) -> Result<bool, String> {
+fn holds(correct: &str, kind: InputKind, random: &mut Random) -> Result<bool, String> {
     let mistaken = mistaken(correct, random);
     let Some((fixed, had_errors)) = fixed(&mistaken, kind).filter(|(text, _)| *text != mistaken)
     else {
         return Ok(false);
     };
     let meant = if had_errors { correct } else { &mistaken };
-    let [before, after] = [meant, &fixed].map(|text| Ready::of_kind(text, "main", kind));
+    let [before, after] = [meant, &fixed].map(|text| CompiledNode::of_kind(text, "main", kind));
     let (Ok(before), Ok(after)) = (before, after) else {
         return Ok(false);
     };
@@ -180,11 +180,14 @@ fn holds(correct: &str, kind: Kind, random: &mut Random) -> Result<bool, String>
 }
 
 /// Returns a correct program.
-fn correct(seed: u64) -> (String, Kind) {
+fn correct(seed: u64) -> (String, InputKind) {
     match seed % 4 {
-        0 => (clocked::text(seed, true), Kind::Lustre),
-        1 => (clocked::text(seed, false), Kind::Rpi),
-        _ => (program(seed, &mut Counts::default()).0.render(), Kind::Rpi),
+        0 => (clocked::text(seed, true), InputKind::Lustre),
+        1 => (clocked::text(seed, false), InputKind::Rpi),
+        _ => (
+            program(seed, &mut Counts::default()).0.render(),
+            InputKind::Rpi,
+        ),
     }
 }
 

@@ -29,11 +29,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rpi_diag::FileId;
 use rpi_reference::Value;
-use rpi_syntax::{Mode, Parens, Parse, dump_ast, format, parse, print};
+use rpi_syntax::{Dialect, Parens, Parse, dump_ast, format, parse, print};
 
 use program::{Counts, program};
 use random::Random;
-use run::Ready;
+use run::CompiledNode;
 
 /// Number of programs in a plain run.
 const PROGRAMS: u64 = 200;
@@ -71,7 +71,7 @@ fn holds_of_all(property: fn(&str, u64) -> Result<(), String>) {
 #[test]
 fn the_optimised_image_equals_the_reference() {
     holds_of_all(|text, seed| {
-        let ready = Ready::new(text, "main")?;
+        let ready = CompiledNode::new(text, "main")?;
         let rows = ready.rows(&mut Random::new(seed), CYCLES);
         let expected = run::reference(text, "main", &rows)?;
         alike(&format!("inputs {rows:?}"), &expected, &ready.run(&rows))
@@ -90,7 +90,7 @@ fn the_image_of_a_command_equals_the_reference() {
 fn print_then_parse_is_the_identity() {
     holds_of_all(|text, _| {
         let tree = parsed(text)?;
-        let printed = print(&tree.file, Mode::Rpi);
+        let printed = print(&tree.file, Dialect::Rpi);
         let again = parsed(&printed)?;
         let [one, two] = [&tree, &again].map(|tree| dump_ast(&tree.file, Parens::Drop));
         alike(&printed, &one, &two)
@@ -100,10 +100,13 @@ fn print_then_parse_is_the_identity() {
 #[test]
 fn fmt_is_idempotent_and_keeps_meaning() {
     holds_of_all(|text, seed| {
-        let once = format(text, Mode::Rpi).map_err(|f| format!("no format: {f:?}"))?;
-        let twice = format(&once, Mode::Rpi).map_err(|f| format!("no second format: {f:?}"))?;
+        let once = format(text, Dialect::Rpi).map_err(|f| format!("no format: {f:?}"))?;
+        let twice = format(&once, Dialect::Rpi).map_err(|f| format!("no second format: {f:?}"))?;
         alike("formatted again", &once, &twice)?;
-        let [before, after] = [Ready::new(text, "main")?, Ready::new(&once, "main")?];
+        let [before, after] = [
+            CompiledNode::new(text, "main")?,
+            CompiledNode::new(&once, "main")?,
+        ];
         let rows = before.rows(&mut Random::new(seed), CYCLES);
         alike(&once, &before.run(&rows), &after.run(&rows))
     });
@@ -112,8 +115,8 @@ fn fmt_is_idempotent_and_keeps_meaning() {
 #[test]
 fn resetting_equals_a_fresh_load() {
     holds_of_all(|text, seed| {
-        let again = Ready::new(&wrapped::again(text), "Again")?;
-        let fresh = Ready::new(text, "main")?;
+        let again = CompiledNode::new(&wrapped::again(text), "Again")?;
+        let fresh = CompiledNode::new(text, "main")?;
         let reset = 1 + Random::new(seed).below(CYCLES - 1);
         let rows = fresh.rows(&mut Random::new(seed), CYCLES);
         let asked =
@@ -133,8 +136,8 @@ fn resetting_equals_a_fresh_load() {
 #[test]
 fn an_inactive_fragment_equals_an_absent_one() {
     holds_of_all(|text, seed| {
-        let inside = Ready::new(&wrapped::inside(text), "Inside")?;
-        let fresh = Ready::new(text, "main")?;
+        let inside = CompiledNode::new(&wrapped::inside(text), "Inside")?;
+        let fresh = CompiledNode::new(text, "main")?;
         let mut random = Random::new(seed);
         let rows = fresh.rows(&mut random, CYCLES);
         let on: Vec<bool> = rows.iter().map(|_| random.one_in(2)).collect();
@@ -185,9 +188,9 @@ fn alike<T: PartialEq + std::fmt::Debug>(of: &str, expected: &T, found: &T) -> R
 }
 
 fn parsed(text: &str) -> Result<Parse, String> {
-    let parse = parse(FileId(0), text, Mode::Rpi);
-    match parse.findings.first() {
+    let parse = parse(FileId(0), text, Dialect::Rpi);
+    match parse.diagnostics.first() {
         None => Ok(parse),
-        Some(finding) => Err(format!("no syntax: {finding:?}\n{text}")),
+        Some(diagnostic) => Err(format!("no syntax: {diagnostic:?}\n{text}")),
     }
 }

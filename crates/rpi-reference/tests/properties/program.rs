@@ -54,7 +54,7 @@ pub(crate) const INPUTS: &[(&str, Kind)] = &[
 ];
 
 /// Generator of the parts of one program.
-pub(crate) struct Writer<'r> {
+pub(crate) struct Generator<'r> {
     exprs: Exprs<'r>,
     serial: usize,
 }
@@ -62,7 +62,7 @@ pub(crate) struct Writer<'r> {
 /// Generates a program: its tree, and the out-ports of its `main`.
 pub(crate) fn program(seed: u64, counts: &mut Counts) -> (Tree, Vec<Flow>) {
     let mut random = Random::new(seed);
-    let mut writer = Writer {
+    let mut writer = Generator {
         exprs: Exprs {
             random: &mut random,
             counts,
@@ -84,7 +84,7 @@ struct Body {
     statements: Tree,
 }
 
-impl Writer<'_> {
+impl Generator<'_> {
     fn name(&mut self, start: &str) -> String {
         self.serial += 1;
         format!("{start}{}", self.serial)

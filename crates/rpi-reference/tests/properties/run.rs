@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
-use rpi_core::{Machine, Moment, Verdict};
+use rpi_core::{CycleContext, Instance, Verdict};
 use rpi_device::NoDevices;
-use rpi_driver::{Claims, Input, Kind, Node, Typed, compile, compile_node, lower_to_run, typed};
+use rpi_driver::{
+    ClaimPolicy, Input, InputKind, Node, TypedProgram, check_typed, compile, compile_node,
+    lower_for_execution,
+};
 use rpi_image::{Image, Scalar, Type};
-use rpi_reference::{Leaf, Reference, Stop, Value};
+use rpi_reference::{EvalError, Interpreter, Leaf, Value};
 
 use crate::random::Random;
 
@@ -19,9 +22,9 @@ const DT: f64 = 1e-3;
 pub(crate) type Rows = Vec<Vec<Value>>;
 
 /// Result of a cycle: the bits of the out-ports, or `None` if it faulted.
-pub(crate) type Seen = Option<Vec<Option<u64>>>;
+pub(crate) type CycleResult = Option<Vec<Option<u64>>>;
 
-pub(crate) fn input(text: &str, kind: Kind) -> Input {
+pub(crate) fn input(text: &str, kind: InputKind) -> Input {
     Input {
         path: "random.rpi".into(),
         kind,
@@ -30,29 +33,29 @@ pub(crate) fn input(text: &str, kind: Kind) -> Input {
 }
 
 /// Compiled node of a program.
-pub(crate) struct Ready {
+pub(crate) struct CompiledNode {
     pub(crate) image: Arc<Image>,
     node: Node,
 }
 
-impl Ready {
+impl CompiledNode {
     /// Compiles a node of an RPI program.
     ///
     /// # Errors
     /// The messages of the compiler.
-    pub(crate) fn new(text: &str, name: &str) -> Result<Ready, String> {
-        Ready::of_kind(text, name, Kind::Rpi)
+    pub(crate) fn new(text: &str, name: &str) -> Result<CompiledNode, String> {
+        CompiledNode::of_kind(text, name, InputKind::Rpi)
     }
 
     /// Compiles a node of an RPI or Lustre program.
     ///
     /// # Errors
     /// The messages of the compiler.
-    pub(crate) fn of_kind(text: &str, name: &str, kind: Kind) -> Result<Ready, String> {
-        let made = compile_node(&input(text, kind), Some(name), Claims::Report, false)
+    pub(crate) fn of_kind(text: &str, name: &str, kind: InputKind) -> Result<CompiledNode, String> {
+        let made = compile_node(&input(text, kind), Some(name), ClaimPolicy::Report, false)
             .map_err(|e| e.to_string())?;
         let errors = made
-            .findings
+            .diagnostics
             .iter()
             .filter(|f| f.severity() == rpi_diag::Severity::Error);
         let errors: Vec<String> = errors
@@ -66,8 +69,8 @@ impl Ready {
             })
             .collect();
         let node = made.node.ok_or_else(|| errors.join("\n"))?;
-        let image = lower_to_run(&node.net, PERIOD_NS)?;
-        Ok(Ready {
+        let image = lower_for_execution(&node.net, PERIOD_NS)?;
+        Ok(CompiledNode {
             image: Arc::new(image),
             node,
         })
@@ -83,16 +86,16 @@ impl Ready {
         let row = |random: &mut Random| {
             let columns = self.node.inputs.iter();
             columns
-                .map(|c| value(random, c.ty, c.values.len()))
+                .map(|c| value(random, c.scalar, c.enum_values.len()))
                 .collect()
         };
         (0..cycles).map(|_| row(random)).collect()
     }
 
     /// Runs the image, up to a fault.
-    pub(crate) fn run(&self, rows: &Rows) -> Vec<Seen> {
+    pub(crate) fn run(&self, rows: &Rows) -> Vec<CycleResult> {
         let mut machine =
-            Machine::load(Arc::clone(&self.image), &mut NoDevices).expect("it verifies");
+            Instance::load(Arc::clone(&self.image), &mut NoDevices).expect("it verifies");
         let mut seen = Vec::new();
         for row in rows {
             for (column, value) in self.node.inputs.iter().zip(row) {
@@ -101,7 +104,7 @@ impl Ready {
                     machine.set_input(port, &[value.bits()], 0);
                 }
             }
-            machine.read(&mut NoDevices, &Moment::default());
+            machine.read(&mut NoDevices, &CycleContext::default());
             machine.evaluate(&mut NoDevices);
             seen.push(self.seen(&machine));
             machine.commit();
@@ -113,7 +116,7 @@ impl Ready {
         seen
     }
 
-    fn seen(&self, machine: &Machine) -> Seen {
+    fn seen(&self, machine: &Instance) -> CycleResult {
         if machine.fault().is_some() {
             return None;
         }
@@ -132,7 +135,7 @@ impl Ready {
 /// returns, and processors and compilers differ.
 fn plain(ty: Type, bits: u64) -> u64 {
     match ty {
-        Type::One(Scalar::Real) if f64::from_bits(bits).is_nan() => f64::NAN.to_bits(),
+        Type::Scalar(Scalar::Real) if f64::from_bits(bits).is_nan() => f64::NAN.to_bits(),
         _ => bits,
     }
 }
@@ -155,8 +158,8 @@ fn value(random: &mut Random, ty: Scalar, values: usize) -> Value {
 ///
 /// # Errors
 /// If the interpreter does not support it.
-pub(crate) fn reference(text: &str, name: &str, rows: &Rows) -> Result<Vec<Seen>, String> {
-    reference_of_kind(text, name, rows, Kind::Rpi)
+pub(crate) fn reference(text: &str, name: &str, rows: &Rows) -> Result<Vec<CycleResult>, String> {
+    reference_of_kind(text, name, rows, InputKind::Rpi)
 }
 
 /// Runs a node of an RPI or Lustre program in the reference interpreter, up to a fault.
@@ -167,17 +170,17 @@ pub(crate) fn reference_of_kind(
     text: &str,
     name: &str,
     rows: &Rows,
-    kind: Kind,
-) -> Result<Vec<Seen>, String> {
+    kind: InputKind,
+) -> Result<Vec<CycleResult>, String> {
     let typed = checked(text, kind)?;
     let unit = typed.unit(name).ok_or("no such node")?;
-    let mut reference = Reference::new(&typed.units, unit, DT);
+    let mut reference = Interpreter::new(&typed.units, unit, DT);
     let mut seen = Vec::new();
     for row in rows {
         let row: Vec<Leaf> = row.iter().copied().map(Some).collect();
         match reference.cycle(&row) {
             Ok(cycle) => seen.push(Some(bits(&cycle.outputs))),
-            Err(Stop::Fault(_)) => {
+            Err(EvalError::Fault(_)) => {
                 seen.push(None);
                 break;
             }
@@ -187,9 +190,9 @@ pub(crate) fn reference_of_kind(
     Ok(seen)
 }
 
-fn checked(text: &str, kind: Kind) -> Result<Typed, String> {
-    let typed = typed(&input(text, kind)).map_err(|e| e.to_string())?;
-    typed.map_err(|findings| format!("{findings:?}"))
+fn checked(text: &str, kind: InputKind) -> Result<TypedProgram, String> {
+    let typed = check_typed(&input(text, kind)).map_err(|e| e.to_string())?;
+    typed.map_err(|diagnostics| format!("{diagnostics:?}"))
 }
 
 fn bits(leaves: &[Leaf]) -> Vec<Option<u64>> {
@@ -201,22 +204,22 @@ fn bits(leaves: &[Leaf]) -> Vec<Option<u64>> {
 }
 
 /// Result of a cycle of a command: its exports, and the result with which it ended.
-pub(crate) type Ended = Option<(Vec<Option<u64>>, Option<usize>)>;
+pub(crate) type CommandCycleResult = Option<(Vec<Option<u64>>, Option<usize>)>;
 
 /// Runs the command of a program as an image, up to its end.
 ///
 /// # Errors
 /// If there is not exactly one command, or it does not compile.
-pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, String> {
-    let compiled = compile(&input(text, Kind::Rpi)).map_err(|e| e.to_string())?;
+pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<CommandCycleResult>, String> {
+    let compiled = compile(&input(text, InputKind::Rpi)).map_err(|e| e.to_string())?;
     let [net] = compiled.nets() else {
         return Err("not one command".to_owned());
     };
-    let image = Arc::new(lower_to_run(net, PERIOD_NS)?);
-    let mut machine = Machine::load(Arc::clone(&image), &mut NoDevices).expect("it verifies");
+    let image = Arc::new(lower_for_execution(net, PERIOD_NS)?);
+    let mut machine = Instance::load(Arc::clone(&image), &mut NoDevices).expect("it verifies");
     let mut seen = Vec::new();
     for _ in 0..cycles {
-        machine.read(&mut NoDevices, &Moment::default());
+        machine.read(&mut NoDevices, &CycleContext::default());
         machine.evaluate(&mut NoDevices);
         let end = match machine.verdict(&[]) {
             Some(Verdict::Result(k)) => Some(k),
@@ -243,10 +246,13 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<Ended>, Strin
 ///
 /// # Errors
 /// If the interpreter does not support it.
-pub(crate) fn reference_command(text: &str, cycles: usize) -> Result<Vec<Ended>, String> {
-    let typed = checked(text, Kind::Rpi)?;
+pub(crate) fn reference_command(
+    text: &str,
+    cycles: usize,
+) -> Result<Vec<CommandCycleResult>, String> {
+    let typed = checked(text, InputKind::Rpi)?;
     let unit = typed.unit("Run").ok_or("no command")?;
-    let mut reference = Reference::new(&typed.units, unit, DT);
+    let mut reference = Interpreter::new(&typed.units, unit, DT);
     let mut seen = Vec::new();
     for _ in 0..cycles {
         match reference.cycle(&[]) {
@@ -257,7 +263,7 @@ pub(crate) fn reference_command(text: &str, cycles: usize) -> Result<Vec<Ended>,
                     break;
                 }
             }
-            Err(Stop::Fault(_)) => {
+            Err(EvalError::Fault(_)) => {
                 seen.push(None);
                 break;
             }

@@ -2,7 +2,7 @@
 
 use rpi_diag::FileId;
 use rpi_syntax::ast::ItemKind;
-use rpi_syntax::{Mode, parse};
+use rpi_syntax::{Dialect, parse};
 
 use crate::program::INPUTS;
 
@@ -53,13 +53,13 @@ fn given() -> String {
 
 /// Returns the out-ports of `main`, each as declared.
 fn outputs(text: &str) -> Vec<String> {
-    let parse = parse(FileId(0), text, Mode::Rpi);
+    let parse = parse(FileId(0), text, Dialect::Rpi);
     let main = parse.file.items.iter().find(|item| match &item.kind {
         ItemKind::Node(node) => node.signature.name.name == *"main",
         _ => false,
     });
     let head = main
-        .map(|item| rpi_syntax::head(item, Mode::Rpi))
+        .map(|item| rpi_syntax::header(item, Dialect::Rpi))
         .unwrap_or_default();
     let returned = head.split_once("returns (").map_or("", |(_, rest)| rest);
     let returned = returned.trim_end().trim_end_matches(')');

@@ -11,7 +11,7 @@ pub(super) struct Axis {
 
 impl Axis {
     /// Returns the pixel position of a value.
-    pub(super) fn at(&self, value: f64) -> f64 {
+    pub(super) fn to_pixel(&self, value: f64) -> f64 {
         let (low, high) = self.values;
         self.pixels.0 + (value - low) / (high - low) * (self.pixels.1 - self.pixels.0)
     }
@@ -63,7 +63,7 @@ fn round_step(step: f64) -> f64 {
 }
 
 /// Returns the range of the finite values, widened to a width of at least `least`.
-pub(super) fn range(values: impl Iterator<Item = f64>, least: f64) -> (f64, f64) {
+pub(super) fn value_range(values: impl Iterator<Item = f64>, least: f64) -> (f64, f64) {
     let finite = values.filter(|v| v.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
         (l.min(v), h.max(v))
@@ -111,8 +111,8 @@ mod tests {
 
     #[test]
     fn a_constant_gets_a_range() {
-        assert_eq!(range([3.0, 3.0].into_iter(), 2.0), (2.0, 4.0));
-        assert_eq!(range([f64::NAN].into_iter(), 2.0), (-1.0, 1.0));
+        assert_eq!(value_range([3.0, 3.0].into_iter(), 2.0), (2.0, 4.0));
+        assert_eq!(value_range([f64::NAN].into_iter(), 2.0), (-1.0, 1.0));
     }
 
     #[test]
@@ -122,7 +122,7 @@ mod tests {
             pixels: (100.0, 0.0),
         };
         assert_eq!(
-            [axis.at(0.0), axis.at(0.5), axis.at(2.0)],
+            [axis.to_pixel(0.0), axis.to_pixel(0.5), axis.to_pixel(2.0)],
             [100.0, 75.0, 0.0]
         );
     }

@@ -1,15 +1,15 @@
 //! Chart of values over time, with the name of each line at its end.
 
-use super::axis::{Axis, padded, range};
-use super::frame::{FIGURE, Frame};
+use super::axis::{Axis, padded, value_range};
+use super::frame::{Frame, TICK_LABEL};
 use super::palette::{AXIS, dashes, hue};
 use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
-use super::{Chart, Spell};
+use super::{Chart, ExecutionSpan};
 
 /// Position of a chart on the page, in pixels.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PlotArea {
     /// Left and right edge of the plot area.
     pub(super) x: (f64, f64),
     /// Upper and lower edge of the plot area.
@@ -22,9 +22,9 @@ const LABEL_HEIGHT: f64 = 13.0;
 pub(super) fn draw(
     svg: &mut Svg,
     chart: &Chart,
-    place: Place,
+    place: PlotArea,
     seconds: (f64, f64),
-    spells: &[Spell],
+    spells: &[ExecutionSpan],
 ) {
     let values = chart
         .lines
@@ -36,32 +36,36 @@ pub(super) fn draw(
             pixels: place.x,
         },
         y: Axis {
-            values: padded(range(values, 1e-3), 0.06),
+            values: padded(value_range(values, 1e-3), 0.06),
             pixels: (place.y.1, place.y.0),
         },
     };
     frame.draw(svg, &chart.title, "s");
     for spell in spells.iter().skip(1) {
-        let x = frame.x.at(spell.from);
+        let x = frame.x.to_pixel(spell.from);
         svg.dashed((x, frame.top()), (x, frame.bottom()), AXIS);
     }
     for (k, line) in chart.lines.iter().enumerate() {
-        let pixels: Vec<(f64, f64)> = line.points.iter().map(|p| frame.at(p.0, p.1)).collect();
+        let pixels: Vec<(f64, f64)> = line
+            .points
+            .iter()
+            .map(|p| frame.to_pixel(p.0, p.1))
+            .collect();
         svg.polyline(&simplify(&pixels, 0.15), hue(k), dashes(k), &line.name);
     }
-    names(svg, chart, &frame);
+    draw_names(svg, chart, &frame);
 }
 
 /// Draws the names of the lines at the right edge, as near to the ends of the lines as possible.
-fn names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
+fn draw_names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     let ends = chart.lines.iter().enumerate();
     let mut ends: Vec<(f64, usize)> = ends
-        .filter_map(|(k, line)| Some((frame.y.at(line.points.last()?.1), k)))
+        .filter_map(|(k, line)| Some((frame.y.to_pixel(line.points.last()?.1), k)))
         .filter(|(y, _)| y.is_finite())
         .collect();
     // Lines that end at the same pixel keep their order.
     ends.sort_by(|a, b| a.0.round().total_cmp(&b.0.round()).then(a.1.cmp(&b.1)));
-    let heights = spread(
+    let heights = spread_labels(
         ends.iter().map(|e| e.0).collect(),
         frame.top(),
         frame.bottom(),
@@ -75,14 +79,14 @@ fn names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
         );
         let style = TextStyle {
             anchor: Anchor::Start,
-            ..FIGURE
+            ..TICK_LABEL
         };
         svg.text((frame.right() + 21.0, y + 4.0), style, &chart.lines[k].name);
     }
 }
 
 /// Moves ascending positions apart so that no names overlap, within the plot area if they fit.
-fn spread(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
+fn spread_labels(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
     let mut least = top;
     for height in &mut heights {
         *height = height.max(least);
@@ -102,11 +106,11 @@ mod tests {
 
     #[test]
     fn names_that_would_overlap_move_apart_and_stay_inside() {
-        assert_eq!(spread(vec![10.0, 50.0], 0.0, 100.0), [10.0, 50.0]);
+        assert_eq!(spread_labels(vec![10.0, 50.0], 0.0, 100.0), [10.0, 50.0]);
         assert_eq!(
-            spread(vec![98.0, 99.0, 100.0], 0.0, 100.0),
+            spread_labels(vec![98.0, 99.0, 100.0], 0.0, 100.0),
             [74.0, 87.0, 100.0]
         );
-        assert_eq!(spread(vec![0.0, 0.0], 0.0, 100.0), [0.0, 13.0]);
+        assert_eq!(spread_labels(vec![0.0, 0.0], 0.0, 100.0), [0.0, 13.0]);
     }
 }

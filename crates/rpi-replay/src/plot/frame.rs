@@ -1,21 +1,21 @@
 //! Plot area of a chart: heading, grid, tick labels.
 
 use super::axis::Axis;
-use super::palette::{AXIS, GRID, INK, SOFT_INK};
+use super::palette::{AXIS, GRID, SECONDARY_TEXT, TEXT};
 use super::svg::{Anchor, Svg, TextStyle};
 
 /// Text style of chart headings.
 pub(super) const HEADING: TextStyle = TextStyle {
     size: 13.0,
-    color: INK,
+    color: TEXT,
     bold: true,
     anchor: Anchor::Start,
 };
 
 /// Text style of tick labels.
-pub(super) const FIGURE: TextStyle = TextStyle {
+pub(super) const TICK_LABEL: TextStyle = TextStyle {
     size: 11.0,
-    color: SOFT_INK,
+    color: SECONDARY_TEXT,
     bold: false,
     anchor: Anchor::Middle,
 };
@@ -31,8 +31,8 @@ pub(super) struct Frame {
 const SPACING: (f64, f64) = (90.0, 34.0);
 
 impl Frame {
-    pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        (self.x.at(x), self.y.at(y))
+    pub(super) fn to_pixel(&self, x: f64, y: f64) -> (f64, f64) {
+        (self.x.to_pixel(x), self.y.to_pixel(y))
     }
 
     pub(super) fn left(&self) -> f64 {
@@ -54,8 +54,8 @@ impl Frame {
     /// Draws heading, grid and tick labels. `x_title` is the label at the end of the x axis.
     pub(super) fn draw(&self, svg: &mut Svg, heading: &str, x_title: &str) {
         svg.text((self.left(), self.top() - 10.0), HEADING, heading);
-        self.rows(svg);
-        self.columns(svg, x_title);
+        self.draw_rows(svg);
+        self.draw_columns(svg, x_title);
         svg.line(
             (self.left(), self.bottom()),
             (self.right(), self.bottom()),
@@ -64,29 +64,29 @@ impl Frame {
         );
     }
 
-    fn rows(&self, svg: &mut Svg) {
+    fn draw_rows(&self, svg: &mut Svg) {
         let style = TextStyle {
             anchor: Anchor::End,
-            ..FIGURE
+            ..TICK_LABEL
         };
         for tick in self.y.ticks(SPACING.1) {
-            let y = self.y.at(tick);
+            let y = self.y.to_pixel(tick);
             svg.line((self.left(), y), (self.right(), y), GRID, 1.0);
             let label = self.y.label(tick, SPACING.1);
             svg.text((self.left() - 8.0, y + 4.0), style, &label);
         }
     }
 
-    fn columns(&self, svg: &mut Svg, title: &str) {
+    fn draw_columns(&self, svg: &mut Svg, title: &str) {
         let below = self.bottom() + 17.0;
         for tick in self.x.ticks(SPACING.0) {
-            let x = self.x.at(tick);
+            let x = self.x.to_pixel(tick);
             svg.line((x, self.bottom()), (x, self.bottom() + 4.0), AXIS, 1.0);
-            svg.text((x, below), FIGURE, &self.x.label(tick, SPACING.0));
+            svg.text((x, below), TICK_LABEL, &self.x.label(tick, SPACING.0));
         }
         let style = TextStyle {
             anchor: Anchor::Start,
-            ..FIGURE
+            ..TICK_LABEL
         };
         svg.text((self.right() + 8.0, below), style, title);
     }

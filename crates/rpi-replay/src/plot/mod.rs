@@ -4,19 +4,19 @@
 
 mod axis;
 mod chart;
-mod draw;
 mod frame;
+mod page;
 mod palette;
 mod path_view;
 mod simplify;
 mod svg;
 mod timeline;
 
-pub use draw::draw;
+pub use page::render_svg;
 
 /// Content of a plot.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Picture {
+pub struct Plot {
     /// Title of the plot.
     pub title: String,
     /// Paths in space, one per arm.
@@ -24,7 +24,7 @@ pub struct Picture {
     /// Charts of values over time.
     pub charts: Vec<Chart>,
     /// Execution intervals of the commands, in order of their start.
-    pub spells: Vec<Spell>,
+    pub spans: Vec<ExecutionSpan>,
 }
 
 /// Path of a point in space.
@@ -56,7 +56,7 @@ pub struct Line {
 
 /// Execution interval of a command.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Spell {
+pub struct ExecutionSpan {
     /// Name of the command.
     pub command: String,
     /// Start of the first cycle, seconds.

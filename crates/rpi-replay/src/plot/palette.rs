@@ -4,11 +4,11 @@
 //! their names, so that no information depends on colour alone.
 
 /// Background.
-pub(super) const PAPER: &str = "#fcfcfb";
+pub(super) const BACKGROUND: &str = "#fcfcfb";
 /// Headings.
-pub(super) const INK: &str = "#16181d";
+pub(super) const TEXT: &str = "#16181d";
 /// Labels and numbers.
-pub(super) const SOFT_INK: &str = "#5b606b";
+pub(super) const SECONDARY_TEXT: &str = "#5b606b";
 /// Grid lines.
 pub(super) const GRID: &str = "#e8e8e4";
 /// Axes and borders.

@@ -1,12 +1,12 @@
 //! Projection of a path in space along an axis, with equal scales on both axes and one hue per command.
 
-use super::axis::{Axis, padded, range};
-use super::chart::Place;
-use super::frame::{FIGURE, Frame};
-use super::palette::{INK, PAPER, SOFT_INK, hue};
+use super::axis::{Axis, padded, value_range};
+use super::chart::PlotArea;
+use super::frame::{Frame, TICK_LABEL};
+use super::palette::{BACKGROUND, SECONDARY_TEXT, TEXT, hue};
 use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
-use super::{SpacePath, Spell};
+use super::{ExecutionSpan, SpacePath};
 
 /// Direction of the projection.
 #[derive(Clone, Copy)]
@@ -36,26 +36,32 @@ impl View {
 /// Minimum width of the plotted range in metres. An arm at rest is then a dot instead of enlarged noise.
 const LEAST_WIDTH: f64 = 0.02;
 
-pub(super) fn draw(svg: &mut Svg, path: &SpacePath, view: View, place: Place, spells: &[Spell]) {
+pub(super) fn draw(
+    svg: &mut Svg,
+    path: &SpacePath,
+    view: View,
+    place: PlotArea,
+    spells: &[ExecutionSpan],
+) {
     let points: Vec<(f64, (f64, f64))> = path
         .points
         .iter()
         .map(|(t, p)| (*t, view.project(*p)))
         .collect();
-    let frame = frame(&points, place);
+    let frame = equal_scale_frame(&points, place);
     frame.draw(svg, &format!("{}, {}", path.name, view.name()), "");
-    for (k, part) in parts(&points, spells).into_iter().enumerate() {
-        let pixels: Vec<(f64, f64)> = part.iter().map(|(_, p)| frame.at(p.0, p.1)).collect();
+    for (k, part) in split_by_command(&points, spells).into_iter().enumerate() {
+        let pixels: Vec<(f64, f64)> = part.iter().map(|(_, p)| frame.to_pixel(p.0, p.1)).collect();
         let name = spells.get(k).map_or("", |s| s.command.as_str());
         svg.polyline(&simplify(&pixels, 0.1), hue(k), None, name);
     }
-    marks(svg, &points, spells, &frame);
+    draw_markers(svg, &points, spells, &frame);
 }
 
 /// Returns a plot area with equal scales on both axes.
-fn frame(points: &[(f64, (f64, f64))], place: Place) -> Frame {
-    let x = padded(range(points.iter().map(|p| p.1.0), LEAST_WIDTH), 0.08);
-    let y = padded(range(points.iter().map(|p| p.1.1), LEAST_WIDTH), 0.08);
+fn equal_scale_frame(points: &[(f64, (f64, f64))], place: PlotArea) -> Frame {
+    let x = padded(value_range(points.iter().map(|p| p.1.0), LEAST_WIDTH), 0.08);
+    let y = padded(value_range(points.iter().map(|p| p.1.1), LEAST_WIDTH), 0.08);
     let (width, height) = (place.x.1 - place.x.0, place.y.1 - place.y.0);
     let scale = ((x.1 - x.0) / width).max((y.1 - y.0) / height);
     let widened = |(low, high): (f64, f64), pixels: f64| {
@@ -75,7 +81,7 @@ fn frame(points: &[(f64, (f64, f64))], place: Place) -> Frame {
 }
 
 /// Splits the points by command. Each part begins with the last point of its predecessor, so that the path has no gap.
-fn parts<P: Copy>(points: &[(f64, P)], spells: &[Spell]) -> Vec<Vec<(f64, P)>> {
+fn split_by_command<P: Copy>(points: &[(f64, P)], spells: &[ExecutionSpan]) -> Vec<Vec<(f64, P)>> {
     if spells.is_empty() {
         return vec![points.to_vec()];
     }
@@ -91,25 +97,30 @@ fn parts<P: Copy>(points: &[(f64, P)], spells: &[Spell]) -> Vec<Vec<(f64, P)>> {
 }
 
 /// Marks the start, the takeovers and the end.
-fn marks(svg: &mut Svg, points: &[(f64, (f64, f64))], spells: &[Spell], frame: &Frame) {
+fn draw_markers(
+    svg: &mut Svg,
+    points: &[(f64, (f64, f64))],
+    spells: &[ExecutionSpan],
+    frame: &Frame,
+) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return;
     };
-    let pixel = |p: &(f64, (f64, f64))| frame.at(p.1.0, p.1.1);
+    let pixel = |p: &(f64, (f64, f64))| frame.to_pixel(p.1.0, p.1.1);
     let mut labelled = Vec::new();
     for (k, spell) in spells.iter().enumerate().skip(1) {
         let at = points.partition_point(|p| p.0 < spell.from);
         let at = pixel(&points[at.min(points.len() - 1)]);
-        svg.dot(at, 5.0, hue(k), PAPER);
+        svg.dot(at, 5.0, hue(k), BACKGROUND);
         if is_free(&labelled, at) {
             let text = format!("takeover {:.3} s", spell.from);
-            label(svg, frame, at, (-7.0, SOFT_INK), &text);
+            draw_label(svg, frame, at, (-7.0, SECONDARY_TEXT), &text);
             labelled.push(at);
         }
     }
     for (point, name) in [(first, "start"), (last, "end")] {
-        svg.dot(pixel(point), 4.5, INK, PAPER);
-        label(svg, frame, pixel(point), (14.0, INK), name);
+        svg.dot(pixel(point), 4.5, TEXT, BACKGROUND);
+        draw_label(svg, frame, pixel(point), (14.0, TEXT), name);
     }
 }
 
@@ -124,7 +135,7 @@ fn is_free(labelled: &[(f64, f64)], at: (f64, f64)) -> bool {
 }
 
 /// Draws a label beside a point, on the side with more room.
-fn label(
+fn draw_label(
     svg: &mut Svg,
     frame: &Frame,
     at: (f64, f64),
@@ -140,7 +151,7 @@ fn label(
     let style = TextStyle {
         color,
         anchor,
-        ..FIGURE
+        ..TICK_LABEL
     };
     svg.text((at.0 + shift, at.1 + below), style, text);
 }
@@ -149,18 +160,18 @@ fn label(
 mod tests {
     use super::*;
 
-    fn spell(from: f64, to: f64) -> Spell {
-        Spell {
+    fn spell(from: f64, to: f64) -> ExecutionSpan {
+        ExecutionSpan {
             from,
             to,
-            ..Spell::default()
+            ..ExecutionSpan::default()
         }
     }
 
     #[test]
     fn each_command_has_its_part_and_no_gap() {
         let points: Vec<(f64, u32)> = (0..6).map(|k| (f64::from(k), k)).collect();
-        let parts = parts(&points, &[spell(0.0, 3.0), spell(3.0, 6.0)]);
+        let parts = split_by_command(&points, &[spell(0.0, 3.0), spell(3.0, 6.0)]);
         assert_eq!(parts[0], points[0..3]);
         assert_eq!(parts[1], points[2..6]);
     }
@@ -176,14 +187,14 @@ mod tests {
 
     #[test]
     fn both_axes_have_one_scale() {
-        let place = Place {
+        let place = PlotArea {
             x: (0.0, 400.0),
             y: (0.0, 200.0),
         };
-        let frame = frame(&[(0.0, (0.0, 0.0)), (1.0, (1.0, 1.0))], place);
+        let frame = equal_scale_frame(&[(0.0, (0.0, 0.0)), (1.0, (1.0, 1.0))], place);
         let per_pixel =
             |axis: Axis| ((axis.values.1 - axis.values.0) / (axis.pixels.1 - axis.pixels.0)).abs();
         assert!((per_pixel(frame.x) - per_pixel(frame.y)).abs() < 1e-12);
-        assert!(frame.at(1.0, 1.0).1 > 0.0);
+        assert!(frame.to_pixel(1.0, 1.0).1 > 0.0);
     }
 }

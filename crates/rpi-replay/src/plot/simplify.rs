@@ -15,7 +15,7 @@ pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
     keep.iter_mut().take(1).for_each(|first| *first = true);
     keep.iter_mut().rev().take(1).for_each(|last| *last = true);
     while let Some((first, last)) = open.pop() {
-        if let Some(far) = farthest(&points, first, last, tolerance) {
+        if let Some(far) = farthest_point(&points, first, last, tolerance) {
             keep[far] = true;
             open.extend([(first, far), (far, last)]);
         }
@@ -26,7 +26,7 @@ pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
 
 /// Returns the point between `first` and `last` with the largest distance from their segment, if the distance exceeds
 /// the tolerance.
-fn farthest(points: &[Point], first: usize, last: usize, tolerance: f64) -> Option<usize> {
+fn farthest_point(points: &[Point], first: usize, last: usize, tolerance: f64) -> Option<usize> {
     let off = |k: usize| distance(points[k], points[first], points[last]);
     let far = (first + 1..last).max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
     (off(far) > tolerance).then_some(far)

@@ -42,7 +42,7 @@ impl Svg {
         svg.raw(format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} role=\"img\" font-family=\"Inter, 'Segoe UI', 'DejaVu Sans', sans-serif\">"
         ));
-        svg.raw(format_args!("<title>{}</title>", escaped(title)));
+        svg.raw(format_args!("<title>{}</title>", escape(title)));
         svg.raw(format_args!(
             "<rect width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>"
         ));
@@ -50,28 +50,28 @@ impl Svg {
     }
 
     pub(super) fn line(&mut self, from: (f64, f64), to: (f64, f64), color: &str, width: f64) {
-        let [a, b, c, d] = [from.0, from.1, to.0, to.1].map(num);
+        let [a, b, c, d] = [from.0, from.1, to.0, to.1].map(format_coordinate);
         self.raw(format_args!(
             "<line x1=\"{a}\" y1=\"{b}\" x2=\"{c}\" y2=\"{d}\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
         ));
     }
 
     pub(super) fn dashed(&mut self, from: (f64, f64), to: (f64, f64), color: &str) {
-        let [a, b, c, d] = [from.0, from.1, to.0, to.1].map(num);
+        let [a, b, c, d] = [from.0, from.1, to.0, to.1].map(format_coordinate);
         self.raw(format_args!(
             "<line x1=\"{a}\" y1=\"{b}\" x2=\"{c}\" y2=\"{d}\" stroke=\"{color}\" stroke-width=\"1\" stroke-dasharray=\"3 3\"/>"
         ));
     }
 
     pub(super) fn rect(&mut self, at: (f64, f64), size: (f64, f64), radius: f64, fill: &str) {
-        let [x, y, w, h] = [at.0, at.1, size.0, size.1].map(num);
+        let [x, y, w, h] = [at.0, at.1, size.0, size.1].map(format_coordinate);
         self.raw(format_args!(
             "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"{radius}\" fill=\"{fill}\"/>"
         ));
     }
 
     pub(super) fn dot(&mut self, at: (f64, f64), radius: f64, fill: &str, ring: &str) {
-        let [x, y] = [at.0, at.1].map(num);
+        let [x, y] = [at.0, at.1].map(format_coordinate);
         self.raw(format_args!(
             "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{fill}\" stroke=\"{ring}\" stroke-width=\"2\"/>"
         ));
@@ -94,8 +94,8 @@ impl Svg {
                 d,
                 "{}{} {}",
                 if k == 0 { 'M' } else { 'L' },
-                num(*x),
-                num(*y)
+                format_coordinate(*x),
+                format_coordinate(*y)
             );
         }
         let dashes = dashes
@@ -103,12 +103,12 @@ impl Svg {
             .unwrap_or_default();
         self.raw(format_args!(
             "<path d=\"{d}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-linecap=\"round\"{dashes}><title>{}</title></path>",
-            escaped(name)
+            escape(name)
         ));
     }
 
     pub(super) fn text(&mut self, at: (f64, f64), style: TextStyle, text: &str) {
-        let [x, y] = [at.0, at.1].map(num);
+        let [x, y] = [at.0, at.1].map(format_coordinate);
         let weight = if style.bold {
             " font-weight=\"600\""
         } else {
@@ -119,7 +119,7 @@ impl Svg {
             style.size,
             style.color,
             style.anchor.name(),
-            escaped(text)
+            escape(text)
         ));
     }
 
@@ -134,7 +134,7 @@ impl Svg {
 }
 
 /// Formats a coordinate with at most two decimals.
-fn num(value: f64) -> String {
+fn format_coordinate(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
@@ -144,7 +144,7 @@ fn num(value: f64) -> String {
     }
 }
 
-fn escaped(text: &str) -> String {
+fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn coordinates_are_short() {
         assert_eq!(
-            [1.0, -0.001, 2.345, 100.0].map(num),
+            [1.0, -0.001, 2.345, 100.0].map(format_coordinate),
             ["1", "0", "2.35", "100"]
         );
     }

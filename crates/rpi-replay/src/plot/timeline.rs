@@ -1,28 +1,28 @@
 //! Timeline of the commands: one bar each, on the same time axis as the charts below.
 
-use super::Spell;
+use super::ExecutionSpan;
 use super::axis::Axis;
-use super::palette::{INK, SOFT_INK, hue};
+use super::palette::{SECONDARY_TEXT, TEXT, hue};
 use super::svg::{Anchor, Svg, TextStyle};
 
 const BAR: f64 = 7.0;
 
 /// Draws the bars at height `y`, with the names above them.
-pub(super) fn draw(svg: &mut Svg, spells: &[Spell], x: Axis, y: f64) {
+pub(super) fn draw(svg: &mut Svg, spells: &[ExecutionSpan], x: Axis, y: f64) {
     for (k, spell) in spells.iter().enumerate() {
-        let (from, to) = (x.at(spell.from), x.at(spell.to));
+        let (from, to) = (x.to_pixel(spell.from), x.to_pixel(spell.to));
         // A gap of two pixels separates adjacent bars.
         svg.rect((from, y), ((to - from - 2.0).max(1.0), BAR), 2.0, hue(k));
-        name(svg, spell, (from, y - 7.0), to - from);
+        draw_name(svg, spell, (from, y - 7.0), to - from);
     }
 }
 
 /// Draws the name and the end of a command, as far as they fit above the bar.
-fn name(svg: &mut Svg, spell: &Spell, at: (f64, f64), room: f64) {
+fn draw_name(svg: &mut Svg, spell: &ExecutionSpan, at: (f64, f64), room: f64) {
     let width = |text: &str| text.chars().count() as f64 * 7.8;
     let style = TextStyle {
         size: 12.0,
-        color: INK,
+        color: TEXT,
         bold: true,
         anchor: Anchor::Start,
     };
@@ -34,7 +34,7 @@ fn name(svg: &mut Svg, spell: &Spell, at: (f64, f64), room: f64) {
     if !spell.end.is_empty() && width(&spell.command) + width(&end) + 10.0 < room {
         let soft = TextStyle {
             size: 11.0,
-            color: SOFT_INK,
+            color: SECONDARY_TEXT,
             bold: false,
             anchor: Anchor::Start,
         };

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use rpi_core::Machine;
+use rpi_core::Instance;
 use rpi_diag::Span;
 use rpi_image::Image;
 use rpi_image::image::Signal;
-use rpi_net::{Choice, Exits, FragmentId, Input, Net, PortRef};
+use rpi_net::{Decision, FragmentId, Input, Net, PortRef, StateTransitions};
 
 /// Coverage by location in the source. Each instance of a unit has entries of its own.
 #[derive(Clone, Debug)]
@@ -19,15 +19,15 @@ pub struct Coverage {
     pub branches: Vec<(Span, [bool; 2])>,
     /// Each transition of an automaton: location, and whether it was ever taken.
     pub transitions: Vec<(Span, bool)>,
-    choices: Vec<Decision>,
-    exits: Vec<State>,
+    choices: Vec<Branch>,
+    exits: Vec<AutomatonState>,
 }
 
 /// A Boolean of the net, observed at run time.
 #[derive(Clone, Copy, Debug)]
-enum Watched {
+enum ObservedBoolean {
     /// A constant.
-    Known(bool),
+    Constant(bool),
     /// A signal that is computed in the fragment with this index.
     Computed(Signal, u32),
     /// Absent in all cycles.
@@ -37,56 +37,63 @@ enum Watched {
 /// A branch. It is evaluated in the cycles in which its fragment is active and the enclosing branch has the required
 /// value.
 #[derive(Clone, Debug)]
-struct Decision {
-    condition: Watched,
+struct Branch {
+    condition: ObservedBoolean,
     /// Index of the fragment; `None` if the fragment is never active.
     fragment: Option<u32>,
     /// Index of the enclosing branch, which has a smaller index, and the value of its condition that makes this one
     /// reachable.
-    side: Option<(usize, bool)>,
+    enclosing: Option<(usize, bool)>,
 }
 
 /// A state of an automaton with the conditions of its outgoing transitions, in order.
 #[derive(Clone, Debug)]
-struct State {
-    here: Watched,
-    conditions: Vec<Watched>,
+struct AutomatonState {
+    is_current: ObservedBoolean,
+    conditions: Vec<ObservedBoolean>,
 }
 
 impl Coverage {
     pub(super) fn new(net: &Net, image: &Image) -> Coverage {
-        let places = Places::new(net, image);
-        let marks = &net.landmarks;
-        let transitions = marks.exits.iter().flat_map(|exits| &exits.transitions);
-        let choices = marks.choices.iter();
+        let places = ImageIndex::new(net, image);
+        let marks = &net.coverage_points;
+        let transitions = marks
+            .state_transitions
+            .iter()
+            .flat_map(|exits| &exits.transitions);
+        let choices = marks.decisions.iter();
         Coverage {
-            called: marks.called.clone(),
+            called: marks.called_units.clone(),
             fragments: fragments(net, image),
             branches: choices.clone().map(|one| (one.span, [false; 2])).collect(),
             transitions: transitions.map(|exit| (exit.span, false)).collect(),
             choices: choices.map(|one| places.decision(one)).collect(),
-            exits: marks.exits.iter().map(|one| places.state(one)).collect(),
+            exits: marks
+                .state_transitions
+                .iter()
+                .map(|one| places.state(one))
+                .collect(),
         }
     }
 
-    pub(super) fn look(&mut self, machine: &Machine) {
+    pub(super) fn update(&mut self, machine: &Instance) {
         for (k, fragment) in (1..).zip(&mut self.fragments) {
             fragment.2 |= machine.is_active(k);
         }
-        self.look_at_choices(machine);
+        self.update_branches(machine);
         let mut first = 0;
         for state in &self.exits {
-            if let Some(k) = state.taken(machine) {
+            if let Some(k) = state.taken_transition(machine) {
                 self.transitions[first + k].1 = true;
             }
             first += state.conditions.len();
         }
     }
 
-    fn look_at_choices(&mut self, machine: &Machine) {
+    fn update_branches(&mut self, machine: &Instance) {
         let mut taken: Vec<Option<bool>> = Vec::with_capacity(self.choices.len());
         for (choice, (_, seen)) in self.choices.iter().zip(&mut self.branches) {
-            let around = choice.side;
+            let around = choice.enclosing;
             let matters = choice
                 .fragment
                 .is_some_and(|fragment| machine.is_active(fragment))
@@ -100,59 +107,59 @@ impl Coverage {
     }
 }
 
-impl Watched {
+impl ObservedBoolean {
     /// Returns the value in this cycle, if it is present.
-    fn value(&self, machine: &Machine) -> Option<bool> {
+    fn value(&self, machine: &Instance) -> Option<bool> {
         match *self {
-            Watched::Known(value) => Some(value),
-            Watched::Computed(signal, fragment) if machine.is_active(fragment) => {
+            ObservedBoolean::Constant(value) => Some(value),
+            ObservedBoolean::Computed(signal, fragment) if machine.is_active(fragment) => {
                 machine.value(signal).map(|value| value[0] != 0)
             }
-            Watched::Computed(..) | Watched::Absent => None,
+            ObservedBoolean::Computed(..) | ObservedBoolean::Absent => None,
         }
     }
 }
 
-impl State {
+impl AutomatonState {
     /// Returns the index of the transition that is taken in this cycle.
-    fn taken(&self, machine: &Machine) -> Option<usize> {
-        let holds = |watched: &Watched| watched.value(machine) == Some(true);
+    fn taken_transition(&self, machine: &Instance) -> Option<usize> {
+        let holds = |watched: &ObservedBoolean| watched.value(machine) == Some(true);
         let mut conditions = self.conditions.iter();
-        holds(&self.here).then(|| conditions.position(holds))?
+        holds(&self.is_current).then(|| conditions.position(holds))?
     }
 }
 
 /// Finds the ports and fragments of a net in its image.
-struct Places<'n> {
+struct ImageIndex<'n> {
     net: &'n Net,
     ports: BTreeMap<String, (Signal, u32)>,
     fragments: BTreeMap<String, u32>,
 }
 
-impl<'n> Places<'n> {
-    fn new(net: &'n Net, image: &Image) -> Places<'n> {
+impl<'n> ImageIndex<'n> {
+    fn new(net: &'n Net, image: &Image) -> ImageIndex<'n> {
         let probes = image.probes.iter();
         let ports = probes.map(|p| (image.probe_name(p), (p.value, p.fragment)));
         let fragments = (0..).zip(&image.fragments).skip(1);
-        Places {
+        ImageIndex {
             net,
             ports: ports.collect(),
             fragments: fragments.map(|(k, of)| (of.path.clone(), k)).collect(),
         }
     }
 
-    fn decision(&self, choice: &Choice) -> Decision {
-        Decision {
+    fn decision(&self, choice: &Decision) -> Branch {
+        Branch {
             condition: self.input(&choice.condition),
             fragment: self.fragment(choice.fragment),
-            side: (choice.side).map(|side| (side.choice as usize, side.taken_if)),
+            enclosing: (choice.branch).map(|side| (side.decision as usize, side.outcome)),
         }
     }
 
-    fn state(&self, exits: &Exits) -> State {
+    fn state(&self, exits: &StateTransitions) -> AutomatonState {
         let transitions = exits.transitions.iter();
-        State {
-            here: self.input(&exits.here),
+        AutomatonState {
+            is_current: self.input(&exits.is_active),
             conditions: transitions
                 .map(|exit| self.input(&exit.condition))
                 .collect(),
@@ -166,21 +173,23 @@ impl<'n> Places<'n> {
         }
     }
 
-    fn port(&self, port: PortRef) -> Watched {
+    fn port(&self, port: PortRef) -> ObservedBoolean {
         let node = self.net.node(port.node);
         let name = node.desc().outputs.get(usize::from(port.port));
         let path = self.net.path(node.fragment, &node.name);
         let place = name.and_then(|port| self.ports.get(&format!("{path}.{}", port.name)));
-        place.map_or(Watched::Absent, |&(signal, fragment)| {
-            Watched::Computed(signal, fragment)
+        place.map_or(ObservedBoolean::Absent, |&(signal, fragment)| {
+            ObservedBoolean::Computed(signal, fragment)
         })
     }
 
-    fn input(&self, input: &Input) -> Watched {
+    fn input(&self, input: &Input) -> ObservedBoolean {
         match input {
             Input::Port(port) => self.port(*port),
-            Input::Const(value) => value.as_bool().map_or(Watched::Absent, Watched::Known),
-            Input::Open => Watched::Absent,
+            Input::Const(value) => value
+                .as_bool()
+                .map_or(ObservedBoolean::Absent, ObservedBoolean::Constant),
+            Input::Unconnected => ObservedBoolean::Absent,
         }
     }
 }

@@ -7,24 +7,24 @@ mod coverage;
 
 pub use coverage::Coverage;
 
-use rpi_core::{Machine, Moment, Verdict};
+use rpi_core::{CycleContext, Instance, Verdict};
 use rpi_device::NoDevices;
-use rpi_diag::Finding;
+use rpi_diag::Diagnostic;
 use rpi_image::Image;
-use rpi_image::image::{End, EndKind, Export, Signal, TextRange};
+use rpi_image::image::{CommandEnd, CommandEndKind, Export, Signal, TextRange};
 use rpi_net::{Claim, Net};
 
-use crate::claims::{self, Flows};
+use crate::monitor::{self, ExportValues};
 
 /// A test and what is monitored in it.
 #[derive(Debug)]
-pub struct Case<'a> {
+pub struct TestCase<'a> {
     /// Net of the test.
     pub net: &'a Net,
     /// Image of the net, lowered with observable ports.
     pub image: Image,
     /// Conditions of the test.
-    pub conditions: &'a [Condition],
+    pub conditions: &'a [TestCondition],
     /// Claims of the units that the test calls.
     pub claims: &'a [Claim],
     /// Whether coverage is recorded.
@@ -34,14 +34,14 @@ pub struct Case<'a> {
 }
 
 /// Default number of cycles of a test that cannot finish.
-pub const CYCLES: u64 = 1000;
+pub const DEFAULT_CYCLES: u64 = 1000;
 
 /// Default limit of cycles for a test that can finish.
-pub const MOST: u64 = 100_000;
+pub const MAX_FINISH_CYCLES: u64 = 100_000;
 
 /// A Boolean export that must be true in every cycle in which it is present.
 #[derive(Clone, Debug)]
-pub struct Condition {
+pub struct TestCondition {
     /// Key of the export.
     pub key: String,
     /// Names and keys of the exports whose values are shown when the condition fails.
@@ -50,28 +50,28 @@ pub struct Condition {
 
 /// Result of a test.
 #[derive(Debug)]
-pub struct Report {
+pub struct TestReport {
     /// Number of executed cycles.
     pub cycles: u64,
     /// Verdict on each condition.
-    pub verdicts: Vec<Holds>,
+    pub verdicts: Vec<ConditionVerdict>,
     /// Diagnostics of violated claims.
-    pub broken: Vec<Finding>,
+    pub violations: Vec<Diagnostic>,
     /// How the test ended; `None` if it cannot finish.
-    pub end: Option<Ended>,
+    pub end: Option<TestEnd>,
     /// Coverage, if it was recorded.
     pub coverage: Option<Coverage>,
 }
 
 /// Verdict on a condition.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Holds {
+pub enum ConditionVerdict {
     /// The condition was true whenever it was present.
-    Always,
+    Held,
     /// The condition was absent in all cycles.
-    Never,
+    NeverPresent,
     /// The condition was false. Only the first such cycle is reported.
-    Broken {
+    Violated {
         /// Cycle, from 0.
         cycle: u64,
         /// Names and values of the shown exports; `null` for an absent value.
@@ -81,7 +81,7 @@ pub enum Holds {
 
 /// How a test ended.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Ended {
+pub enum TestEnd {
     /// The test finished with `finish` or `yield`.
     Finished,
     /// The test can finish, but did not do so within its cycles.
@@ -93,16 +93,21 @@ pub enum Ended {
         /// Description of the fault.
         what: &'static str,
         /// Location in the source.
-        place: Option<TextRange>,
+        location: Option<TextRange>,
     },
 }
 
-impl Report {
+impl TestReport {
     /// Returns true if the test finished and no condition or claim was violated.
     #[must_use]
     pub fn passed(&self) -> bool {
-        let ended = matches!(self.end, None | Some(Ended::Finished));
-        ended && self.broken.is_empty() && self.verdicts.iter().all(|holds| *holds == Holds::Always)
+        let ended = matches!(self.end, None | Some(TestEnd::Finished));
+        ended
+            && self.violations.is_empty()
+            && self
+                .verdicts
+                .iter()
+                .all(|holds| *holds == ConditionVerdict::Held)
     }
 }
 
@@ -110,69 +115,75 @@ impl Report {
 ///
 /// # Errors
 /// Returns the load errors if the image cannot be loaded.
-pub fn run(case: Case<'_>) -> Result<Report, String> {
-    let machine = Machine::load(case.image, &mut NoDevices).map_err(|faults| {
+pub fn run(case: TestCase<'_>) -> Result<TestReport, String> {
+    let machine = Instance::load(case.image, &mut NoDevices).map_err(|faults| {
         let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
         faults.join("; ")
     })?;
     let finishes = can_finish(&machine.image().end);
     let noted = case.coverage.then_some(case.net);
     let coverage = noted.map(|net| Coverage::new(net, machine.image()));
-    let mut watch = Watch::new(machine, case.conditions, case.claims, coverage);
-    let cycles = case.cycles.unwrap_or(if finishes { MOST } else { CYCLES });
+    let mut watch = TestRun::new(machine, case.conditions, case.claims, coverage);
+    let cycles = case.cycles.unwrap_or(if finishes {
+        MAX_FINISH_CYCLES
+    } else {
+        DEFAULT_CYCLES
+    });
     let end = (0..cycles).find_map(|cycle| watch.cycle(cycle));
-    Ok(watch.report(end.or(finishes.then_some(Ended::Unfinished))))
+    Ok(watch.report(end.or(finishes.then_some(TestEnd::Unfinished))))
 }
 
-fn can_finish(end: &End) -> bool {
+fn can_finish(end: &CommandEnd) -> bool {
     match end {
-        End::Results(results) => results.iter().any(|result| result.kind != EndKind::Fail),
-        End::Ports { .. } => false,
+        CommandEnd::Results(results) => results
+            .iter()
+            .any(|result| result.kind != CommandEndKind::Fail),
+        CommandEnd::Ports { .. } => false,
     }
 }
 
 /// A running test.
-struct Watch {
-    machine: Machine,
-    conditions: Vec<Watched>,
-    claims: claims::Watch,
-    broken: Vec<Finding>,
+struct TestRun {
+    machine: Instance,
+    conditions: Vec<MonitoredCondition>,
+    claims: monitor::ClaimMonitor,
+    broken: Vec<Diagnostic>,
     coverage: Option<Coverage>,
     cycles: u64,
 }
 
-struct Watched {
+struct MonitoredCondition {
     signal: Option<Signal>,
     reads: Vec<(String, Export)>,
-    holds: Holds,
+    verdict: ConditionVerdict,
 }
 
-impl Watch {
+impl TestRun {
     fn new(
-        machine: Machine,
-        conditions: &[Condition],
+        machine: Instance,
+        conditions: &[TestCondition],
         claims: &[Claim],
         coverage: Option<Coverage>,
-    ) -> Watch {
+    ) -> TestRun {
         let image = machine.image().clone();
         let numbered = |key: &str| {
             let place = image.exports.iter().position(|e| e.key == key)?;
             Some((place, image.exports[place].value.ty))
         };
         let export = |key: &String| image.exports.iter().find(|e| e.key == *key);
-        let watched = |condition: &Condition| Watched {
+        let watched = |condition: &TestCondition| MonitoredCondition {
             signal: export(&condition.key).map(|e| e.value),
             reads: condition
                 .reads
                 .iter()
                 .filter_map(|(name, key)| Some((name.clone(), export(key)?.clone())))
                 .collect(),
-            holds: Holds::Never,
+            verdict: ConditionVerdict::NeverPresent,
         };
-        Watch {
+        TestRun {
             conditions: conditions.iter().map(watched).collect(),
             coverage,
-            claims: claims::Watch::new(claims, numbered),
+            claims: monitor::ClaimMonitor::new(claims, numbered),
             broken: Vec::new(),
             machine,
             cycles: 0,
@@ -180,47 +191,52 @@ impl Watch {
     }
 
     /// Executes one cycle. Returns how the test ended, if it ended in this cycle.
-    fn cycle(&mut self, cycle: u64) -> Option<Ended> {
+    fn cycle(&mut self, cycle: u64) -> Option<TestEnd> {
         let bank = &mut NoDevices;
-        self.machine.read(bank, &moment(cycle, &self.machine));
+        self.machine
+            .read(bank, &cycle_context(cycle, &self.machine));
         self.machine.evaluate(bank);
         self.machine.commit();
         self.machine.hand_over(bank);
         self.cycles += 1;
         let verdict = self.machine.verdict(&[]);
         if let Some(Verdict::Fault(fault)) = verdict {
-            let place = self.machine.image().place_of(fault.cell);
-            return Some(Ended::Fault {
+            let place = self.machine.image().location_of(fault.slot);
+            return Some(TestEnd::Fault {
                 what: rpi_runtime::run::fault_text(fault.code),
-                place: place.and_then(|place| place.text),
+                location: place.and_then(|place| place.range),
             });
         }
         for condition in &mut self.conditions {
-            condition.look(cycle, &self.machine);
+            condition.evaluate(cycle, &self.machine);
         }
-        let broken = self.claims.look(&Exports(&self.machine));
-        let told = broken.iter().map(|broken| self.claims.told(broken, cycle));
+        let broken = self.claims.evaluate(&MachineExports(&self.machine));
+        let told = broken
+            .iter()
+            .map(|broken| self.claims.diagnostic(broken, cycle));
         self.broken.extend(told);
         if let Some(coverage) = &mut self.coverage {
-            coverage.look(&self.machine);
+            coverage.update(&self.machine);
         }
-        verdict.map(|verdict| self.ended(verdict))
+        verdict.map(|verdict| self.test_end(verdict))
     }
 
-    fn ended(&self, verdict: Verdict) -> Ended {
+    fn test_end(&self, verdict: Verdict) -> TestEnd {
         match (verdict, &self.machine.image().end) {
-            (Verdict::Result(k), End::Results(results)) if results[k].kind == EndKind::Fail => {
-                Ended::Failed(results[k].name.clone())
+            (Verdict::Result(k), CommandEnd::Results(results))
+                if results[k].kind == CommandEndKind::Fail =>
+            {
+                TestEnd::Failed(results[k].name.clone())
             }
-            _ => Ended::Finished,
+            _ => TestEnd::Finished,
         }
     }
 
-    fn report(self, end: Option<Ended>) -> Report {
-        Report {
+    fn report(self, end: Option<TestEnd>) -> TestReport {
+        TestReport {
             cycles: self.cycles,
-            verdicts: self.conditions.into_iter().map(|c| c.holds).collect(),
-            broken: self.broken,
+            verdicts: self.conditions.into_iter().map(|c| c.verdict).collect(),
+            violations: self.broken,
             end,
             coverage: self.coverage,
         }
@@ -228,17 +244,17 @@ impl Watch {
 }
 
 /// Read access to the exports of a machine.
-struct Exports<'m>(&'m Machine);
+struct MachineExports<'m>(&'m Instance);
 
-impl Flows for Exports<'_> {
-    fn cells(&self, export: usize) -> Option<&[u64]> {
+impl ExportValues for MachineExports<'_> {
+    fn words(&self, export: usize) -> Option<&[u64]> {
         self.0.value(self.0.image().exports[export].value)
     }
 }
 
-impl Watched {
-    fn look(&mut self, cycle: u64, machine: &Machine) {
-        if matches!(self.holds, Holds::Broken { .. }) {
+impl MonitoredCondition {
+    fn evaluate(&mut self, cycle: u64, machine: &Instance) {
+        if matches!(self.verdict, ConditionVerdict::Violated { .. }) {
             return;
         }
         // A condition that is constantly true has no export.
@@ -247,12 +263,12 @@ impl Watched {
             .map_or(Some(1), |s| machine.value(s).map(|v| v[0]));
         match value {
             None => {}
-            Some(0) => self.holds = self.broken(cycle, machine),
-            Some(_) => self.holds = Holds::Always,
+            Some(0) => self.verdict = self.violation(cycle, machine),
+            Some(_) => self.verdict = ConditionVerdict::Held,
         }
     }
 
-    fn broken(&self, cycle: u64, machine: &Machine) -> Holds {
+    fn violation(&self, cycle: u64, machine: &Instance) -> ConditionVerdict {
         let text = |(name, read): &(String, Export)| {
             let value = machine.value(read.value);
             let text = value.map_or_else(
@@ -262,17 +278,17 @@ impl Watched {
             (name.clone(), text)
         };
         let values = self.reads.iter().map(text).collect();
-        Holds::Broken { cycle, values }
+        ConditionVerdict::Violated { cycle, values }
     }
 }
 
 /// Returns the time of a cycle. The epoch is the start of the test.
-fn moment(cycle: u64, machine: &Machine) -> Moment {
+fn cycle_context(cycle: u64, machine: &Instance) -> CycleContext {
     let ns = cycle.saturating_mul(machine.image().period_ns);
     let ns = i64::try_from(ns).unwrap_or(i64::MAX);
-    Moment {
+    CycleContext {
         net_ns: ns,
         wall_ns: ns,
-        ..Moment::default()
+        ..CycleContext::default()
     }
 }

@@ -4,17 +4,17 @@
 mod nets;
 mod parallel;
 
-use nets::Recorded;
+use nets::RecordedNet;
 use parallel::in_parallel;
 use rpi_record::trace::Trace;
-use rpi_replay::replay::{Options, replay};
+use rpi_replay::trace_compare::{Options, replay};
 
 #[test]
 fn every_net_of_the_corpus_agrees_with_its_trace() {
-    let Some(corpus) = rpi_testkit::shared_path("nets/corpus") else {
+    let Some(corpus) = rpi_testkit::external_data_path("nets/corpus") else {
         return;
     };
-    let nets = nets::of_corpus(&corpus);
+    let nets = nets::corpus_nets(&corpus);
     assert!(nets.len() >= 400, "the corpus has {} nets", nets.len());
     none_wrong(&nets, in_parallel(&nets, agrees));
 }
@@ -22,10 +22,10 @@ fn every_net_of_the_corpus_agrees_with_its_trace() {
 /// Replays traces that join set-points of every cycle with all ports of a few cycles.
 #[test]
 fn recorded_set_points_agree() {
-    let Some(folder) = rpi_testkit::shared_path("nets/traces") else {
+    let Some(folder) = rpi_testkit::external_data_path("nets/traces") else {
         return;
     };
-    let nets = nets::with_set_points(&folder);
+    let nets = nets::set_point_nets(&folder);
     assert!(nets.len() >= 10, "there are {} nets", nets.len());
     none_wrong(&nets, in_parallel(&nets, agrees));
 }
@@ -33,10 +33,10 @@ fn recorded_set_points_agree() {
 /// Checks that a replay detects differences: one value is changed in each trace.
 #[test]
 fn a_changed_value_is_found_in_every_net() {
-    let Some(corpus) = rpi_testkit::shared_path("nets/corpus") else {
+    let Some(corpus) = rpi_testkit::external_data_path("nets/corpus") else {
         return;
     };
-    let nets = nets::of_corpus(&corpus);
+    let nets = nets::corpus_nets(&corpus);
     let outcomes = in_parallel(&nets, |net| {
         let computed = net.last_computed_real();
         computed.map_or(Ok(false), |row| finds(net, &row).map(|()| true))
@@ -46,7 +46,7 @@ fn a_changed_value_is_found_in_every_net() {
     none_wrong(&nets, outcomes.into_iter().map(|o| o.map(|_| ())).collect());
 }
 
-fn agrees(recorded: &Recorded) -> Result<(), String> {
+fn agrees(recorded: &RecordedNet) -> Result<(), String> {
     let net = recorded.net()?;
     let report = replay(&net, &recorded.trace()?, &Options::default());
     let report = report.map_err(|e| e.to_string())?;
@@ -57,7 +57,7 @@ fn agrees(recorded: &Recorded) -> Result<(), String> {
     }
 }
 
-fn finds(recorded: &Recorded, row: &str) -> Result<(), String> {
+fn finds(recorded: &RecordedNet, row: &str) -> Result<(), String> {
     let changed = recorded.text.replace(row, &nets::changed(row));
     let trace = Trace::parse(&changed).map_err(|e| e.to_string())?;
     let report = replay(&recorded.net()?, &trace, &Options::default());
@@ -67,7 +67,7 @@ fn finds(recorded: &Recorded, row: &str) -> Result<(), String> {
     }
 }
 
-fn none_wrong(nets: &[Recorded], outcomes: Vec<Result<(), String>>) {
+fn none_wrong(nets: &[RecordedNet], outcomes: Vec<Result<(), String>>) {
     let all = nets.iter().zip(&outcomes);
     let wrong: Vec<String> = all
         .filter_map(|(net, o)| Some(format!("{}: {}", net.name, o.as_ref().err()?)))

@@ -9,7 +9,7 @@ use rpi_net::Net;
 use rpi_record::trace::Trace;
 
 /// A net with its trace and further recordings of the same run.
-pub(crate) struct Recorded {
+pub(crate) struct RecordedNet {
     pub(crate) name: String,
     net: String,
     /// Text of the trace.
@@ -18,9 +18,9 @@ pub(crate) struct Recorded {
 }
 
 /// Returns all nets of the corpus, ordered by name.
-pub(crate) fn of_corpus(corpus: &Path) -> Vec<Recorded> {
+pub(crate) fn corpus_nets(corpus: &Path) -> Vec<RecordedNet> {
     let nets = corpus.join("nets");
-    let load = |name: String| Recorded {
+    let load = |name: String| RecordedNet {
         net: read(&nets.join(format!("{name}.rpinet.gz"))),
         text: read(&corpus.join(format!("traces/{name}.trace.gz"))),
         more: None,
@@ -30,8 +30,8 @@ pub(crate) fn of_corpus(corpus: &Path) -> Vec<Recorded> {
 }
 
 /// Returns the nets with recorded set-points.
-pub(crate) fn with_set_points(folder: &Path) -> Vec<Recorded> {
-    let load = |name: String| Recorded {
+pub(crate) fn set_point_nets(folder: &Path) -> Vec<RecordedNet> {
+    let load = |name: String| RecordedNet {
         net: read(&folder.join(format!("{name}.rpinet.gz"))),
         text: read(&folder.join(format!("{name}.setpoints.csv.gz"))),
         more: Some(read(&folder.join(format!("{name}.ports.csv.gz")))),
@@ -40,10 +40,10 @@ pub(crate) fn with_set_points(folder: &Path) -> Vec<Recorded> {
     names(folder, ".setpoints.csv.gz").map(load).collect()
 }
 
-impl Recorded {
+impl RecordedNet {
     pub(crate) fn net(&self) -> Result<Net, String> {
-        let (net, findings) = rpi_net::rpinet::read(&self.name, FileId(0), &self.net);
-        net.ok_or_else(|| format!("{findings:?}"))
+        let (net, diagnostics) = rpi_net::rpinet::parse(&self.name, FileId(0), &self.net);
+        net.ok_or_else(|| format!("{diagnostics:?}"))
     }
 
     pub(crate) fn trace(&self) -> Result<Trace, String> {
@@ -51,7 +51,7 @@ impl Recorded {
         let trace = parse(&self.text)?;
         match &self.more {
             None => Ok(trace),
-            Some(more) => Ok(trace.merged(&parse(more)?)),
+            Some(more) => Ok(trace.merged_with(&parse(more)?)),
         }
     }
 
@@ -83,7 +83,7 @@ fn computed_reals(net: &Net) -> BTreeSet<String> {
         .flat_map(|node| {
             let path = net.path(node.fragment, &node.name);
             let outs = node.desc().outputs.iter().zip(&node.outputs);
-            let reals = outs.filter(|(_, ty)| **ty == Type::One(Scalar::Real));
+            let reals = outs.filter(|(_, ty)| **ty == Type::Scalar(Scalar::Real));
             reals.map(move |(out, _)| format!("{path}.{}", out.name))
         })
         .collect()

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::admission::TooMuch;
-use rpi_core::{CommandId, LoadFault, Notice, Refused};
+use super::admission::BudgetExceededError;
+use rpi_core::{CommandError, CommandId, LoadError, Notice};
 
 /// Number of a request. The [`Event::Answer`] to the request carries the same number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -19,7 +19,7 @@ pub enum Event {
         /// First tick affected by the request.
         tick: u64,
         /// Reason of the refusal, if any. A refused request has no effect.
-        refused: Option<Refused>,
+        refused: Option<CommandError>,
     },
     /// A command or rule has changed its state.
     Notice(Notice),
@@ -40,21 +40,21 @@ pub enum Event {
 
 /// A request that the host rejected before sending it to the cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Rejected {
+pub enum RequestError {
     /// The command does not exist, or it is being unloaded.
-    Unknown,
+    UnknownCommand,
     /// The command table is full.
-    Full,
+    TableFull,
     /// Too many requests or rules are pending. The caller must wait for answers.
-    Busy,
+    QueueFull,
     /// The memory quota of the requester is exhausted.
-    Memory,
+    OutOfMemoryQuota,
     /// The command exceeds the time budget of a tick.
-    TooMuch(TooMuch),
+    BudgetExceeded(BudgetExceededError),
     /// The command cannot run in this cell; all load errors.
-    Loading(Vec<LoadFault>),
+    Load(Vec<LoadError>),
     /// The value has the wrong size for its input.
-    Value {
+    ValueSize {
         /// Command with the input.
         command: CommandId,
         /// Index of the input.
@@ -62,29 +62,29 @@ pub enum Rejected {
     },
 }
 
-impl fmt::Display for Rejected {
+impl fmt::Display for RequestError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Rejected::Unknown => f.write_str("unknown command"),
-            Rejected::Full => f.write_str("the command table is full"),
-            Rejected::Busy => f.write_str("too many pending requests"),
-            Rejected::Memory => f.write_str("the memory quota is exhausted"),
-            Rejected::TooMuch(why) => why.fmt(f),
-            Rejected::Loading(faults) => {
+            RequestError::UnknownCommand => f.write_str("unknown command"),
+            RequestError::TableFull => f.write_str("the command table is full"),
+            RequestError::QueueFull => f.write_str("too many pending requests"),
+            RequestError::OutOfMemoryQuota => f.write_str("the memory quota is exhausted"),
+            RequestError::BudgetExceeded(why) => why.fmt(f),
+            RequestError::Load(faults) => {
                 f.write_str("the command cannot run in this cell:")?;
                 faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
             }
-            Rejected::Value { input, .. } => {
+            RequestError::ValueSize { input, .. } => {
                 write!(f, "the value has the wrong size for input {input}")
             }
         }
     }
 }
 
-impl From<TooMuch> for Rejected {
-    fn from(why: TooMuch) -> Rejected {
-        Rejected::TooMuch(why)
+impl From<BudgetExceededError> for RequestError {
+    fn from(why: BudgetExceededError) -> RequestError {
+        RequestError::BudgetExceeded(why)
     }
 }
 
-impl std::error::Error for Rejected {}
+impl std::error::Error for RequestError {}

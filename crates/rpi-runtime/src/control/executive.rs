@@ -2,51 +2,51 @@
 
 use std::sync::Arc;
 
-use rpi_core::{Command, CommandId, Core, Refused, Watch};
+use rpi_core::{Command, CommandError, CommandId, Core, CycleObserver};
 
-use super::board::Board;
 use super::event::Event;
-use super::plant::{Late, Plant};
-use super::queue::{CycleEnds, Dead, Options, Request};
+use super::export_snapshot::ExportSnapshot;
+use super::plant::{AttributedOverrun, Plant};
+use super::queue::{CycleQueues, Options, Released, Request};
 use super::subscription::Subscription;
-use crate::realtime::Stopwatch;
+use crate::realtime::CommandTimer;
 
 /// A control core with its devices. One thread ticks it.
 pub struct Executive<P: Plant> {
     core: Core,
     plant: P,
-    ends: CycleEnds<P::Part>,
+    queues: CycleQueues<P::Device>,
     /// Subscriptions, indexed by command slot.
     subscriptions: Box<[Option<Box<Subscription>>]>,
     /// Boards, indexed by command slot.
     boards: Boards,
     /// Last reported error code and motion state of each device.
-    told: Vec<(i64, bool)>,
+    reported: Vec<(i64, bool)>,
     per_tick: usize,
-    stopwatch: Stopwatch,
+    stopwatch: CommandTimer,
 }
 
 /// For each command slot, the owner of its board and the board.
-type Boards = Box<[Option<(CommandId, Arc<Board>)>]>;
+type Boards = Box<[Option<(CommandId, Arc<ExportSnapshot>)>]>;
 
 /// Effort per tick after which no further request is taken, in units of about ten nanoseconds. At least one request of
 /// any size is taken per tick.
-const EFFORT: usize = 8192;
+const MAX_EFFORT_PER_TICK: usize = 8192;
 
 /// Maximum number of devices whose state changes are reported.
-const DEVICES: usize = 256;
+const MAX_DEVICES: usize = 256;
 
 impl<P: Plant> Executive<P> {
-    pub(super) fn new(plant: P, ends: CycleEnds<P::Part>, options: Options) -> Self {
+    pub(super) fn new(plant: P, ends: CycleQueues<P::Device>, options: Options) -> Self {
         Executive {
             core: Core::with_capacity(options.commands, options.tick_ns),
             plant,
-            ends,
+            queues: ends,
             subscriptions: (0..options.commands).map(|_| None).collect(),
             boards: (0..options.commands).map(|_| None).collect(),
-            told: vec![(0, false); DEVICES],
+            reported: vec![(0, false); MAX_DEVICES],
             per_tick: options.requests_per_tick.max(1),
-            stopwatch: Stopwatch::new(options.timed),
+            stopwatch: CommandTimer::new(options.measure_commands),
         }
     }
 
@@ -60,26 +60,26 @@ impl<P: Plant> Executive<P> {
     ///
     /// `wall_ns` is the wall clock in nanoseconds since the Unix epoch. `watch` observes every command at the end of
     /// its cycle.
-    pub fn tick(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
+    pub fn tick(&mut self, wall_ns: i64, watch: &mut dyn CycleObserver) {
         self.take_requests();
-        self.tick_alone(wall_ns, watch);
+        self.tick_without_requests(wall_ns, watch);
     }
 
     /// Executes one tick without taking requests. Used after all commands were stopped, so that pending requests start
     /// nothing.
-    pub fn tick_alone(&mut self, wall_ns: i64, watch: &mut dyn Watch) {
+    pub fn tick_without_requests(&mut self, wall_ns: i64, watch: &mut dyn CycleObserver) {
         self.stopwatch.reset();
-        let mut watch = Watching {
+        let mut watch = CycleObservers {
             stopwatch: &mut self.stopwatch,
             tick: self.core.now(),
             subscriptions: &mut self.subscriptions,
             boards: &self.boards,
-            samples: &mut self.ends.samples,
+            samples: &mut self.queues.samples,
             further: watch,
         };
         self.core.tick(&mut self.plant, wall_ns, &mut watch);
         self.plant.step();
-        self.tell();
+        self.send_events();
     }
 
     /// Returns the devices, for access between ticks.
@@ -97,35 +97,35 @@ impl<P: Plant> Executive<P> {
     ///
     /// The overrun is attributed to the slowest command, unless the tick would have been too long without it. The
     /// overrun policy of that command may end it. Returns true if all commands must be ended.
-    pub fn too_late(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
-        let Some((id, took_ns)) = self.blamed(excess_ns) else {
+    pub fn handle_overrun(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
+        let Some((id, took_ns)) = self.overrun_cause(excess_ns) else {
             return false;
         };
         let Some(command) = self.core.command(id) else {
             return false;
         };
-        let late = Late {
+        let late = AttributedOverrun {
             command: id,
             took_ns,
             late_ns,
-            fragment: command.machine().busiest(),
+            fragment: command.instance().heaviest_active_fragment(),
         };
-        self.plant.too_late(&late);
-        self.overran(&late)
+        self.plant.on_overrun(&late);
+        self.attribute_overrun(&late)
     }
 
     /// Attributes an overrun to a command. The overrun was measured by [`Executive::too_late`] or is replayed from a
     /// tape. Returns true if the overrun policy of the command requires all commands to be ended.
-    pub fn overran(&mut self, late: &Late) -> bool {
+    pub fn attribute_overrun(&mut self, late: &AttributedOverrun) -> bool {
         let (id, times) = (late.command, (late.took_ns, late.late_ns));
-        let stop = self.core.overran(id, times, &mut self.plant);
-        let board = self.boards.get(id.place()).and_then(Option::as_ref);
+        let stop = self.core.report_overrun(id, times, &mut self.plant);
+        let board = self.boards.get(id.slot()).and_then(Option::as_ref);
         if let (Some((_, board)), Some(command)) =
             (board.filter(|b| b.0 == id), self.core.command(id))
         {
-            board.note(command.overruns());
+            board.write_overruns(command.overrun_stats());
         }
-        self.tell_notices();
+        self.send_notices();
         stop
     }
 
@@ -134,41 +134,41 @@ impl<P: Plant> Executive<P> {
     /// The command is the slowest of the latest tick. The result is `None` if nothing was measured, or if the tick
     /// would have exceeded its period even without that command.
     #[must_use]
-    pub fn blamed(&self, excess_ns: u64) -> Option<(CommandId, u64)> {
+    pub fn overrun_cause(&self, excess_ns: u64) -> Option<(CommandId, u64)> {
         let longest = self.stopwatch.longest();
         longest.filter(|(_, took)| excess_ns > 0 && *took >= excess_ns)
     }
 
     /// Ends all commands between two ticks and drops all rules.
-    pub fn halt(&mut self, why: rpi_core::Why) {
-        self.core.stop_all(why, &mut self.plant);
-        self.tell();
+    pub fn halt(&mut self, why: rpi_core::AbortReason) {
+        self.core.abort_all(why, &mut self.plant);
+        self.send_events();
     }
 
     fn take_requests(&mut self) {
         let mut effort = 0;
         for _ in 0..self.per_tick {
-            if !self.ends.have_room() || effort >= EFFORT {
+            if !self.queues.have_room() || effort >= MAX_EFFORT_PER_TICK {
                 return;
             }
-            let Ok((ticket, request)) = self.ends.requests.pop() else {
+            let Ok((ticket, request)) = self.queues.requests.pop() else {
                 return;
             };
-            effort += request.effort(self.core.weight_of_rules());
+            effort += request.effort(self.core.rules_cost());
             let tick = self.core.now();
-            let refused = self.carry_out(request).err();
+            let refused = self.execute(request).err();
             // `have_room` was checked above.
-            let _ = self.ends.events.push(Event::Answer {
+            let _ = self.queues.events.push(Event::Answer {
                 ticket,
                 tick,
                 refused,
             });
-            self.tell_notices();
-            self.ends.send_dead();
+            self.send_notices();
+            self.queues.send_released();
         }
     }
 
-    fn carry_out(&mut self, request: Request<P::Part>) -> Result<(), Refused> {
+    fn execute(&mut self, request: Request<P::Device>) -> Result<(), CommandError> {
         let (core, plant) = (&mut self.core, &mut self.plant);
         match request {
             Request::Insert(id, command, board) => self.insert(id, command, board),
@@ -178,18 +178,19 @@ impl<P: Plant> Executive<P> {
             Request::Abort(id, why) => core.abort(id, why, plant),
             Request::Unload(id) => self.unload(id),
             Request::Schedule(id, rule) => {
-                core.schedule_as(id, rule, plant).map_err(|(rule, why)| {
-                    self.ends.bury(Dead::Rule(rule));
-                    why
-                })
+                core.schedule_with_id(id, rule, plant)
+                    .map_err(|(rule, why)| {
+                        self.queues.release(Released::Rule(rule));
+                        why
+                    })
             }
-            Request::Withdraw(id) => core.withdraw(id),
+            Request::Withdraw(id) => core.withdraw_rule(id),
             Request::Set(settings) => self.set(settings),
             Request::Subscribe(subscription) => self.subscribe(subscription),
             Request::Device(place, part) => {
                 let old = plant.swap(place, part);
                 old.into_iter()
-                    .for_each(|old| self.ends.bury(Dead::Device(old)));
+                    .for_each(|old| self.queues.release(Released::Device(old)));
                 Ok(())
             }
             Request::EmergencyStop => {
@@ -203,44 +204,44 @@ impl<P: Plant> Executive<P> {
         &mut self,
         id: CommandId,
         command: Box<Command>,
-        board: Option<Arc<Board>>,
-    ) -> Result<(), Refused> {
-        let inserted = self.core.insert_as(id, command);
-        let slot = self.boards.get_mut(id.place());
+        board: Option<Arc<ExportSnapshot>>,
+    ) -> Result<(), CommandError> {
+        let inserted = self.core.insert_with_id(id, command);
+        let slot = self.boards.get_mut(id.slot());
         match (inserted, slot) {
             (Ok(()), Some(slot)) => *slot = board.map(|board| (id, board)),
             (Ok(()), None) => {}
             (Err((command, why)), _) => {
                 board
                     .into_iter()
-                    .for_each(|b| self.ends.bury(Dead::Board(b)));
-                self.ends.bury(Dead::Command(id, command));
+                    .for_each(|b| self.queues.release(Released::Board(b)));
+                self.queues.release(Released::Command(id, command));
                 return Err(why);
             }
         }
         Ok(())
     }
 
-    fn unload(&mut self, id: CommandId) -> Result<(), Refused> {
+    fn unload(&mut self, id: CommandId) -> Result<(), CommandError> {
         let command = self.core.remove(id)?;
-        self.bury(id, command);
+        self.release_command(id, command);
         Ok(())
     }
 
-    fn bury(&mut self, id: CommandId, command: Box<Command>) {
-        let subscription = self.subscriptions.get_mut(id.place());
+    fn release_command(&mut self, id: CommandId, command: Box<Command>) {
+        let subscription = self.subscriptions.get_mut(id.slot());
         if let Some(old) = subscription.and_then(|s| s.take_if(|s| s.command == id)) {
-            self.ends.bury(Dead::Subscription(old));
+            self.queues.release(Released::Subscription(old));
         }
-        let board = self.boards.get_mut(id.place());
+        let board = self.boards.get_mut(id.slot());
         if let Some((_, old)) = board.and_then(|b| b.take_if(|b| b.0 == id)) {
-            self.ends.bury(Dead::Board(old));
+            self.queues.release(Released::Board(old));
         }
-        self.ends.bury(Dead::Command(id, command));
+        self.queues.release(Released::Command(id, command));
     }
 
     /// Sets all inputs, or none if a command is unknown.
-    fn set(&mut self, settings: Box<[super::Setting]>) -> Result<(), Refused> {
+    fn set(&mut self, settings: Box<[super::InputValue]>) -> Result<(), CommandError> {
         let known = settings
             .iter()
             .all(|s| self.core.command(s.command).is_some());
@@ -249,40 +250,40 @@ impl<P: Plant> Executive<P> {
                 command.set_input(setting.input, &setting.value);
             }
         }
-        self.ends.bury(Dead::Settings(settings));
+        self.queues.release(Released::Settings(settings));
         match known {
             true => Ok(()),
-            false => Err(Refused::Unknown),
+            false => Err(CommandError::Unknown),
         }
     }
 
-    fn subscribe(&mut self, new: Box<Subscription>) -> Result<(), Refused> {
+    fn subscribe(&mut self, new: Box<Subscription>) -> Result<(), CommandError> {
         let known = self.core.command(new.command).is_some();
-        let slot = self.subscriptions.get_mut(new.command.place());
+        let slot = self.subscriptions.get_mut(new.command.slot());
         let old = match slot.filter(|_| known) {
             Some(slot) => slot.replace(new),
             None => {
-                self.ends.bury(Dead::Subscription(new));
-                return Err(Refused::Unknown);
+                self.queues.release(Released::Subscription(new));
+                return Err(CommandError::Unknown);
             }
         };
         old.into_iter()
-            .for_each(|old| self.ends.bury(Dead::Subscription(old)));
+            .for_each(|old| self.queues.release(Released::Subscription(old)));
         Ok(())
     }
 
-    fn tell(&mut self) {
-        self.tell_notices();
-        while let Some((id, gone)) = self.core.take_gone() {
-            self.bury(id, gone);
+    fn send_events(&mut self) {
+        self.send_notices();
+        while let Some((id, gone)) = self.core.take_orphan() {
+            self.release_command(id, gone);
         }
-        while let Some((_, rule)) = self.core.take_spent() {
-            self.ends.bury(Dead::Rule(rule));
+        while let Some((_, rule)) = self.core.take_finished_rule() {
+            self.queues.release(Released::Rule(rule));
         }
-        self.ends.send_dead();
+        self.queues.send_released();
         let tick = self.core.now().saturating_sub(1);
-        let (told, events) = (&mut self.told, &mut self.ends.events);
-        self.plant.conditions(&mut |device, code, moving| {
+        let (told, events) = (&mut self.reported, &mut self.queues.events);
+        self.plant.device_states(&mut |device, code, moving| {
             let Some(last) = told.get_mut(device) else {
                 return;
             };
@@ -300,42 +301,42 @@ impl<P: Plant> Executive<P> {
 
     /// Sends notices to the host. Notices that do not fit into the queue stay in the log of the core and are sent
     /// later.
-    fn tell_notices(&mut self) {
-        while !self.ends.events.is_full() {
+    fn send_notices(&mut self) {
+        while !self.queues.events.is_full() {
             let Some(notice) = self.core.next_notice() else {
                 return;
             };
-            let _ = self.ends.events.push(Event::Notice(notice));
+            let _ = self.queues.events.push(Event::Notice(notice));
         }
     }
 }
 
 /// Updates subscriptions and boards at the end of each cycle and forwards the notification to another observer.
-struct Watching<'a> {
+struct CycleObservers<'a> {
     tick: u64,
     subscriptions: &'a mut [Option<Box<Subscription>>],
-    boards: &'a [Option<(CommandId, Arc<Board>)>],
+    boards: &'a [Option<(CommandId, Arc<ExportSnapshot>)>],
     samples: &'a mut rtrb::Producer<u64>,
-    stopwatch: &'a mut Stopwatch,
-    further: &'a mut dyn Watch,
+    stopwatch: &'a mut CommandTimer,
+    further: &'a mut dyn CycleObserver,
 }
 
-impl Watch for Watching<'_> {
-    fn cycle(&mut self, id: CommandId, command: &Command) {
-        let subscription = self.subscriptions.get_mut(id.place());
+impl CycleObserver for CycleObservers<'_> {
+    fn cycle_finished(&mut self, id: CommandId, command: &Command) {
+        let subscription = self.subscriptions.get_mut(id.slot());
         let subscription = subscription.and_then(Option::as_mut);
         if let Some(own) = subscription.filter(|s| s.command == id) {
-            own.look(command, self.tick, self.samples);
+            own.send_changes(command, self.tick, self.samples);
         }
-        let board = self.boards.get(id.place()).and_then(Option::as_ref);
+        let board = self.boards.get(id.slot()).and_then(Option::as_ref);
         if let Some((_, board)) = board.filter(|b| b.0 == id) {
             board.write(command);
         }
-        self.further.cycle(id, command);
+        self.further.cycle_finished(id, command);
     }
 
-    fn turn(&mut self, next: Option<CommandId>) {
-        self.stopwatch.turn(next);
-        self.further.turn(next);
+    fn evaluation_starts(&mut self, next: Option<CommandId>) {
+        self.stopwatch.switch_to(next);
+        self.further.evaluation_starts(next);
     }
 }

@@ -55,28 +55,29 @@
 //! This module must not depend on the source of images or requests: no files, no sockets, no sessions.
 
 mod admission;
-mod board;
+mod control_handle;
 mod event;
 mod executive;
-mod journal;
+mod export_snapshot;
 mod plant;
 mod queue;
 mod raw;
-mod side;
+mod request_log;
 mod subscription;
 
-pub use admission::{Budget, TooMuch};
-pub use board::Board;
-pub use event::{Event, Rejected, Ticket};
+pub use admission::{Budget, BudgetExceededError};
+pub use control_handle::{AdoptedCommand, CommandInfo, Control};
+pub use event::{Event, RequestError, Ticket};
 pub use executive::Executive;
-pub use journal::{Asked, Journal};
-pub use plant::{Late, Plant};
-pub use queue::{Options, Request, Setting};
+pub use export_snapshot::ExportSnapshot;
+pub use plant::{AttributedOverrun, Plant};
+pub use queue::{InputValue, Options, Request};
 pub use raw::RawControl;
+pub use request_log::{RequestLog, RequestRecord};
 pub use rpi_core::{
-    Cause, CommandId, Condition, Ending, Fact, Notice, Outcome, Refused, Rule, RuleId, State, Why,
+    AbortReason, Cause, CommandError, CommandId, CommandState, Condition, Ending, Fact, Notice,
+    Rule, RuleId, RuleOutcome,
 };
-pub use side::{Adopted, Control, Info};
 pub use subscription::Subscription;
 
 use rpi_device::DeviceBank;
@@ -90,7 +91,7 @@ pub fn open<P: Plant>(
     plant: P,
     names: Box<dyn DeviceBank + Send>,
     options: Options,
-) -> (Control<P::Part>, Executive<P>) {
+) -> (Control<P::Device>, Executive<P>) {
     let (cycle, host) = queue::queues(options);
     (
         Control::new(host, names, options),
@@ -100,7 +101,10 @@ pub fn open<P: Plant>(
 
 /// Opens a control core for replays: the caller chooses the command numbers, and there is no admission control.
 #[must_use]
-pub fn open_plainly<P: Plant>(plant: P, options: Options) -> (RawControl<P::Part>, Executive<P>) {
+pub fn open_for_replay<P: Plant>(
+    plant: P,
+    options: Options,
+) -> (RawControl<P::Device>, Executive<P>) {
     let (cycle, host) = queue::queues(options);
     (RawControl::new(host), Executive::new(plant, cycle, options))
 }

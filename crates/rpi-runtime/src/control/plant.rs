@@ -2,30 +2,30 @@
 
 use rpi_core::CommandId;
 use rpi_device::DeviceBank;
-use rpi_sim::{Part, SimBank};
+use rpi_sim::{NamedDevice, SimBank};
 
 /// A device bank that advances in ticks.
 pub trait Plant: DeviceBank + Send {
     /// A device that can be inserted at run time.
-    type Part: Send;
+    type Device: Send;
 
     /// Replaces the device at an index, or removes it if `part` is `None`. Returns the previous device.
-    fn swap(&mut self, place: usize, part: Option<Self::Part>) -> Option<Self::Part>;
+    fn swap(&mut self, place: usize, part: Option<Self::Device>) -> Option<Self::Device>;
 
     /// Advances the devices by one tick. Called after the set-points of the tick were written.
     fn step(&mut self);
 
     /// Calls `each` with index, error code (0 for none) and motion state of every device. Called in every tick, so it
     /// must have bounded time and must not allocate.
-    fn conditions(&self, each: &mut dyn FnMut(usize, i64, bool));
+    fn device_states(&self, each: &mut dyn FnMut(usize, i64, bool));
 
     /// Notifies the plant that a tick ended too late. Used by recordings.
-    fn too_late(&mut self, _: &Late) {}
+    fn on_overrun(&mut self, _: &AttributedOverrun) {}
 }
 
 /// A tick that ended too late, attributed to a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Late {
+pub struct AttributedOverrun {
     /// Command that took the longest in the tick.
     pub command: CommandId,
     /// Computing time of the command in nanoseconds.
@@ -37,9 +37,9 @@ pub struct Late {
 }
 
 impl Plant for SimBank {
-    type Part = Part;
+    type Device = NamedDevice;
 
-    fn swap(&mut self, place: usize, part: Option<Part>) -> Option<Part> {
+    fn swap(&mut self, place: usize, part: Option<NamedDevice>) -> Option<NamedDevice> {
         SimBank::swap(self, place, part)
     }
 
@@ -47,9 +47,9 @@ impl Plant for SimBank {
         SimBank::step(self);
     }
 
-    fn conditions(&self, each: &mut dyn FnMut(usize, i64, bool)) {
+    fn device_states(&self, each: &mut dyn FnMut(usize, i64, bool)) {
         for status in self.status() {
-            each(status.place, status.code.0, status.moving);
+            each(status.index, status.code.0, status.moving);
         }
     }
 }

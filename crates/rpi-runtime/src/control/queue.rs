@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use rpi_core::{Command, CommandId, Continuity, OnOverrun, Rule, RuleId, Why};
+use rpi_core::{AbortReason, Command, CommandId, CommandOverrunPolicy, Continuity, Rule, RuleId};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::admission::Budget;
-use super::board::Board;
 use super::event::{Event, Ticket};
+use super::export_snapshot::ExportSnapshot;
 use super::subscription::Subscription;
 
 /// Capacities and policies of a control core.
@@ -24,9 +24,9 @@ pub struct Options {
     /// Policy for a takeover with a discontinuity.
     pub continuity: Continuity,
     /// Policy for a command that causes overruns.
-    pub on_overrun: OnOverrun,
+    pub on_overrun: CommandOverrunPolicy,
     /// Whether the time of each command is measured. Needed in real time.
-    pub timed: bool,
+    pub measure_commands: bool,
     /// Time budget of all commands in a tick; `None` disables admission control.
     pub budget: Option<Budget>,
 }
@@ -39,8 +39,8 @@ impl Default for Options {
             requests: 256,
             requests_per_tick: 16,
             continuity: Continuity::default(),
-            on_overrun: OnOverrun::default(),
-            timed: false,
+            on_overrun: CommandOverrunPolicy::default(),
+            measure_commands: false,
             budget: None,
         }
     }
@@ -55,7 +55,7 @@ impl Options {
 
 /// A value for an input of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Setting {
+pub struct InputValue {
     /// Command with the input.
     pub command: CommandId,
     /// Index of the input in the image.
@@ -67,7 +67,7 @@ pub struct Setting {
 /// A request from the host to the cycle. `T` is a device that can be inserted.
 pub enum Request<T> {
     /// Inserts a loaded command, with the board for its exports, if any.
-    Insert(CommandId, Box<Command>, Option<Arc<Board>>),
+    Insert(CommandId, Box<Command>, Option<Arc<ExportSnapshot>>),
     /// Starts a command.
     Start(CommandId),
     /// Withdraws a command from all rules that would start it.
@@ -75,7 +75,7 @@ pub enum Request<T> {
     /// Requests a command to end.
     Cancel(CommandId),
     /// Ends a command now.
-    Abort(CommandId, Why),
+    Abort(CommandId, AbortReason),
     /// Removes a command that does not run.
     Unload(CommandId),
     /// Adds a rule.
@@ -83,7 +83,7 @@ pub enum Request<T> {
     /// Removes a rule.
     Withdraw(RuleId),
     /// Sets inputs of commands between the same two cycles.
-    Set(Box<[Setting]>),
+    Set(Box<[InputValue]>),
     /// Subscribes to exported flows of a command.
     Subscribe(Box<Subscription>),
     /// Replaces the device with this index; `None` removes it.
@@ -93,98 +93,98 @@ pub enum Request<T> {
 }
 
 /// Minimum effort of a request.
-const LEAST: usize = 256;
+const MIN_EFFORT: usize = 256;
 /// Additional effort for each word of each rule.
-const PER_WORD: usize = 8;
+const EFFORT_PER_RULE_WORD: usize = 8;
 
 impl<T> Request<T> {
     /// Returns the estimated effort to carry out the request. `rules` is the total weight of all rules: after most
     /// requests the core re-evaluates which rules can still fire.
     pub(super) fn effort(&self, rules: usize) -> usize {
-        LEAST
+        MIN_EFFORT
             + match self {
                 Request::Set(settings) => settings.iter().map(|s| s.value.len() + 1).sum(),
-                _ => PER_WORD * rules,
+                _ => EFFORT_PER_RULE_WORD * rules,
             }
     }
 }
 
 /// An object that the cycle no longer uses and the host must free.
-pub(super) enum Dead<T> {
+pub(super) enum Released<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
-    Settings(Box<[Setting]>),
+    Settings(Box<[InputValue]>),
     Subscription(Box<Subscription>),
-    Board(Arc<Board>),
+    Board(Arc<ExportSnapshot>),
     Device(T),
 }
 
 /// Cycle side of the queues.
-pub(super) struct CycleEnds<T> {
+pub(super) struct CycleQueues<T> {
     pub(super) requests: Consumer<(Ticket, Request<T>)>,
     pub(super) events: Producer<Event>,
     pub(super) samples: Producer<u64>,
-    dead: Producer<Dead<T>>,
+    released: Producer<Released<T>>,
     /// Objects that are sent once all earlier events have been sent.
-    staged: Vec<Dead<T>>,
+    staged: Vec<Released<T>>,
 }
 
 /// Host side of the queues.
-pub(super) struct HostEnds<T> {
+pub(super) struct HostQueues<T> {
     pub(super) requests: Producer<(Ticket, Request<T>)>,
     pub(super) events: Consumer<Event>,
     pub(super) samples: Consumer<u64>,
-    pub(super) dead: Consumer<Dead<T>>,
+    pub(super) released: Consumer<Released<T>>,
 }
 
 /// Maximum number of objects that one request releases: a command, its subscription and its board.
-const LEFT_OVER: usize = 3;
+const MAX_RELEASED_PER_REQUEST: usize = 3;
 /// Capacity of the sample queue in words.
-const SAMPLES: usize = 1 << 18;
+const SAMPLE_CAPACITY: usize = 1 << 18;
 
-pub(super) fn queues<T>(options: Options) -> (CycleEnds<T>, HostEnds<T>) {
+pub(super) fn queues<T>(options: Options) -> (CycleQueues<T>, HostQueues<T>) {
     let (request_in, requests) = RingBuffer::new(options.requests);
     let (events, event_out) = RingBuffer::new(options.commands * 16 + options.requests);
-    let (samples, sample_out) = RingBuffer::new(SAMPLES);
+    let (samples, sample_out) = RingBuffer::new(SAMPLE_CAPACITY);
     // Room for all commands, subscriptions, boards and rules released by one tick, and for the objects that one request
     // releases: no request is taken while objects wait to be sent.
-    let most = options.commands * 3 + options.rules() + LEFT_OVER;
+    let most = options.commands * 3 + options.rules() + MAX_RELEASED_PER_REQUEST;
     let (dead, dead_out) = RingBuffer::new(most);
-    let cycle = CycleEnds {
+    let cycle = CycleQueues {
         requests,
         events,
         samples,
-        dead,
+        released: dead,
         staged: Vec::with_capacity(most),
     };
-    let host = HostEnds {
+    let host = HostQueues {
         requests: request_in,
         events: event_out,
         samples: sample_out,
-        dead: dead_out,
+        released: dead_out,
     };
     (cycle, host)
 }
 
-impl<T> CycleEnds<T> {
+impl<T> CycleQueues<T> {
     /// Returns true if there is room for the answer to a request and for the objects that it releases.
     pub(super) fn have_room(&self) -> bool {
         self.staged.is_empty() && !self.events.is_full()
     }
 
     /// Releases an object to the host, which frees it.
-    pub(super) fn bury(&mut self, dead: Dead<T>) {
+    pub(super) fn release(&mut self, dead: Released<T>) {
         // The capacity covers all objects that the cycle can own.
         self.staged.push(dead);
     }
 
     /// Sends the released objects. Must be called after the events that explain them were sent.
-    pub(super) fn send_dead(&mut self) {
-        while !self.dead.is_full() {
+    pub(super) fn send_released(&mut self) {
+        while !self.released.is_full() {
             let Some(dead) = self.staged.pop() else {
                 return;
             };
-            let _ = self.dead.push(dead);
+            let _ = self.released.push(dead);
         }
     }
 }

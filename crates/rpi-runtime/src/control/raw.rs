@@ -1,16 +1,16 @@
 //! Host side of a control core whose requests are given by a recording.
 
 use super::event::{Event, Ticket};
-use super::queue::{HostEnds, Request};
+use super::queue::{HostQueues, Request};
 
 /// Host side of a control core without admission control. The caller chooses the numbers of tickets, commands and
 /// rules.
 pub struct RawControl<T> {
-    ends: HostEnds<T>,
+    ends: HostQueues<T>,
 }
 
 impl<T> RawControl<T> {
-    pub(super) fn new(ends: HostEnds<T>) -> RawControl<T> {
+    pub(super) fn new(ends: HostQueues<T>) -> RawControl<T> {
         RawControl { ends }
     }
 
@@ -26,6 +26,6 @@ impl<T> RawControl<T> {
 
     /// Frees all objects that the cycle has released.
     pub fn free(&mut self) {
-        while self.ends.dead.pop().is_ok() {}
+        while self.ends.released.pop().is_ok() {}
     }
 }

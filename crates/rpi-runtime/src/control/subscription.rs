@@ -9,13 +9,13 @@ use rtrb::{Consumer, Producer};
 pub struct Subscription {
     pub(super) command: CommandId,
     pub(super) every: u64,
-    flows: Box<[Flow]>,
+    flows: Box<[SubscribedFlow]>,
     /// Number of samples dropped because the ring was full.
     pub(super) lost: u64,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug)]
-struct Flow {
+struct SubscribedFlow {
     export: u32,
     signal: Signal,
     /// Last value sent: `None` if nothing was sent, `Some(false)` if the flow was absent, `Some(true)` for the value in
@@ -33,11 +33,11 @@ impl Subscription {
     /// `every`th cycle.
     #[must_use]
     pub fn new(command: CommandId, flows: &[(u32, Signal)], every: u64) -> Subscription {
-        let flow = |&(export, signal): &(u32, Signal)| Flow {
+        let flow = |&(export, signal): &(u32, Signal)| SubscribedFlow {
             export,
             signal,
             sent: None,
-            cells: vec![0; signal.ty.cells() as usize].into(),
+            cells: vec![0; signal.ty.slots() as usize].into(),
         };
         Subscription {
             command,
@@ -53,13 +53,13 @@ impl Subscription {
     }
 
     /// Sends the flows that have changed since they were last sent, if the sampling period has elapsed.
-    pub(super) fn look(&mut self, command: &Command, tick: u64, ring: &mut Producer<u64>) {
-        if !command.machine().cycle().is_multiple_of(self.every) && command.ending().is_none() {
+    pub(super) fn send_changes(&mut self, command: &Command, tick: u64, ring: &mut Producer<u64>) {
+        if !command.instance().cycle().is_multiple_of(self.every) && command.ending().is_none() {
             return;
         }
         let id = self.command;
         for flow in &mut self.flows {
-            let value = command.machine().value(flow.signal);
+            let value = command.instance().value(flow.signal);
             let same =
                 flow.sent == Some(value.is_some()) && value.is_none_or(|v| *v == *flow.cells);
             if same {
@@ -78,12 +78,16 @@ impl Subscription {
     }
 }
 
-impl Flow {
+impl SubscribedFlow {
     fn send(&self, id: CommandId, tick: u64, ring: &mut Producer<u64>) {
         let present = if self.sent == Some(true) { PRESENT } else { 0 };
         let cells = if present == 0 { &[][..] } else { &self.cells };
         let width = (cells.len() as u64) << 32;
-        let header = [id.number(), present | width | u64::from(self.export), tick];
+        let header = [
+            id.to_number(),
+            present | width | u64::from(self.export),
+            tick,
+        ];
         for word in header.iter().chain(cells) {
             // The free slots were checked by the caller, and this is the only producer.
             let _ = ring.push(*word);
@@ -92,7 +96,7 @@ impl Flow {
 }
 
 /// Passes all complete samples in the ring to `take`: command number, export index, tick, value.
-pub(super) fn drain(
+pub(super) fn drain_samples(
     ring: &mut Consumer<u64>,
     buffer: &mut Vec<u64>,
     mut take: impl FnMut(u64, u32, u64, Option<&[u64]>),

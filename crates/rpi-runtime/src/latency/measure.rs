@@ -6,22 +6,22 @@ use std::time::{Duration, Instant};
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
-use crate::realtime::{self, Grant, Spread, Wanted};
+use crate::realtime::{self, Percentiles, ResourceGrant, SchedulingOptions};
 
 /// Largest latency that the histogram distinguishes, nanoseconds.
 const LONGEST: u64 = 10_000_000_000;
 
 /// Wake-up latency of a thread.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct Wakes {
+pub struct WakeupLatency {
     /// Period of the wake-ups, nanoseconds.
     pub period_ns: u64,
     /// Number of wake-ups.
     pub count: u64,
     /// Latency, nanoseconds.
-    pub late: Spread,
+    pub late: Percentiles,
     /// Histogram of the latency.
-    pub buckets: Vec<Bucket>,
+    pub buckets: Vec<HistogramBucket>,
     /// Results of the requests for real-time resources, as text.
     pub grants: Vec<String>,
     /// Whether all resources were granted.
@@ -30,7 +30,7 @@ pub struct Wakes {
 
 /// A bucket of the histogram. It counts the wake-ups below its bound and not below the bound of the previous bucket.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-pub struct Bucket {
+pub struct HistogramBucket {
     /// Upper bound in nanoseconds; `None` for the last bucket.
     pub below_ns: Option<u64>,
     /// Number of wake-ups.
@@ -44,26 +44,30 @@ const BOUNDS_US: [u64; 12] = [2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000,
 ///
 /// # Errors
 /// Returns an error if no thread can be created.
-pub fn measure(wanted: Wanted, period_ns: u64, count: u64) -> io::Result<Wakes> {
+pub fn measure(wanted: SchedulingOptions, period_ns: u64, count: u64) -> io::Result<WakeupLatency> {
     let thread = std::thread::Builder::new().name("rpi-latency".into());
-    let thread = thread.spawn(move || wake(wanted, period_ns, count))?;
+    let thread = thread.spawn(move || measure_thread(wanted, period_ns, count))?;
     let (grants, late) = thread
         .join()
         .map_err(|_| io::Error::other("the measuring thread panicked"))?;
-    Ok(Wakes {
+    Ok(WakeupLatency {
         period_ns,
         count: late.len(),
-        late: Spread::of(&late),
+        late: Percentiles::from_histogram(&late),
         buckets: buckets(&late),
-        all_granted: grants.iter().all(|grant| grant.refused.is_none()),
+        all_granted: grants.iter().all(|grant| grant.refusal.is_none()),
         grants: grants.iter().map(ToString::to_string).collect(),
     })
 }
 
-fn wake(wanted: Wanted, period_ns: u64, count: u64) -> (Vec<Grant>, Histogram<u64>) {
+fn measure_thread(
+    wanted: SchedulingOptions,
+    period_ns: u64,
+    count: u64,
+) -> (Vec<ResourceGrant>, Histogram<u64>) {
     // Two significant digits give an accuracy of 1 %. These bounds are always valid.
     let mut late = Histogram::new_with_bounds(1, LONGEST, 2).expect("valid bounds");
-    let grants = realtime::ask(wanted);
+    let grants = realtime::request_resources(wanted);
     let start = Instant::now();
     for k in 1..=count {
         let due = Duration::from_nanos(period_ns.saturating_mul(k));
@@ -75,14 +79,15 @@ fn wake(wanted: Wanted, period_ns: u64, count: u64) -> (Vec<Grant>, Histogram<u6
 }
 
 /// Counts each wake-up in the first bucket whose bound exceeds its latency.
-fn buckets(late: &Histogram<u64>) -> Vec<Bucket> {
+fn buckets(late: &Histogram<u64>) -> Vec<HistogramBucket> {
     let bounds = BOUNDS_US.iter().map(|us| Some(us * 1000)).chain([None]);
-    let mut buckets: Vec<Bucket> = bounds
-        .map(|below_ns| Bucket { below_ns, count: 0 })
+    let mut buckets: Vec<HistogramBucket> = bounds
+        .map(|below_ns| HistogramBucket { below_ns, count: 0 })
         .collect();
     for step in late.iter_recorded() {
         let value = step.value_iterated_to();
-        let is_below = |bucket: &&mut Bucket| bucket.below_ns.is_none_or(|below| value < below);
+        let is_below =
+            |bucket: &&mut HistogramBucket| bucket.below_ns.is_none_or(|below| value < below);
         if let Some(bucket) = buckets.iter_mut().find(is_below) {
             bucket.count += step.count_at_value();
         }
@@ -96,7 +101,7 @@ mod tests {
 
     #[test]
     fn every_wake_is_in_one_bucket() {
-        let wakes = measure(Wanted::default(), 200_000, 50).unwrap();
+        let wakes = measure(SchedulingOptions::default(), 200_000, 50).unwrap();
         assert_eq!(wakes.count, 50);
         assert_eq!(wakes.buckets.iter().map(|b| b.count).sum::<u64>(), 50);
         assert!(wakes.late.p50 <= wakes.late.max);

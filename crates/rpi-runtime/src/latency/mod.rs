@@ -7,5 +7,5 @@
 mod measure;
 mod verdict;
 
-pub use measure::{Bucket, Wakes, measure};
-pub use verdict::{Load, Verdict, verdict};
+pub use measure::{HistogramBucket, WakeupLatency, measure};
+pub use verdict::{CycleTiming, PeriodVerdict, verdict};

@@ -4,28 +4,28 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::measure::{Bucket, Wakes};
-use crate::realtime::Spread;
+use super::measure::{HistogramBucket, WakeupLatency};
+use crate::realtime::Percentiles;
 use crate::run::time_text;
 
 /// Timing of a program that ran in the cycle.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct Load {
+pub struct CycleTiming {
     /// Name of the program.
     pub name: String,
     /// Duration of the cycles, nanoseconds.
-    pub cycle: Spread,
+    pub cycle: Percentiles,
     /// Lateness of the cycle starts, nanoseconds.
-    pub late: Spread,
+    pub late: Percentiles,
 }
 
 /// Shortest period that a machine can meet, with the measurements behind it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct Verdict {
+pub struct PeriodVerdict {
     /// Wake-up latency.
-    pub wakes: Wakes,
+    pub wakes: WakeupLatency,
     /// Timing of the measured program, if any.
-    pub load: Option<Load>,
+    pub load: Option<CycleTiming>,
     /// Worst-case time from a deadline to the end of its cycle, nanoseconds: the largest latency plus the longest
     /// cycle.
     pub needed_ns: u64,
@@ -41,12 +41,12 @@ const PERIODS_NS: [u64; 10] = [
 
 /// Computes the verdict from the measurements.
 #[must_use]
-pub fn verdict(wakes: Wakes, load: Option<Load>) -> Verdict {
+pub fn verdict(wakes: WakeupLatency, load: Option<CycleTiming>) -> PeriodVerdict {
     let run_late = load.as_ref().map_or(0, |load| load.late.max);
     let cycle = load.as_ref().map_or(0, |load| load.cycle.max);
     let needed_ns = wakes.late.max.max(run_late).saturating_add(cycle);
     let holds_ns = PERIODS_NS.into_iter().find(|period| *period > needed_ns);
-    Verdict {
+    PeriodVerdict {
         wakes,
         load,
         needed_ns,
@@ -54,7 +54,7 @@ pub fn verdict(wakes: Wakes, load: Option<Load>) -> Verdict {
     }
 }
 
-impl Verdict {
+impl PeriodVerdict {
     /// Returns the verdict as one indented JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
@@ -79,9 +79,9 @@ impl Verdict {
 }
 
 /// Number of characters of the longest bar of the histogram.
-const BAR: u64 = 50;
+const BAR_WIDTH: u64 = 50;
 
-impl fmt::Display for Verdict {
+impl fmt::Display for PeriodVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let wakes = &self.wakes;
         let (count, period) = (wakes.count, time_text(wakes.period_ns));
@@ -93,7 +93,9 @@ impl fmt::Display for Verdict {
         )?;
         let most = wakes.buckets.iter().map(|b| b.count).max().unwrap_or(0);
         let shown = wakes.buckets.iter().filter(|b| b.count > 0);
-        shown.clone().try_for_each(|bucket| line(f, bucket, most))?;
+        shown
+            .clone()
+            .try_for_each(|bucket| histogram_line(f, bucket, most))?;
         if let Some(load) = &self.load {
             writeln!(
                 f,
@@ -123,11 +125,11 @@ impl fmt::Display for Verdict {
     }
 }
 
-fn line(f: &mut fmt::Formatter<'_>, bucket: &Bucket, most: u64) -> fmt::Result {
+fn histogram_line(f: &mut fmt::Formatter<'_>, bucket: &HistogramBucket, most: u64) -> fmt::Result {
     let below = bucket
         .below_ns
         .map_or("more".to_owned(), |ns| format!("< {}", time_text(ns)));
-    let bar = (bucket.count * BAR).div_ceil(most.max(1));
+    let bar = (bucket.count * BAR_WIDTH).div_ceil(most.max(1));
     let bar = "#".repeat(usize::try_from(bar).unwrap_or(0));
     writeln!(f, "  {below:>9} {:>9}  {bar}", bucket.count)
 }
@@ -136,18 +138,18 @@ fn line(f: &mut fmt::Formatter<'_>, bucket: &Bucket, most: u64) -> fmt::Result {
 mod tests {
     use super::*;
 
-    fn wakes(max: u64, all_granted: bool) -> Wakes {
-        let late = Spread {
+    fn wakes(max: u64, all_granted: bool) -> WakeupLatency {
+        let late = Percentiles {
             p50: 1000,
             p99: 2000,
             max,
         };
         let count = 3;
-        let bucket = Bucket {
+        let bucket = HistogramBucket {
             below_ns: None,
             count,
         };
-        Wakes {
+        WakeupLatency {
             period_ns: 1_000_000,
             count,
             late,
@@ -157,13 +159,13 @@ mod tests {
         }
     }
 
-    fn load(cycle: u64, late: u64) -> Option<Load> {
-        let spread = |max| Spread {
+    fn load(cycle: u64, late: u64) -> Option<CycleTiming> {
+        let spread = |max| Percentiles {
             p50: 1,
             p99: 1,
             max,
         };
-        Some(Load {
+        Some(CycleTiming {
             name: "net".into(),
             cycle: spread(cycle),
             late: spread(late),

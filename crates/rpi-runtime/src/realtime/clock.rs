@@ -4,11 +4,11 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Time base of the ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Pace {
+pub enum TimeBase {
     /// Simulated time: ticks follow each other without waiting. The logical clock starts at 0.
     Simulated,
     /// Accelerated time: the given multiple of real time. The logical clock starts at 0.
-    Faster(u32),
+    Accelerated(u32),
     /// Real time: absolute deadlines on the monotonic clock.
     Real,
 }
@@ -18,29 +18,29 @@ pub enum Pace {
 const SPIN_NS: u64 = 60_000;
 /// Lateness in nanoseconds above which the deadlines are shifted instead of caught up with, for example after a
 /// suspend.
-const BEHIND_NS: u64 = 1_000_000_000;
+const MAX_CATCH_UP_NS: u64 = 1_000_000_000;
 
 /// A running clock.
 pub(crate) struct Clock {
-    pace: Pace,
+    pace: TimeBase,
     tick_ns: u64,
     start: Instant,
     /// Nanoseconds by which all deadlines are postponed.
-    put_off_ns: u64,
+    postponed_ns: u64,
     /// Wall clock at the start, nanoseconds since the Unix epoch; 0 unless time is real.
     epoch_ns: i64,
 }
 
 impl Clock {
-    pub(crate) fn start(pace: Pace, tick_ns: u64) -> Clock {
+    pub(crate) fn start(pace: TimeBase, tick_ns: u64) -> Clock {
         Clock {
             pace,
             tick_ns: tick_ns.max(1),
             start: Instant::now(),
-            put_off_ns: 0,
+            postponed_ns: 0,
             epoch_ns: match pace {
-                Pace::Simulated | Pace::Faster(_) => 0,
-                Pace::Real => now_ns(),
+                TimeBase::Simulated | TimeBase::Accelerated(_) => 0,
+                TimeBase::Real => now_ns(),
             },
         }
     }
@@ -52,18 +52,18 @@ impl Clock {
     /// Waits until a tick is due. Returns its lateness in nanoseconds; 0 on simulated time.
     pub(crate) fn wait(&mut self, tick: u64) -> u64 {
         let times = match self.pace {
-            Pace::Simulated => return 0,
-            Pace::Real => 1,
-            Pace::Faster(times) => u64::from(times.max(1)),
+            TimeBase::Simulated => return 0,
+            TimeBase::Real => 1,
+            TimeBase::Accelerated(times) => u64::from(times.max(1)),
         };
         let due = self.tick_ns.saturating_mul(tick) / times;
-        let late = self.until(due.saturating_add(self.put_off_ns));
-        self.put_off_ns += late.saturating_sub(BEHIND_NS);
+        let late = self.wait_until(due.saturating_add(self.postponed_ns));
+        self.postponed_ns += late.saturating_sub(MAX_CATCH_UP_NS);
         late
     }
 
     /// Waits until `due` nanoseconds after the start. Returns the lateness in nanoseconds.
-    fn until(&self, due: u64) -> u64 {
+    fn wait_until(&self, due: u64) -> u64 {
         loop {
             let now = self.elapsed();
             match due.checked_sub(now) {
@@ -77,9 +77,9 @@ impl Clock {
     }
 
     /// Postpones all later ticks by a number of periods.
-    pub(crate) fn put_off(&mut self, periods: u64) {
+    pub(crate) fn postpone(&mut self, periods: u64) {
         let more = periods.saturating_mul(self.tick_ns);
-        self.put_off_ns = self.put_off_ns.saturating_add(more);
+        self.postponed_ns = self.postponed_ns.saturating_add(more);
     }
 
     /// Restarts the clock: tick 0 is due now.
@@ -91,16 +91,16 @@ impl Clock {
     /// unless time is real.
     pub(crate) fn overrun(&self, late: u64, took: u64) -> u64 {
         match self.pace {
-            Pace::Simulated | Pace::Faster(_) => 0,
-            Pace::Real => late.saturating_add(took).saturating_sub(self.tick_ns),
+            TimeBase::Simulated | TimeBase::Accelerated(_) => 0,
+            TimeBase::Real => late.saturating_add(took).saturating_sub(self.tick_ns),
         }
     }
 
     /// Returns the wall clock of the commands in a tick, nanoseconds since the Unix epoch.
     pub(crate) fn wall_ns(&self, tick: u64) -> i64 {
         let since = match self.pace {
-            Pace::Simulated | Pace::Faster(_) => self.tick_ns.saturating_mul(tick),
-            Pace::Real => self.elapsed(),
+            TimeBase::Simulated | TimeBase::Accelerated(_) => self.tick_ns.saturating_mul(tick),
+            TimeBase::Real => self.elapsed(),
         };
         self.epoch_ns.saturating_add_unsigned(since)
     }
@@ -121,14 +121,17 @@ mod tests {
 
     #[test]
     fn simulated_time_is_exact_and_never_late() {
-        let mut clock = Clock::start(Pace::Simulated, 1_000_000);
+        let mut clock = Clock::start(TimeBase::Simulated, 1_000_000);
         assert_eq!(clock.wait(1_000_000), 0);
         assert_eq!(clock.wall_ns(5), 5_000_000);
     }
 
     #[test]
     fn real_time_does_not_run_ahead_of_its_deadlines() {
-        for (pace, tick_ns) in [(Pace::Real, 2_000_000), (Pace::Faster(2), 4_000_000)] {
+        for (pace, tick_ns) in [
+            (TimeBase::Real, 2_000_000),
+            (TimeBase::Accelerated(2), 4_000_000),
+        ] {
             let mut clock = Clock::start(pace, tick_ns);
             clock.wait(5);
             assert!(clock.start.elapsed() >= Duration::from_millis(10));
@@ -137,8 +140,8 @@ mod tests {
 
     #[test]
     fn what_is_put_off_is_due_later() {
-        let mut clock = Clock::start(Pace::Real, 2_000_000);
-        clock.put_off(5);
+        let mut clock = Clock::start(TimeBase::Real, 2_000_000);
+        clock.postpone(5);
         clock.wait(0);
         assert!(clock.start.elapsed() >= Duration::from_millis(10));
     }

@@ -2,43 +2,43 @@
 //!
 //! This module must not depend on what the cycle computes.
 
-mod beat;
 mod clock;
-mod fence;
-mod figures;
-mod grant;
+mod command_timer;
 mod overrun;
-mod stopwatch;
+mod resources;
+mod syscall_filter;
+mod tick_timer;
+mod timing_stats;
 
-pub use beat::Beat;
-pub use clock::Pace;
-pub use fence::{fence, is_fence_up, rest};
-pub use figures::{Figures, Spread};
-pub use grant::{Grant, Wanted, ask};
-pub use overrun::{OverrunPolicy, Overruns};
-pub use rpi_core::{Often, OnOverrun};
-pub(crate) use stopwatch::Stopwatch;
+pub use clock::TimeBase;
+pub(crate) use command_timer::CommandTimer;
+pub use overrun::{OverrunPolicy, OverrunStats};
+pub use resources::{ResourceGrant, SchedulingOptions, request_resources};
+pub use rpi_core::{CommandOverrunPolicy, OverrunThreshold};
+pub use syscall_filter::{install_syscall_filter, is_syscall_filter_installed, sleep_forever};
+pub use tick_timer::TickTimer;
+pub use timing_stats::{Percentiles, TimingStats};
 
 /// Options of real-time execution.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct RealTime {
     /// Scheduling resources requested for the tick thread.
-    pub wanted: Wanted,
+    pub resources: SchedulingOptions,
     /// Policy for ticks that end after the next one was due.
     pub overrun: OverrunPolicy,
     /// Overrun policy of commands that were loaded without one. It applies to the command that took the longest in an
     /// overrun tick.
-    pub commands: OnOverrun,
+    pub command_overrun: CommandOverrunPolicy,
     /// Whether the tick thread is restricted to the system calls of the clock; see [`fence()`].
-    pub fence: bool,
+    pub syscall_filter: bool,
 }
 
 /// Requests all of these resources for the calling thread and installs the system call filter if it is enabled.
 ///
 /// A thread with the filter must call [`rest()`] in the end.
 #[must_use]
-pub fn begin(real_time: RealTime) -> Vec<Grant> {
-    let mut grants = ask(real_time.wanted);
-    grants.extend(real_time.fence.then(fence));
+pub fn acquire_resources(real_time: RealTime) -> Vec<ResourceGrant> {
+    let mut grants = request_resources(real_time.resources);
+    grants.extend(real_time.syscall_filter.then(install_syscall_filter));
     grants
 }

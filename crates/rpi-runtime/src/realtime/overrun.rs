@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use rpi_core::Often;
+use rpi_core::OverrunThreshold;
 use serde::Serialize;
 
 /// Reaction to an overrun. Every policy counts overruns.
@@ -16,7 +16,7 @@ pub enum OverrunPolicy {
     Skip,
     /// All commands are ended once N of the last M ticks were overruns, and their devices brake. Until then late ticks
     /// follow immediately.
-    Stop(Often),
+    Stop(OverrunThreshold),
 }
 
 impl FromStr for OverrunPolicy {
@@ -29,8 +29,10 @@ impl FromStr for OverrunPolicy {
             "skip" => return Ok(OverrunPolicy::Skip),
             _ => {}
         }
-        let often = text.strip_prefix("stop").and_then(Often::after);
-        let most = Often::LONGEST;
+        let often = text
+            .strip_prefix("stop")
+            .and_then(OverrunThreshold::parse_suffix);
+        let most = OverrunThreshold::MAX_WINDOW;
         often.map(OverrunPolicy::Stop).ok_or_else(|| {
             format!(
                 "expected `catch-up`, `skip`, `stop` or `stop:N/M` (N overruns in M cycles, M at most {most})"
@@ -51,7 +53,7 @@ impl fmt::Display for OverrunPolicy {
 
 /// Statistics of overruns. Counting neither allocates nor fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
-pub struct Overruns {
+pub struct OverrunStats {
     /// Number of overruns.
     pub count: u64,
     /// Tick of the first overrun, from 0.
@@ -67,41 +69,41 @@ pub struct Overruns {
 
 /// Action after a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Verdict {
+pub(super) enum OverrunAction {
     /// No action.
-    GoOn,
+    Continue,
     /// Postpone all later ticks by this number of periods.
-    PutOff(u64),
+    Postpone(u64),
     /// End all commands.
     Stop,
 }
 
-impl Overruns {
+impl OverrunStats {
     /// Counts a tick that ended `over` nanoseconds after the next one was due (0 if in time) and returns the action.
-    pub(super) fn judge(
+    pub(super) fn record(
         &mut self,
         tick: u64,
         over: u64,
         tick_ns: u64,
         policy: OverrunPolicy,
-    ) -> Verdict {
+    ) -> OverrunAction {
         self.history = self.history << 1 | u64::from(over > 0);
         if over == 0 {
-            return Verdict::GoOn;
+            return OverrunAction::Continue;
         }
         self.count += 1;
         self.first.get_or_insert(tick);
         self.longest = self.longest.max(over);
         match policy {
-            OverrunPolicy::CatchUp => Verdict::GoOn,
+            OverrunPolicy::CatchUp => OverrunAction::Continue,
             OverrunPolicy::Skip => {
                 let periods = over.div_ceil(tick_ns.max(1));
                 self.skipped += periods;
-                Verdict::PutOff(periods)
+                OverrunAction::Postpone(periods)
             }
             OverrunPolicy::Stop(often) => match often.is_reached(self.history) {
-                true => Verdict::Stop,
-                false => Verdict::GoOn,
+                true => OverrunAction::Stop,
+                false => OverrunAction::Continue,
             },
         }
     }
@@ -113,12 +115,12 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    fn judged(policy: &str, overs: &[u64]) -> (Vec<Verdict>, Overruns) {
-        let mut overruns = Overruns::default();
+    fn judged(policy: &str, overs: &[u64]) -> (Vec<OverrunAction>, OverrunStats) {
+        let mut overruns = OverrunStats::default();
         let policy = policy.parse().unwrap();
         let verdicts = (0..)
             .zip(overs)
-            .map(|(tick, over)| overruns.judge(tick, *over, MS, policy));
+            .map(|(tick, over)| overruns.record(tick, *over, MS, policy));
         (verdicts.collect(), overruns)
     }
 
@@ -136,16 +138,19 @@ mod tests {
     #[test]
     fn skipping_puts_off_by_whole_periods() {
         let (verdicts, overruns) = judged("skip", &[1, MS, MS + 1]);
-        assert_eq!(verdicts, [1, 1, 2].map(Verdict::PutOff));
+        assert_eq!(verdicts, [1, 1, 2].map(OverrunAction::Postpone));
         assert_eq!(overruns.skipped, 4);
     }
 
     #[test]
     fn the_nth_of_the_last_m_stops() {
         let (verdicts, _) = judged("stop:2/3", &[1, 0, 0, 1, 0, 1]);
-        assert_eq!(verdicts[..5], [Verdict::GoOn; 5]);
-        assert_eq!(verdicts[5], Verdict::Stop);
-        assert_eq!(judged("stop", &[0, 1]).0, [Verdict::GoOn, Verdict::Stop]);
+        assert_eq!(verdicts[..5], [OverrunAction::Continue; 5]);
+        assert_eq!(verdicts[5], OverrunAction::Stop);
+        assert_eq!(
+            judged("stop", &[0, 1]).0,
+            [OverrunAction::Continue, OverrunAction::Stop]
+        );
     }
 
     #[test]

@@ -3,30 +3,30 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use rpi_core::{Command, CommandId, Overruns, Watch, Why};
+use rpi_core::{AbortReason, Command, CommandId, CycleObserver, OverrunStats};
 use rpi_device::PortId;
 use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_sim::SimBank;
 
 use super::devices;
-use super::samples::Tap;
-use super::sights::Sights;
+use super::probe::FlowProbe;
+use super::samples::SampleSender;
 use crate::control::Executive;
-use crate::realtime::Beat;
-use crate::tape::{TapeIn, Taped};
+use crate::realtime::TickTimer;
+use crate::tick_log::{LoggingBank, TickLogWriter};
 
 /// Maximum time in seconds for the devices to come to rest after the last command.
-const SETTLE: f64 = 10.0;
+const SETTLE_SECONDS: f64 = 10.0;
 
 /// Maximum number of commands whose overruns are recorded.
-const BLAMED: usize = 64;
+const MAX_OVERRUN_COMMANDS: usize = 64;
 
 /// Stop conditions of a run, and its tick length.
 #[derive(Clone, Debug)]
-pub(super) struct Bounds {
+pub(super) struct StopConditions {
     /// Tick at which the running commands are stopped.
-    pub(super) last: u64,
+    pub(super) last_tick: u64,
     /// Set to true to stop the run now.
     pub(super) interrupted: Arc<AtomicBool>,
     /// Set to true for an emergency stop.
@@ -35,34 +35,34 @@ pub(super) struct Bounds {
     pub(super) tick_ns: u64,
 }
 
-impl Bounds {
+impl StopConditions {
     /// Returns the reason to end all commands now, if a stop condition is met.
-    fn reached(&self, now: u64) -> Option<Why> {
-        let asked = || now >= self.last || self.interrupted.load(Ordering::Relaxed);
+    fn stop_reason(&self, now: u64) -> Option<AbortReason> {
+        let asked = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
         match self.emergency.load(Ordering::Relaxed) {
-            true => Some(Why::EmergencyStop),
-            false => asked().then_some(Why::Request),
+            true => Some(AbortReason::EmergencyStop),
+            false => asked().then_some(AbortReason::Request),
         }
     }
 }
 
 /// The cycle and all data that it owns.
-pub(super) struct Cycle {
-    executive: Executive<Taped<SimBank>>,
-    pub(super) beat: Beat,
-    pub(super) watcher: Watcher,
+pub(super) struct CycleLoop {
+    executive: Executive<LoggingBank<SimBank>>,
+    pub(super) timer: TickTimer,
+    pub(super) watcher: FlowSampler,
     devices: Box<[DeviceTap]>,
     /// Number of the next tick, read by the host.
     now: Arc<AtomicU64>,
-    bounds: Bounds,
+    bounds: StopConditions,
     /// Tick at which the run ends even if the devices still move; set once all commands have ended.
     settling: Option<u64>,
     /// Reason for which all commands were ended early. [`Why::Request`] if the run was cut off.
-    pub(super) halted: Option<Why>,
+    pub(super) halted: Option<AbortReason>,
     /// Tape of the recording, if any.
-    tape: Option<TapeIn>,
+    tape: Option<TickLogWriter>,
     /// Overrun statistics of the first commands with overruns.
-    pub(super) overran: Vec<(CommandId, Overruns)>,
+    pub(super) overruns: Vec<(CommandId, OverrunStats)>,
 }
 
 /// A device port that is sampled in every tick.
@@ -73,19 +73,19 @@ pub(super) struct DeviceTap {
     pub(super) value: Box<[u64]>,
 }
 
-impl Cycle {
+impl CycleLoop {
     pub(super) fn new(
-        executive: Executive<Taped<SimBank>>,
-        beat: Beat,
-        watcher: Watcher,
+        executive: Executive<LoggingBank<SimBank>>,
+        beat: TickTimer,
+        watcher: FlowSampler,
         devices: Box<[DeviceTap]>,
         now: Arc<AtomicU64>,
-        bounds: Bounds,
-        tape: Option<TapeIn>,
-    ) -> Cycle {
-        Cycle {
+        bounds: StopConditions,
+        tape: Option<TickLogWriter>,
+    ) -> CycleLoop {
+        CycleLoop {
             executive,
-            beat,
+            timer: beat,
             watcher,
             devices,
             now,
@@ -93,24 +93,26 @@ impl Cycle {
             settling: None,
             halted: None,
             tape,
-            overran: Vec::with_capacity(BLAMED),
+            overruns: Vec::with_capacity(MAX_OVERRUN_COMMANDS),
         }
     }
 
     /// Executes one tick.
     pub(super) fn tick(&mut self) {
         let now = self.executive.now();
-        let wall_ns = self.beat.wait(now);
+        let wall_ns = self.timer.wait(now);
         self.watcher.begin(now);
         match self.halted {
-            Some(_) => self.executive.tick_alone(wall_ns, &mut self.watcher),
+            Some(_) => self
+                .executive
+                .tick_without_requests(wall_ns, &mut self.watcher),
             None => self.executive.tick(wall_ns, &mut self.watcher),
         }
         if self.settling.is_none() {
-            let too_often = self.beat.over(now);
-            let late = self.beat.overrun();
-            if too_often | late.is_some_and(|late| self.too_late(late)) {
-                self.halt(Why::Overrun);
+            let too_often = self.timer.finish_tick(now);
+            let late = self.timer.overrun();
+            if too_often | late.is_some_and(|late| self.handle_overrun(late)) {
+                self.halt(AbortReason::Overrun);
             }
         }
         self.sample(now);
@@ -119,21 +121,21 @@ impl Cycle {
     }
 
     /// Handles an overrun; see [`Executive::too_late`]. Returns true if all commands must be ended.
-    fn too_late(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
+    fn handle_overrun(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         if let Some(sights) = &mut self.watcher.sights {
             sights.overrun(late_ns);
         }
-        let stop = self.executive.too_late((late_ns, excess_ns));
-        let blamed = self.executive.blamed(excess_ns);
+        let stop = self.executive.handle_overrun((late_ns, excess_ns));
+        let blamed = self.executive.overrun_cause(excess_ns);
         let command = blamed.and_then(|(id, _)| Some((id, self.executive.core().command(id)?)));
         let Some((id, command)) = command else {
             return stop;
         };
-        let overruns = *command.overruns();
-        let has_room = self.overran.len() < BLAMED;
-        match self.overran.iter_mut().find(|(known, _)| *known == id) {
+        let overruns = *command.overrun_stats();
+        let has_room = self.overruns.len() < MAX_OVERRUN_COMMANDS;
+        match self.overruns.iter_mut().find(|(known, _)| *known == id) {
             Some((_, known)) => *known = overruns,
-            None if has_room => self.overran.push((id, overruns)),
+            None if has_room => self.overruns.push((id, overruns)),
             None => {}
         }
         stop
@@ -141,26 +143,26 @@ impl Cycle {
 
     /// Returns true if another tick is needed: commands run, or devices have not yet come to rest. `over` states that
     /// no further command will start.
-    pub(super) fn goes_on(&mut self, over: bool) -> bool {
+    pub(super) fn should_continue(&mut self, over: bool) -> bool {
         let now = self.executive.now();
         if self.settling.is_none()
             && self.halted.is_none()
-            && let Some(why) = self.bounds.reached(now)
+            && let Some(why) = self.bounds.stop_reason(now)
         {
             self.halt(why);
         }
         if self.settling.is_none() && (over || self.halted.is_some()) {
-            let ticks = (SETTLE * 1e9 / self.bounds.tick_ns as f64) as u64;
+            let ticks = (SETTLE_SECONDS * 1e9 / self.bounds.tick_ns as f64) as u64;
             self.settling = Some(now + ticks);
         }
         self.settling
-            .is_none_or(|until| now < until && self.moves())
+            .is_none_or(|until| now < until && self.is_moving())
     }
 
     /// Ends all commands between two ticks.
-    fn halt(&mut self, why: Why) {
+    fn halt(&mut self, why: AbortReason) {
         self.halted = Some(why);
-        self.executive.plant().halt(why);
+        self.executive.plant().log_halt(why);
         self.executive.halt(why);
     }
 
@@ -169,7 +171,7 @@ impl Cycle {
         let (Some(tape), Some(sights)) = (&mut self.tape, &self.watcher.sights) else {
             return;
         };
-        if let Some(exchange) = self.executive.plant().stage() {
+        if let Some(exchange) = self.executive.plant().buffer() {
             tape.put(moment, ticked, exchange, sights.stage());
             exchange.clear();
         }
@@ -178,17 +180,17 @@ impl Cycle {
     /// Records everything after the last tick. Returns the number of lost ticks.
     pub(super) fn finish_tape(&mut self) -> u64 {
         let now = self.executive.now();
-        let stage = self.executive.plant().stage();
+        let stage = self.executive.plant().buffer();
         if stage.is_some_and(|stage| !stage.is_empty()) {
             self.watcher.begin(now);
             self.record((now, 0), false);
         }
-        self.tape.as_ref().map_or(0, TapeIn::lost)
+        self.tape.as_ref().map_or(0, TickLogWriter::lost)
     }
 
     /// Returns true while the tape has enough room for the next ticks.
     pub(super) fn has_room(&self) -> bool {
-        self.tape.as_ref().is_none_or(TapeIn::has_room)
+        self.tape.as_ref().is_none_or(TickLogWriter::has_room)
     }
 
     /// Returns the devices.
@@ -209,41 +211,41 @@ impl Cycle {
         }
     }
 
-    fn moves(&mut self) -> bool {
+    fn is_moving(&mut self) -> bool {
         self.bank().status().any(|device| device.moving)
     }
 }
 
 /// Samples the flows of commands at the end of their cycles.
-pub(super) struct Watcher {
-    pub(super) tap: Tap,
+pub(super) struct FlowSampler {
+    pub(super) tap: SampleSender,
     pub(super) tick: u64,
-    pub(super) flows: Box<[Flows]>,
+    pub(super) flows: Box<[SampledFlows]>,
     /// Observations for the recording, if any.
-    pub(super) sights: Option<Sights>,
+    pub(super) sights: Option<FlowProbe>,
 }
 
-impl Watcher {
+impl FlowSampler {
     fn begin(&mut self, tick: u64) {
         self.tick = tick;
-        self.sights.iter_mut().for_each(Sights::begin);
+        self.sights.iter_mut().for_each(FlowProbe::begin);
     }
 }
 
 /// Sampled flows of an image.
-pub(super) struct Flows {
+pub(super) struct SampledFlows {
     pub(super) image: Arc<Image>,
     /// Channel, signal, and the index of the signal's fragment.
     pub(super) flows: Box<[(usize, Signal, u32)]>,
 }
 
-impl Watch for Watcher {
-    fn cycle(&mut self, id: CommandId, command: &Command) {
+impl CycleObserver for FlowSampler {
+    fn cycle_finished(&mut self, id: CommandId, command: &Command) {
         if let Some(sights) = &mut self.sights {
-            sights.cycle(id, command);
+            sights.cycle_finished(id, command);
         }
-        let machine = command.machine();
-        let mine = |f: &&Flows| Arc::ptr_eq(&f.image, machine.image());
+        let machine = command.instance();
+        let mine = |f: &&SampledFlows| Arc::ptr_eq(&f.image, machine.image());
         let Some(flows) = self.flows.iter().find(mine) else {
             return;
         };

@@ -1,31 +1,31 @@
 //! Device samples and final device states of a run.
 
-use rpi_device::{DeviceBank, PortKind, PortName};
+use rpi_device::{DeviceBank, PortKind, PortQuery};
 use rpi_image::{Scalar, Type};
-use rpi_sim::cell::Kind;
+use rpi_sim::cell::DeviceKind;
 use rpi_sim::{Cell, Report, SimBank};
 
 use super::cycle::DeviceTap;
-use super::outcome::{DeviceEnd, Trouble};
+use super::outcome::{DeviceEnd, DeviceProblem};
 use super::samples::{Channel, Source};
 
 /// Maximum number of distinct problems listed per device.
-const TROUBLES: usize = 32;
+const MAX_PROBLEMS: usize = 32;
 
 /// Returns the ports that are sampled in every tick: name, number of instances, type.
-fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
+fn sampled_ports(kind: &DeviceKind) -> Vec<(&'static str, usize, Scalar)> {
     match kind {
-        Kind::Arm(arm) => vec![
+        DeviceKind::Arm(arm) => vec![
             ("joint.commanded_position", arm.joints.len(), Scalar::Real),
             ("tcp.commanded_position", 1, Scalar::Pose),
         ],
-        Kind::Io(io) => vec![
+        DeviceKind::Io(io) => vec![
             ("in.bool", io.digital.inputs.len(), Scalar::Bool),
             ("out.bool", io.digital.outputs.len(), Scalar::Bool),
             ("in.real", io.analogue.inputs.len(), Scalar::Real),
             ("out.real", io.analogue.outputs.len(), Scalar::Real),
         ],
-        Kind::Base(_) | Kind::Gripper(_) | Kind::Force(_) => Vec::new(),
+        DeviceKind::Base(_) | DeviceKind::Gripper(_) | DeviceKind::Force(_) => Vec::new(),
     }
 }
 
@@ -33,14 +33,14 @@ fn sampled(kind: &Kind) -> Vec<(&'static str, usize, Scalar)> {
 pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Channel>) {
     let (mut taps, mut channels) = (Vec::new(), Vec::new());
     for device in &cell.devices {
-        for (port, count, scalar) in sampled(&device.kind) {
+        for (port, count, scalar) in sampled_ports(&device.kind) {
             for index in 0..count {
-                let name = PortName {
+                let name = PortQuery {
                     device: &device.name,
                     port,
                     index: u32::try_from(index).unwrap_or(u32::MAX),
                     kind: PortKind::Sensor,
-                    ty: Type::One(scalar),
+                    ty: Type::Scalar(scalar),
                 };
                 let Ok(found) = bank.resolve(&name) else {
                     continue;
@@ -48,11 +48,11 @@ pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Ch
                 taps.push(DeviceTap {
                     port: found,
                     channel: channels.len(),
-                    value: vec![0; scalar.cells() as usize].into(),
+                    value: vec![0; scalar.slots() as usize].into(),
                 });
                 channels.push(Channel {
                     name: channel_name(&device.name, port, index, count),
-                    ty: Type::One(scalar),
+                    ty: Type::Scalar(scalar),
                     source: Source::Device {
                         device: device.name.clone(),
                         port,
@@ -83,7 +83,7 @@ pub(super) fn sample(
 }
 
 /// Returns the final states of the devices.
-pub(super) fn ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
+pub(super) fn device_ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
     let mut ends: Vec<DeviceEnd> = bank
         .status()
         .map(|status| DeviceEnd {
@@ -95,20 +95,20 @@ pub(super) fn ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
         .collect();
     bank.reports(|name, report| {
         if let Some(end) = ends.iter_mut().find(|end| end.name == name) {
-            count(&mut end.troubles, &report);
+            count_problem(&mut end.troubles, &report);
         }
     });
     ends
 }
 
-fn count(troubles: &mut Vec<Trouble>, report: &Report) {
+fn count_problem(troubles: &mut Vec<DeviceProblem>, report: &Report) {
     let what = report.code.to_string();
     let known = troubles
         .iter()
         .position(|t| t.what == what && t.axis == report.axis);
     match known {
         Some(k) => troubles[k].times += 1,
-        None if troubles.len() < TROUBLES => troubles.push(Trouble {
+        None if troubles.len() < MAX_PROBLEMS => troubles.push(DeviceProblem {
             what,
             is_refusal: !report.code.is_failure(),
             axis: report.axis,

@@ -3,30 +3,30 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rpi_core::{CommandId, Ending, LoadFault, Notice, Overruns, Rule, RuleId};
-use rpi_device::Jump;
+use rpi_core::{CommandId, Ending, LoadError, Notice, OverrunStats, Rule, RuleId};
+use rpi_device::Discontinuity;
 use rpi_image::Image;
 use rpi_sim::Cell;
 
-use super::end;
-use super::inputs::Set;
-use super::outcome::{Blame, CommandEnd, RunEnd};
-use super::plan::Plan;
+use super::end_text;
+use super::inputs::IndexedValue;
+use super::outcome::{CommandEnd, CommandOverruns, RunEnd};
+use super::plan::ExecutablePlan;
 use super::recorder::RunRecorder;
-use super::samples::{Channel, Drain, Sink};
-use super::task::{NotStarted, Task, Workshop};
-use crate::control::{Control, Event, Rejected, Setting, Ticket};
+use super::samples::{Channel, SampleReceiver, Sink};
+use super::task_runner::{NotStartedError, Task, TaskCore};
+use crate::control::{Control, Event, InputValue, RequestError, Ticket};
 
 /// Maximum number of listed commands. The limit bounds the memory of an endless task.
 const LISTED: usize = 1000;
 
 /// Host side of a run.
 pub(super) struct Host<'a> {
-    pub(super) desk: Desk<'a>,
-    pub(super) tasks: Vec<Task<&'a Plan>>,
-    pub(super) drain: Drain,
+    pub(super) context: TaskContext<'a>,
+    pub(super) tasks: Vec<Task<&'a ExecutablePlan>>,
+    pub(super) drain: SampleReceiver,
     pub(super) channels: Vec<Channel>,
-    pub(super) books: Books<'a>,
+    pub(super) command_log: CommandLog<'a>,
     /// Last tick of which a sample has arrived.
     pub(super) last_tick: u64,
     /// Recorder of the run, if any.
@@ -34,36 +34,36 @@ pub(super) struct Host<'a> {
 }
 
 /// State that tasks need to load and start commands.
-pub(super) struct Desk<'a> {
+pub(super) struct TaskContext<'a> {
     pub(super) control: Control,
     pub(super) images: &'a [Arc<Image>],
     pub(super) cell: &'a Cell,
     /// Input values for each image.
-    pub(super) sets: Vec<Vec<Set>>,
+    pub(super) input_values: Vec<Vec<IndexedValue>>,
     /// Number of the next tick.
     pub(super) now: Arc<AtomicU64>,
     /// Number of ticks after the start of a command before its successors are scheduled.
-    pub(super) planning: u64,
+    pub(super) planning_ticks: u64,
     /// Number of successors that were not yet scheduled when their predecessor ended.
-    pub(super) late: u64,
+    pub(super) late_successors: u64,
     /// Number of these successors that could have taken over in motion.
-    pub(super) missed: u64,
+    pub(super) missed_takeovers: u64,
 }
 
-impl Desk<'_> {
+impl TaskContext<'_> {
     pub(super) fn tick(&self) -> u64 {
         self.now.load(Ordering::Acquire)
     }
 
     /// Loads a command and sets its input values.
-    pub(super) fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
+    pub(super) fn load(&mut self, index: usize) -> Result<CommandId, RequestError> {
         let id = self.control.load(Arc::clone(&self.images[index]))?;
-        let setting = |(input, value): &Set| Setting {
+        let setting = |(input, value): &IndexedValue| InputValue {
             command: id,
             input: *input,
             value: value.clone().into(),
         };
-        let settings: Vec<Setting> = self.sets[index].iter().map(setting).collect();
+        let settings: Vec<InputValue> = self.input_values[index].iter().map(setting).collect();
         if !settings.is_empty() {
             self.control.set(settings)?;
         }
@@ -72,25 +72,25 @@ impl Desk<'_> {
 }
 
 /// Interface between the tasks of a run and the control core.
-struct Bench<'b, 'a> {
-    desk: &'b mut Desk<'a>,
-    books: &'b mut Books<'a>,
+struct TaskCoreAdapter<'b, 'a> {
+    desk: &'b mut TaskContext<'a>,
+    books: &'b mut CommandLog<'a>,
 }
 
-impl Workshop for Bench<'_, '_> {
+impl TaskCore for TaskCoreAdapter<'_, '_> {
     fn image(&self, index: usize) -> Arc<Image> {
         Arc::clone(&self.desk.images[index])
     }
 
-    fn load(&mut self, index: usize) -> Result<CommandId, Rejected> {
+    fn load(&mut self, index: usize) -> Result<CommandId, RequestError> {
         self.desk.load(index)
     }
 
-    fn start(&mut self, id: CommandId) -> Result<Ticket, Rejected> {
+    fn start(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
         self.desk.control.start(id)
     }
 
-    fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), Rejected> {
+    fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), RequestError> {
         self.desk.control.schedule(rule)
     }
 
@@ -104,58 +104,58 @@ impl Workshop for Bench<'_, '_> {
         let _ = self.desk.control.unload(id);
     }
 
-    fn may_plan(&self, first_tick: Option<u64>) -> bool {
-        let planning = self.desk.planning;
+    fn can_plan(&self, first_tick: Option<u64>) -> bool {
+        let planning = self.desk.planning_ticks;
         first_tick.map_or(planning == 0, |first| self.desk.tick() >= first + planning)
     }
 
-    fn late(&mut self, in_motion: bool) {
-        self.desk.late += 1;
-        self.desk.missed += u64::from(in_motion);
+    fn report_late(&mut self, in_motion: bool) {
+        self.desk.late_successors += 1;
+        self.desk.missed_takeovers += u64::from(in_motion);
     }
 
-    fn handled(&mut self, id: CommandId) {
-        self.books.handled(id);
+    fn report_handled(&mut self, id: CommandId) {
+        self.books.set_handled(id);
     }
 
-    fn not_started(&mut self, indices: &[usize], why: NotStarted) {
+    fn report_not_started(&mut self, indices: &[usize], why: NotStartedError) {
         let why = match why {
-            NotStarted::Rejected(Rejected::Loading(faults)) => {
-                return self.books.not_loaded(indices, faults);
+            NotStartedError::Rejected(RequestError::Load(faults)) => {
+                return self.books.set_load_failure(indices, faults);
             }
-            NotStarted::Rejected(why) => why.to_string(),
-            NotStarted::Refused(why) => end::refused(why, self.desk.cell),
+            NotStartedError::Rejected(why) => why.to_string(),
+            NotStartedError::Refused(why) => end_text::refusal_text(why, self.desk.cell),
             // Rules are dropped when everything is stopped. The stop is reported for the running commands.
-            NotStarted::Dropped => return,
+            NotStartedError::Dropped => return,
         };
         for index in indices {
-            self.books.not_started(*index, why.clone());
+            self.books.add_refused(*index, why.clone());
         }
     }
 }
 
 /// Outcome of the commands, collected during the run.
-pub(super) struct Books<'a> {
+pub(super) struct CommandLog<'a> {
     images: &'a [Arc<Image>],
     /// Commands in the order of their start.
     pub(super) commands: Vec<(Option<CommandId>, CommandEnd)>,
     /// Number of commands that are no longer listed.
     pub(super) unlisted: u64,
     /// Command that could not be loaded, with the load errors.
-    pub(super) failed: Option<(String, Vec<LoadFault>)>,
+    pub(super) load_failure: Option<(String, Vec<LoadError>)>,
 }
 
-impl<'a> Books<'a> {
-    pub(super) fn new(images: &'a [Arc<Image>]) -> Books<'a> {
-        Books {
+impl<'a> CommandLog<'a> {
+    pub(super) fn new(images: &'a [Arc<Image>]) -> CommandLog<'a> {
+        CommandLog {
             images,
             commands: Vec::new(),
             unlisted: 0,
-            failed: None,
+            load_failure: None,
         }
     }
 
-    fn started(&mut self, id: CommandId, image: &Image, tick: u64) {
+    fn add_started(&mut self, id: CommandId, image: &Image, tick: u64) {
         if self.commands.len() == LISTED {
             self.commands.remove(0);
             self.unlisted += 1;
@@ -174,22 +174,22 @@ impl<'a> Books<'a> {
     }
 
     /// Returns the list entry of a command.
-    fn listed(&mut self, id: CommandId) -> Option<&mut CommandEnd> {
+    fn entry_mut(&mut self, id: CommandId) -> Option<&mut CommandEnd> {
         let mut latest_first = self.commands.iter_mut().rev();
         let found = latest_first.find(|(known, _)| *known == Some(id));
         found.map(|(_, command)| command)
     }
 
-    fn ended(&mut self, id: CommandId, image: &Image, ending: Ending) {
-        if let Some(command) = self.listed(id) {
+    fn set_end(&mut self, id: CommandId, image: &Image, ending: Ending) {
+        if let Some(command) = self.entry_mut(id) {
             command.cycles = ending.cycles;
-            command.end = end::of(image, ending);
+            command.end = end_text::run_end(image, ending);
         }
     }
 
     /// Records that a command left a device moving and that the device braked.
-    fn braked(&mut self, id: CommandId, device: &str) {
-        if let Some(command) = self.listed(id)
+    fn add_braked(&mut self, id: CommandId, device: &str) {
+        if let Some(command) = self.entry_mut(id)
             && !command.braked.iter().any(|known| known == device)
         {
             command.braked.push(device.to_owned());
@@ -197,14 +197,14 @@ impl<'a> Books<'a> {
     }
 
     /// Records the overruns of a command.
-    pub(super) fn overran(&mut self, id: CommandId, overruns: &Overruns) {
+    pub(super) fn set_overruns(&mut self, id: CommandId, overruns: &OverrunStats) {
         let images = self.images;
-        let (Some(command), Some(worst)) = (self.listed(id), overruns.worst) else {
+        let (Some(command), Some(worst)) = (self.entry_mut(id), overruns.worst) else {
             return;
         };
         let image = images.iter().find(|image| image.name == command.name);
         let fragment = image.and_then(|i| i.fragments.get(worst.fragment as usize));
-        command.overruns = Some(Blame {
+        command.overruns = Some(CommandOverruns {
             count: overruns.count,
             tick: worst.tick,
             took_ns: worst.took_ns,
@@ -214,28 +214,30 @@ impl<'a> Books<'a> {
     }
 
     /// Records that the task handles the error with which the command ended.
-    fn handled(&mut self, id: CommandId) {
-        if let Some(command) = self.listed(id) {
+    fn set_handled(&mut self, id: CommandId) {
+        if let Some(command) = self.entry_mut(id) {
             command.handled = true;
         }
     }
 
-    fn jumped(&mut self, id: CommandId, jump: &Jump, cell: &Cell) {
-        if let Some(command) = self.listed(id) {
-            command.jump.get_or_insert_with(|| end::jump(jump, cell));
+    fn set_discontinuity(&mut self, id: CommandId, jump: &Discontinuity, cell: &Cell) {
+        if let Some(command) = self.entry_mut(id) {
+            command
+                .jump
+                .get_or_insert_with(|| end_text::discontinuity_text(jump, cell));
         }
     }
 
     /// Records that a command could not be loaded.
-    pub(super) fn not_loaded(&mut self, indices: &[usize], faults: Vec<LoadFault>) {
+    pub(super) fn set_load_failure(&mut self, indices: &[usize], faults: Vec<LoadError>) {
         let name = indices
             .first()
             .map(|index| self.images[*index].name.clone());
-        self.failed = name.map(|name| (name, faults));
+        self.load_failure = name.map(|name| (name, faults));
     }
 
     /// Records that a command could not be started.
-    pub(super) fn not_started(&mut self, index: usize, why: String) {
+    pub(super) fn add_refused(&mut self, index: usize, why: String) {
         let end = CommandEnd {
             name: self.images[index].name.clone(),
             first_tick: None,
@@ -254,10 +256,10 @@ impl Host<'_> {
     /// Processes events, forwards samples to `sink` and advances the tasks. Called repeatedly during the run; never
     /// blocks.
     pub(super) fn serve(&mut self, sink: &mut dyn Sink) {
-        self.listen(sink);
-        let mut bench = Bench {
-            desk: &mut self.desk,
-            books: &mut self.books,
+        self.process_events(sink);
+        let mut bench = TaskCoreAdapter {
+            desk: &mut self.context,
+            books: &mut self.command_log,
         };
         for task in &mut self.tasks {
             task.advance(&mut bench);
@@ -265,12 +267,12 @@ impl Host<'_> {
     }
 
     /// Processes events and forwards samples to `sink`, without advancing the tasks.
-    pub(super) fn listen(&mut self, sink: &mut dyn Sink) {
-        while let Some(event) = self.desk.control.poll() {
-            self.note(&event);
+    pub(super) fn process_events(&mut self, sink: &mut dyn Sink) {
+        while let Some(event) = self.context.control.poll() {
+            self.handle_event(&event);
         }
         let last_tick = &mut self.last_tick;
-        self.drain.each(|channel, tick, value| {
+        self.drain.drain(|channel, tick, value| {
             *last_tick = tick;
             sink.sample(channel, tick, value);
         });
@@ -285,47 +287,52 @@ impl Host<'_> {
 
     /// Returns true once no task will start another command.
     pub(super) fn is_over(&self) -> bool {
-        self.books.failed.is_some() || self.tasks.iter().all(|t| t.end().is_some())
+        self.command_log.load_failure.is_some() || self.tasks.iter().all(|t| t.end().is_some())
     }
 
     /// Returns the command that was started last.
-    pub(super) fn running(&self) -> Option<&CommandEnd> {
-        self.books.commands.last().map(|c| &c.1)
+    pub(super) fn latest_command(&self) -> Option<&CommandEnd> {
+        self.command_log.commands.last().map(|c| &c.1)
     }
 
-    fn note(&mut self, event: &Event) {
+    fn handle_event(&mut self, event: &Event) {
         if let Some(recorder) = &self.recorder {
             recorder.event(event);
         }
         if let Event::Notice(notice) = event {
-            self.write_down(notice);
+            self.log_notice(notice);
         }
         for task in &mut self.tasks {
-            task.hear(event);
+            task.handle_event(event);
         }
     }
 
-    fn write_down(&mut self, notice: &Notice) {
-        let image = |id: CommandId| Some(Arc::clone(&self.desk.control.get(id)?.image));
+    fn log_notice(&mut self, notice: &Notice) {
+        let image = |id: CommandId| Some(Arc::clone(&self.context.control.get(id)?.image));
         match *notice {
             Notice::Started { command, tick } => {
                 if let Some(image) = image(command) {
-                    self.books.started(command, &image, tick);
+                    self.command_log.add_started(command, &image, tick);
                 }
             }
             Notice::Braked {
                 command, resource, ..
             } => {
-                if let Some((device, _)) = self.desk.cell.actuator(resource) {
-                    self.books.braked(command, device);
+                if let Some((device, _)) = self.context.cell.resource_owner(resource) {
+                    self.command_log.add_braked(command, device);
                 }
             }
-            Notice::Jumped { command, jump } => self.books.jumped(command, &jump, self.desk.cell),
+            Notice::Discontinuity {
+                command,
+                discontinuity: jump,
+            } => self
+                .command_log
+                .set_discontinuity(command, &jump, self.context.cell),
             Notice::Ended {
                 command, ending, ..
             } => {
                 if let Some(image) = image(command) {
-                    self.books.ended(command, &image, ending);
+                    self.command_log.set_end(command, &image, ending);
                 }
             }
             _ => {}

@@ -7,19 +7,19 @@ use rpi_image::Image;
 
 /// A value for an input.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Setting {
+pub struct InputSetting {
     /// Key of the input.
     pub key: String,
     /// Text of the value.
     pub value: String,
 }
 
-impl FromStr for Setting {
+impl FromStr for InputSetting {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Setting, String> {
+    fn from_str(text: &str) -> Result<InputSetting, String> {
         let (key, value) = text.split_once('=').ok_or("expected key=value")?;
-        Ok(Setting {
+        Ok(InputSetting {
             key: key.trim().to_owned(),
             value: value.trim().to_owned(),
         })
@@ -28,16 +28,16 @@ impl FromStr for Setting {
 
 /// A setting that cannot be applied.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum BadSetting {
+pub enum InputSettingError {
     /// No command has an input with this key.
-    NoInput {
+    UndefinedInput {
         /// Key of the setting.
         key: String,
         /// Keys of all inputs.
         known: Vec<String>,
     },
     /// The text is not a valid value of the input's type.
-    Value {
+    InvalidValue {
         /// Key of the input.
         key: String,
         /// Description of the error.
@@ -45,34 +45,34 @@ pub enum BadSetting {
     },
 }
 
-impl fmt::Display for BadSetting {
+impl fmt::Display for InputSettingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            BadSetting::NoInput { key, known } if known.is_empty() => {
+            InputSettingError::UndefinedInput { key, known } if known.is_empty() => {
                 write!(f, "undefined input {key}: there are no inputs")
             }
-            BadSetting::NoInput { key, known } => {
+            InputSettingError::UndefinedInput { key, known } => {
                 write!(f, "undefined input {key} (inputs: {})", known.join(", "))?;
                 match rpi_words::suggest(key, known.iter().map(String::as_str)) {
                     Some(meant) => write!(f, "; did you mean {meant}?"),
                     None => Ok(()),
                 }
             }
-            BadSetting::Value { key, message } => write!(f, "{key}: {message}"),
+            InputSettingError::InvalidValue { key, message } => write!(f, "{key}: {message}"),
         }
     }
 }
 
-impl std::error::Error for BadSetting {}
+impl std::error::Error for InputSettingError {}
 
 /// Index of an input and its value.
-pub(super) type Set = (usize, Vec<u64>);
+pub(super) type IndexedValue = (usize, Vec<u64>);
 
 /// Resolves the settings to input values for each image.
 pub(super) fn resolve(
-    settings: &[Setting],
+    settings: &[InputSetting],
     images: &[&Image],
-) -> Result<Vec<Vec<Set>>, BadSetting> {
+) -> Result<Vec<Vec<IndexedValue>>, InputSettingError> {
     for setting in settings {
         let mut inputs = images.iter().flat_map(|image| &image.inputs);
         if !inputs.any(|input| input.key == setting.key) {
@@ -81,28 +81,31 @@ pub(super) fn resolve(
             known.sort();
             known.dedup();
             let key = setting.key.clone();
-            return Err(BadSetting::NoInput { key, known });
+            return Err(InputSettingError::UndefinedInput { key, known });
         }
     }
     images
         .iter()
-        .map(|image| of_image(settings, image))
+        .map(|image| resolve_image(settings, image))
         .collect()
 }
 
-fn of_image(settings: &[Setting], image: &Image) -> Result<Vec<Set>, BadSetting> {
+fn resolve_image(
+    settings: &[InputSetting],
+    image: &Image,
+) -> Result<Vec<IndexedValue>, InputSettingError> {
     let mut sets = Vec::new();
     for (index, input) in image.inputs.iter().enumerate() {
         for setting in settings.iter().filter(|s| s.key == input.key) {
-            let bad = |message: String| BadSetting::Value {
+            let bad = |message: String| InputSettingError::InvalidValue {
                 key: setting.key.clone(),
                 message,
             };
             let ty = input.value.ty;
-            let value = rpi_literal::read(&setting.value, ty)
+            let value = rpi_literal::parse(&setting.value, ty)
                 .map_err(|e| bad(format!("`{}` is not a {ty}: {e}", setting.value)))?;
             let value = value.ok_or_else(|| bad(format!("an input of type {ty} needs a value")))?;
-            sets.push((index, value.cells().to_vec()));
+            sets.push((index, value.slots().to_vec()));
         }
     }
     Ok(sets)
@@ -117,21 +120,21 @@ mod tests {
 
     fn image() -> Image {
         let value = Signal {
-            at: 2,
+            start: 2,
             present: 1,
-            ty: Type::One(Scalar::Real),
+            ty: Type::Scalar(Scalar::Real),
         };
         Image {
             inputs: vec![InputPort {
                 key: "speed".into(),
                 value,
-                updated: None,
+                last_updated: None,
             }],
             ..Image::default()
         }
     }
 
-    fn resolved(text: &str) -> Result<Vec<Vec<Set>>, BadSetting> {
+    fn resolved(text: &str) -> Result<Vec<Vec<IndexedValue>>, InputSettingError> {
         resolve(&[text.parse().unwrap()], &[&image()])
     }
 
@@ -147,6 +150,6 @@ mod tests {
         assert!(message("sped=1").contains("did you mean speed?"));
         assert!(message("speed=fast").contains("expected a number"));
         assert!(message("speed=null").contains("needs a value"));
-        assert!("speed".parse::<Setting>().is_err());
+        assert!("speed".parse::<InputSetting>().is_err());
     }
 }

@@ -6,40 +6,40 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use rpi_core::{Continuity, LoadFault};
+use rpi_core::{Continuity, LoadError};
 use rpi_image::Image;
 use rpi_sim::Cell;
 
-use super::drive::{Listener, side_by_side, taking_turns};
-use super::inputs::{BadSetting, Setting};
+use super::budget_check::RunBudget;
+use super::inputs::{InputSetting, InputSettingError};
 use super::outcome::{CommandEnd, Outcome};
-use super::plan::Plan;
+use super::plan::ExecutablePlan;
 use super::recorder::StartRecording;
+use super::run_loop::{HostLoop, run_alternating, run_threaded};
 use super::samples::Sink;
-use super::share::Share;
-use super::sides::sides;
-use crate::control::TooMuch;
-use crate::realtime::{Pace, RealTime};
+use super::setup::setup;
+use crate::control::BudgetExceededError;
+use crate::realtime::{RealTime, TimeBase};
 
 /// Callback for progress: the running command and the elapsed time.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 
 /// Description of a run.
-pub struct Job<'a> {
+pub struct RunOptions<'a> {
     /// Images of the commands. All have the same period, which is the tick length.
     pub images: &'a [Arc<Image>],
     /// Plans of the tasks, which run in parallel on separate devices.
-    pub plans: &'a [Plan],
+    pub plans: &'a [ExecutablePlan],
     /// Cell with the devices.
     pub cell: &'a Cell,
     /// Time base of the ticks.
-    pub pace: Pace,
+    pub time_base: TimeBase,
     /// Options for real time.
     pub real_time: RealTime,
     /// Policy for a takeover with a discontinuity.
     pub continuity: Continuity,
     /// Time budget of the commands in a tick; `None` disables the check.
-    pub share: Option<Share<'a>>,
+    pub budget: Option<RunBudget<'a>>,
     /// Limits of the run.
     pub limits: Limits,
     /// Set to true to cut off the run.
@@ -47,7 +47,7 @@ pub struct Job<'a> {
     /// Set to true for an emergency stop.
     pub emergency: Arc<AtomicBool>,
     /// Input values.
-    pub settings: &'a [Setting],
+    pub settings: &'a [InputSetting],
     /// Recording of the run, if requested.
     pub recording: Option<Box<dyn StartRecording>>,
     /// Receiver of the samples.
@@ -71,11 +71,11 @@ const MAX_FAULTS: usize = 8;
 
 /// Error that prevents a run, or ends it before it is complete.
 #[derive(Debug)]
-pub enum Failure {
+pub enum RunError {
     /// There are no commands.
-    Nothing,
+    NoCommands,
     /// The commands have different periods.
-    Periods,
+    DifferentPeriods,
     /// A task does not handle a result of a command, or handles a result that does not exist.
     Plan(String),
     /// The cycle thread cannot be created, or ended unexpectedly.
@@ -83,36 +83,36 @@ pub enum Failure {
     /// The recording cannot be written.
     Recording(io::Error),
     /// The commands exceed the time budget of a tick.
-    TooMuch {
+    BudgetExceeded {
         /// Name of the command, or the set of parallel commands.
         what: String,
         /// Required and available time.
-        why: TooMuch,
+        why: BudgetExceededError,
     },
     /// A setting cannot be applied.
-    Setting(BadSetting),
+    Setting(InputSettingError),
     /// A command cannot run in the cell.
-    Loading {
+    Load {
         /// Name of the command.
         command: String,
         /// All load errors.
-        faults: Vec<LoadFault>,
+        faults: Vec<LoadError>,
         /// Names of the devices in the cell.
         devices: Vec<String>,
     },
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for RunError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::Nothing => f.write_str("there is nothing to run"),
-            Failure::Periods => f.write_str("all commands need the same period"),
-            Failure::Plan(what) => f.write_str(what),
-            Failure::Thread(error) => write!(f, "cycle thread error: {error}"),
-            Failure::Recording(error) => write!(f, "cannot write the recording: {error}"),
-            Failure::TooMuch { what, why } => f.write_str(&why.told(what)),
-            Failure::Setting(bad) => write!(f, "{bad}"),
-            Failure::Loading {
+            RunError::NoCommands => f.write_str("there is nothing to run"),
+            RunError::DifferentPeriods => f.write_str("all commands need the same period"),
+            RunError::Plan(what) => f.write_str(what),
+            RunError::Thread(error) => write!(f, "cycle thread error: {error}"),
+            RunError::Recording(error) => write!(f, "cannot write the recording: {error}"),
+            RunError::BudgetExceeded { what, why } => f.write_str(&why.message(what)),
+            RunError::Setting(bad) => write!(f, "{bad}"),
+            RunError::Load {
                 command,
                 faults,
                 devices,
@@ -123,8 +123,11 @@ impl fmt::Display for Failure {
                 if let Some(more @ 1..) = faults.len().checked_sub(MAX_FAULTS) {
                     write!(f, "\n  and {more} more")?;
                 }
-                match faults.iter().any(|f| matches!(f, LoadFault::Device(_))) {
-                    true => write!(f, "\n{}", has(devices)),
+                match faults
+                    .iter()
+                    .any(|f| matches!(f, LoadError::UnknownDevice(_)))
+                {
+                    true => write!(f, "\n{}", devices_text(devices)),
                     false => Ok(()),
                 }
             }
@@ -132,42 +135,44 @@ impl fmt::Display for Failure {
     }
 }
 
-fn has(devices: &[String]) -> String {
+fn devices_text(devices: &[String]) -> String {
     match devices {
         [] => "the cell has no devices".to_owned(),
         devices => format!("the cell has {}", devices.join(", ")),
     }
 }
 
-impl std::error::Error for Failure {}
+impl std::error::Error for RunError {}
 
 /// Runs commands until the last one has ended or the run is cut off.
 ///
 /// # Errors
 /// Returns an error if the run cannot begin, or if a command cannot be loaded later. Faults and errors of commands are
 /// part of the outcome.
-pub fn run(mut job: Job<'_>) -> Result<Outcome, Failure> {
-    let tick_ns = tick(job.images)?;
-    let complete = |plan: &Plan| plan.check(job.images);
+pub fn run(mut job: RunOptions<'_>) -> Result<Outcome, RunError> {
+    let tick_ns = common_period(job.images)?;
+    let complete = |plan: &ExecutablePlan| plan.check(job.images);
     job.plans
         .iter()
         .try_for_each(complete)
-        .map_err(Failure::Plan)?;
+        .map_err(RunError::Plan)?;
     let recording = job.recording.take();
-    let (cycle, host) = sides(&job, tick_ns, recording)?;
+    let (cycle, host) = setup(&job, tick_ns, recording)?;
     job.sink.channels(&host.channels);
-    let listener = Listener::new(job.sink, job.progress, tick_ns);
-    match job.pace {
-        Pace::Simulated => taking_turns(cycle, host, listener),
-        Pace::Real | Pace::Faster(_) => side_by_side(cycle, host, listener, job.real_time),
+    let listener = HostLoop::new(job.sink, job.progress, tick_ns);
+    match job.time_base {
+        TimeBase::Simulated => run_alternating(cycle, host, listener),
+        TimeBase::Real | TimeBase::Accelerated(_) => {
+            run_threaded(cycle, host, listener, job.real_time)
+        }
     }
 }
 
 /// Returns the common period of all commands.
-fn tick(images: &[Arc<Image>]) -> Result<u64, Failure> {
-    let period = images.first().ok_or(Failure::Nothing)?.period_ns;
+fn common_period(images: &[Arc<Image>]) -> Result<u64, RunError> {
+    let period = images.first().ok_or(RunError::NoCommands)?.period_ns;
     match images.iter().all(|image| image.period_ns == period) {
         true => Ok(period),
-        false => Err(Failure::Periods),
+        false => Err(RunError::DifferentPeriods),
     }
 }

@@ -8,36 +8,38 @@
 //! time both sides alternate on one thread, so that the same run gives the same bits. On real time the cycle has a
 //! thread of its own.
 
-mod camera;
+mod budget_check;
+mod collector;
 mod cycle;
 mod devices;
-mod drive;
-mod end;
+mod end_text;
 mod host;
 mod inputs;
 mod job;
 mod outcome;
 mod plan;
+mod plan_cursor;
 mod print;
+mod probe;
 mod recorder;
+mod run_loop;
 mod samples;
-mod share;
-mod sides;
-mod sights;
-mod task;
-mod walk;
+mod setup;
+mod task_runner;
 
-pub(crate) use print::time as time_text;
+pub(crate) use print::format_duration as time_text;
 
-pub use camera::Camera;
-pub use end::{fault_text, jump_text, stop_text};
-pub use inputs::{BadSetting, Setting};
-pub use job::{Failure, Job, Limits, Progress, run};
-pub use outcome::{Blame, CommandEnd, DeviceEnd, FaultOrigin, Outcome, RunEnd, Status, Trouble};
-pub use plan::{Node, Plan};
-pub use recorder::{Recorded, RunRecorder, StartRecording, Written};
-pub use samples::{Channel, Several, Sink, Source};
-pub use share::Share;
-pub use sides::sampled_flows;
-pub use sights::Sights;
-pub use task::{NotStarted, Task, TaskEnd, Workshop};
+pub use budget_check::RunBudget;
+pub use collector::TickCollector;
+pub use end_text::{abort_text, actuator_discontinuity_text, fault_text};
+pub use inputs::{InputSetting, InputSettingError};
+pub use job::{Limits, Progress, RunError, RunOptions, run};
+pub use outcome::{
+    CommandEnd, CommandOverruns, DeviceEnd, DeviceProblem, FaultOrigin, Outcome, RunEnd, Status,
+};
+pub use plan::{ExecutablePlan, Node};
+pub use probe::FlowProbe;
+pub use recorder::{Recorded, RecordingStats, RunRecorder, StartRecording};
+pub use samples::{Channel, Sink, SinkList, Source};
+pub use setup::sampled_flows;
+pub use task_runner::{NotStartedError, Task, TaskCore, TaskEnd};

@@ -5,8 +5,8 @@ use rpi_image::image::TextRange;
 use rpi_prims::{Fault, FaultCode};
 use serde::Serialize;
 
-use super::recorder::Written;
-use crate::realtime::Figures;
+use super::recorder::RecordingStats;
+use crate::realtime::TimingStats;
 
 /// Outcome of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -22,7 +22,7 @@ pub struct Outcome {
     /// Devices in the order of the cell.
     pub devices: Vec<DeviceEnd>,
     /// Timing statistics of the cycles.
-    pub figures: Figures,
+    pub figures: TimingStats,
     /// Tick length in nanoseconds.
     pub tick_ns: u64,
     /// True if the run was cut off at its time limit or by the user.
@@ -38,7 +38,7 @@ pub struct Outcome {
     pub digest: Option<String>,
     /// Statistics of the recording, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub recorded: Option<Written>,
+    pub recorded: Option<RecordingStats>,
     /// Error that made the recording incomplete, for example a full disk. The run continued without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unrecorded: Option<String>,
@@ -80,12 +80,12 @@ pub struct CommandEnd {
     pub jump: Option<String>,
     /// Overruns attributed to the command, if any; only on real time.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub overruns: Option<Blame>,
+    pub overruns: Option<CommandOverruns>,
 }
 
 /// Overruns attributed to one command.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct Blame {
+pub struct CommandOverruns {
     /// Number of overruns.
     pub count: u64,
     /// Tick of the worst overrun, from 0.
@@ -162,12 +162,12 @@ impl FaultOrigin {
     /// Returns the origin of a fault that an image raised in a cycle.
     #[must_use]
     pub fn of(image: &Image, fault: Fault, cycle: u64) -> FaultOrigin {
-        let place = image.place_of(fault.cell);
+        let place = image.location_of(fault.slot);
         FaultOrigin {
             code: fault.code,
             cycle,
             flow: place.map(|place| place.flow.clone().unwrap_or_else(|| place.path.clone())),
-            text: place.and_then(|place| place.text),
+            text: place.and_then(|place| place.range),
         }
     }
 }
@@ -182,12 +182,12 @@ pub struct DeviceEnd {
     /// True if the device still moves.
     pub moving: bool,
     /// Problems reported by the device, one entry per kind and axis.
-    pub troubles: Vec<Trouble>,
+    pub troubles: Vec<DeviceProblem>,
 }
 
 /// A problem reported by a device.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Trouble {
+pub struct DeviceProblem {
     /// Keyword of the problem.
     pub what: String,
     /// True if a set-point was refused; false if the device failed.
@@ -226,7 +226,7 @@ impl Outcome {
     pub fn status(&self) -> Status {
         let troubles = self.devices.iter().flat_map(|device| &device.troubles);
         let mut refused = troubles.filter(|trouble| trouble.is_refusal);
-        if self.stopped.is_some() || refused.any(|trouble| !self.is_minded(trouble)) {
+        if self.stopped.is_some() || refused.any(|trouble| !self.is_handled_by_command(trouble)) {
             return Status::Fault;
         }
         let all = self.commands.iter().filter(|c| !c.handled);
@@ -237,7 +237,7 @@ impl Outcome {
 
     /// Returns true if a command that was running when a device refused a set-point ended with an error or fault.
     /// Returns true as well if there are unlisted commands, because nothing is known about them.
-    fn is_minded(&self, trouble: &Trouble) -> bool {
+    fn is_handled_by_command(&self, trouble: &DeviceProblem) -> bool {
         let tick = trouble.first * 1e9 / self.tick_ns as f64;
         let ran = |command: &CommandEnd| {
             // A refusal in one cycle is read by the command in the next one.

@@ -1,32 +1,32 @@
 //! Plan of a task: which command follows which result.
 
 use rpi_image::Image;
-use rpi_image::image::{End, EndKind};
+use rpi_image::image::{CommandEnd, CommandEndKind};
 use rpi_image::plan::Target;
 
 /// A node of a plan. Commands are indices into a list of images.
-pub type Node = rpi_image::plan::Node<usize>;
+pub type Node = rpi_image::plan::PlanNode<usize>;
 
 /// Plan of a task, as a graph of nodes.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Plan {
+pub struct ExecutablePlan {
     /// Nodes of the plan. Targets are indices into this list.
     pub nodes: Vec<Node>,
     /// First node.
     pub start: Target,
 }
 
-impl Plan {
+impl ExecutablePlan {
     /// Returns a plan that runs one command once.
     #[must_use]
-    pub fn once(command: usize) -> Plan {
+    pub fn once(command: usize) -> ExecutablePlan {
         let node = Node::Run {
             command,
-            on: Vec::new(),
+            on_result: Vec::new(),
             on_fail: None,
-            otherwise: Some(None),
+            default: Some(None),
         };
-        Plan {
+        ExecutablePlan {
             nodes: vec![node],
             start: Some(0),
         }
@@ -35,11 +35,11 @@ impl Plan {
     /// Returns the worst-case time of the plan's commands in one tick. `of` holds the worst-case time of each command.
     ///
     /// A branch runs one command at a time, and no command while its own parallel branches run.
-    pub(super) fn together(&self, of: &[u64]) -> u64 {
-        self.strand(self.start, of)
+    pub(super) fn worst_case_ns(&self, of: &[u64]) -> u64 {
+        self.branch_worst_case_ns(self.start, of)
     }
 
-    fn strand(&self, start: Target, of: &[u64]) -> u64 {
+    fn branch_worst_case_ns(&self, start: Target, of: &[u64]) -> u64 {
         let (mut most, mut seen) = (0, vec![false; self.nodes.len()]);
         let mut next: Vec<usize> = start.into_iter().collect();
         while let Some(at) = next.pop() {
@@ -48,36 +48,42 @@ impl Plan {
             }
             match &self.nodes[at] {
                 Node::Run { command, .. } => most = most.max(of[*command]),
-                Node::Parallel { strands, .. } => {
-                    let each = strands.iter().map(|strand| self.strand(*strand, of));
+                Node::Parallel {
+                    branches: strands, ..
+                } => {
+                    let each = strands
+                        .iter()
+                        .map(|strand| self.branch_worst_case_ns(*strand, of));
                     most = most.max(each.fold(0, u64::saturating_add));
                 }
                 _ => {}
             }
-            self.goes_on(at, &mut next);
+            self.push_successors(at, &mut next);
         }
         most
     }
 
     /// Adds the nodes that may follow a node within its branch.
-    fn goes_on(&self, at: usize, next: &mut Vec<usize>) {
+    fn push_successors(&self, at: usize, next: &mut Vec<usize>) {
         match &self.nodes[at] {
-            Node::Pass(then) => next.extend(*then),
-            Node::Enter(repeat) => next.push(*repeat),
-            Node::Repeat { body, then, .. } => next.extend(body.iter().chain(then)),
+            Node::Goto(then) => next.extend(*then),
+            Node::EnterLoop(repeat) => next.push(*repeat),
+            Node::Repeat {
+                body, next: then, ..
+            } => next.extend(body.iter().chain(then)),
             Node::Parallel { then, .. } => {
                 let left = self.nodes.iter().filter_map(|node| match node {
-                    Node::Leave { parallel, then } if *parallel == at => *then,
+                    Node::CancelBranches { parallel, then } if *parallel == at => *then,
                     _ => None,
                 });
                 next.extend(left.chain(*then));
             }
             // Nodes after the join belong to the enclosing branch.
-            Node::Join | Node::Leave { .. } => {}
+            Node::Join | Node::CancelBranches { .. } => {}
             Node::Run {
-                on,
+                on_result: on,
                 on_fail,
-                otherwise,
+                default: otherwise,
                 ..
             } => {
                 let named = on.iter().map(|(_, then)| *then);
@@ -94,19 +100,19 @@ impl Plan {
         self.nodes.iter().try_for_each(|node| match node {
             Node::Run {
                 command,
-                on,
-                otherwise,
+                on_result: on,
+                default: otherwise,
                 ..
-            } => complete(&images[*command], on, otherwise.is_some()),
+            } => check_results(&images[*command], on, otherwise.is_some()),
             _ => Ok(()),
         })
     }
 }
 
-fn complete(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(), String> {
+fn check_results(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(), String> {
     let results = match &image.end {
-        End::Results(results) => results.as_slice(),
-        End::Ports { .. } => &[],
+        CommandEnd::Results(results) => results.as_slice(),
+        CommandEnd::Ports { .. } => &[],
     };
     let command = &image.name;
     if let Some((name, _)) = on
@@ -116,7 +122,7 @@ fn complete(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(
         return Err(format!("`{command}` has no result `{name}`"));
     }
     let led = |name: &str| on.iter().any(|(own, _)| own == name);
-    let mut regular = results.iter().filter(|r| r.kind != EndKind::Fail);
+    let mut regular = results.iter().filter(|r| r.kind != CommandEndKind::Fail);
     match regular.find(|r| !otherwise && !led(&r.name)) {
         Some(lost) => Err(format!(
             "result `{}` of `{command}` is not handled",
@@ -133,9 +139,9 @@ mod tests {
     fn run(command: usize, then: Target) -> Node {
         Node::Run {
             command,
-            on: Vec::new(),
+            on_result: Vec::new(),
             on_fail: None,
-            otherwise: Some(then),
+            default: Some(then),
         }
     }
 
@@ -144,29 +150,29 @@ mod tests {
         let nodes = vec![
             run(0, Some(1)),
             Node::Parallel {
-                strands: vec![Some(2), Some(4)],
+                branches: vec![Some(2), Some(4)],
                 then: Some(6),
             },
             run(1, Some(3)),
-            Node::Leave {
+            Node::CancelBranches {
                 parallel: 1,
                 then: Some(7),
             },
             run(2, Some(5)),
             Node::Join,
             Node::Repeat {
-                times: None,
+                count: None,
                 body: Some(0),
-                then: None,
+                next: None,
             },
             run(3, None),
         ];
-        let plan = Plan {
+        let plan = ExecutablePlan {
             nodes,
             start: Some(0),
         };
-        assert_eq!(plan.together(&[10, 20, 30, 40]), 50);
-        assert_eq!(plan.together(&[60, 20, 30, 40]), 60);
-        assert_eq!(plan.together(&[10, 20, 30, 70]), 70, "after an error");
+        assert_eq!(plan.worst_case_ns(&[10, 20, 30, 40]), 50);
+        assert_eq!(plan.worst_case_ns(&[60, 20, 30, 40]), 60);
+        assert_eq!(plan.worst_case_ns(&[10, 20, 30, 70]), 70, "after an error");
     }
 }

@@ -2,21 +2,21 @@
 
 use std::fmt;
 
-use rpi_words::{counted, times};
+use rpi_words::{times, with_noun};
 
-use super::outcome::{Blame, CommandEnd, DeviceEnd, Outcome, RunEnd, Trouble};
-use crate::realtime::Spread;
+use super::outcome::{CommandEnd, CommandOverruns, DeviceEnd, DeviceProblem, Outcome, RunEnd};
+use crate::realtime::Percentiles;
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.commands.iter().map(|c| c.name.chars().count()).max();
         if self.unlisted > 0 {
-            writeln!(f, "{} before these", counted(self.unlisted, "command"))?;
+            writeln!(f, "{} before these", with_noun(self.unlisted, "command"))?;
         }
         for command in &self.commands {
             self.command(f, command, width.unwrap_or(0))?;
         }
-        let ticks = counted(self.figures.ticks, "tick");
+        let ticks = with_noun(self.figures.ticks, "tick");
         if self.cut_off {
             writeln!(f, "cut off after {ticks}, as asked for")?;
         }
@@ -51,11 +51,14 @@ impl Outcome {
         }
         if let Some(overruns) = self.figures.overruns.filter(|o| o.count > 0) {
             write!(f, "overruns    {}", overruns.count)?;
-            let (first, longest) = (overruns.first.unwrap_or(0), time(overruns.longest));
+            let (first, longest) = (
+                overruns.first.unwrap_or(0),
+                format_duration(overruns.longest),
+            );
             write!(f, ", first in tick {first}, at most {longest} too late")?;
             match overruns.skipped {
                 0 => writeln!(f)?,
-                skipped => writeln!(f, ", {} skipped", counted(skipped, "period"))?,
+                skipped => writeln!(f, ", {} skipped", with_noun(skipped, "period"))?,
             }
         }
         Ok(())
@@ -70,7 +73,7 @@ impl Outcome {
             writeln!(
                 f,
                 "recorded    {}, {} lost",
-                counted(recorded.ticks, "tick"),
+                with_noun(recorded.ticks, "tick"),
                 recorded.lost
             )?;
         }
@@ -82,7 +85,7 @@ impl Outcome {
             lost => writeln!(
                 f,
                 "lost        {}: the recording could not keep up",
-                counted(lost, "sample")
+                with_noun(lost, "sample")
             ),
         }
     }
@@ -104,7 +107,7 @@ impl Outcome {
         match command.first_tick {
             None => writeln!(f)?,
             Some(first) => {
-                let (cycles, from) = (counted(command.cycles, "cycle"), seconds(first));
+                let (cycles, from) = (with_noun(command.cycles, "cycle"), seconds(first));
                 writeln!(f, "; {cycles} from {from:.3} s on")?;
             }
         }
@@ -117,10 +120,10 @@ impl Outcome {
     }
 }
 
-impl fmt::Display for Blame {
+impl fmt::Display for CommandOverruns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (took, late) = (time(self.took_ns), time(self.late_ns));
-        let (count, tick) = (counted(self.count, "tick"), self.tick);
+        let (took, late) = (format_duration(self.took_ns), format_duration(self.late_ns));
+        let (count, tick) = (with_noun(self.count, "tick"), self.tick);
         write!(
             f,
             "took too long in {count}, the longest {took} in tick {tick}"
@@ -164,15 +167,15 @@ impl fmt::Display for RunEnd {
     }
 }
 
-impl fmt::Display for Spread {
+impl fmt::Display for Percentiles {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [p50, p99, max] = [self.p50, self.p99, self.max].map(time);
+        let [p50, p99, max] = [self.p50, self.p99, self.max].map(format_duration);
         write!(f, "p50 {p50}, p99 {p99}, max {max}")
     }
 }
 
 /// Formats a duration with three significant digits.
-pub(crate) fn time(nanos: u64) -> String {
+pub(crate) fn format_duration(nanos: u64) -> String {
     let (value, unit) = match nanos {
         0..1_000 => return format!("{nanos} ns"),
         1_000..1_000_000 => (nanos as f64 / 1e3, "us"),
@@ -201,7 +204,7 @@ impl fmt::Display for DeviceEnd {
     }
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for DeviceProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.what)?;
         if let Some(axis) = self.axis {
@@ -229,7 +232,7 @@ mod tests {
     #[test]
     fn times_have_three_digits() {
         assert_eq!(
-            [999, 1_234, 23_456, 999_000_000].map(time),
+            [999, 1_234, 23_456, 999_000_000].map(format_duration),
             ["999 ns", "1.23 us", "23.5 us", "999 ms"]
         );
     }

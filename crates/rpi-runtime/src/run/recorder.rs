@@ -7,8 +7,8 @@ use rpi_sim::Cell;
 use serde::Serialize;
 
 use super::samples::Channel;
-use crate::control::{Event, Journal};
-use crate::tape::TapeOut;
+use crate::control::{Event, RequestLog};
+use crate::tick_log::TickLogReader;
 
 /// Properties of a run that its recording describes.
 #[derive(Clone, Copy)]
@@ -29,14 +29,17 @@ pub trait StartRecording {
     ///
     /// # Errors
     /// Returns the errors of the output, and an error if no thread can be created.
-    fn start(self: Box<Self>, run: Recorded<'_>, tape: TapeOut)
-    -> io::Result<Box<dyn RunRecorder>>;
+    fn start(
+        self: Box<Self>,
+        run: Recorded<'_>,
+        tape: TickLogReader,
+    ) -> io::Result<Box<dyn RunRecorder>>;
 }
 
 /// Host side of the recorder of a run. No method but [`RunRecorder::finish`] blocks.
 pub trait RunRecorder {
     /// Returns the callback that records each request to the control core.
-    fn journal(&self) -> Journal;
+    fn journal(&self) -> RequestLog;
 
     /// Records an event.
     fn event(&self, event: &Event);
@@ -48,12 +51,12 @@ pub trait RunRecorder {
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
-    fn finish(self: Box<Self>, lost: u64) -> io::Result<Written>;
+    fn finish(self: Box<Self>, lost: u64) -> io::Result<RecordingStats>;
 }
 
 /// Statistics of a finished recording.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
-pub struct Written {
+pub struct RecordingStats {
     /// Number of ticks in the recording.
     pub ticks: u64,
     /// Number of ticks lost because the writer could not keep up.

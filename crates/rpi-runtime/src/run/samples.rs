@@ -49,9 +49,9 @@ impl Sink for () {
 
 /// Sink that forwards samples to several sinks.
 #[derive(Default)]
-pub struct Several<'a>(pub Vec<&'a mut dyn Sink>);
+pub struct SinkList<'a>(pub Vec<&'a mut dyn Sink>);
 
-impl Sink for Several<'_> {
+impl Sink for SinkList<'_> {
     fn channels(&mut self, channels: &[Channel]) {
         self.0.iter_mut().for_each(|sink| sink.channels(channels));
     }
@@ -69,30 +69,30 @@ const HEADER: usize = 2;
 const PRESENT: u64 = 1 << 32;
 
 /// Creates a ring for samples of channels with these types.
-pub(super) fn ring(types: &[Type]) -> (Tap, Drain) {
+pub(super) fn ring(types: &[Type]) -> (SampleSender, SampleReceiver) {
     let (producer, consumer) = RingBuffer::new(CAPACITY);
-    let widths: Box<[usize]> = types.iter().map(|ty| ty.cells() as usize).collect();
+    let widths: Box<[usize]> = types.iter().map(|ty| ty.slots() as usize).collect();
     let widest = widths.iter().copied().max().unwrap_or(0);
-    let tap = Tap {
+    let tap = SampleSender {
         ring: producer,
         lost: 0,
     };
-    let drain = Drain {
+    let drain = SampleReceiver {
         ring: consumer,
         widths,
-        buffer: vec![0; widest.max(Scalar::Pose.cells() as usize)].into(),
+        buffer: vec![0; widest.max(Scalar::Pose.slots() as usize)].into(),
     };
     (tap, drain)
 }
 
 /// Cycle side of the ring. It neither blocks nor allocates; samples that do not fit are counted.
-pub(super) struct Tap {
+pub(super) struct SampleSender {
     ring: Producer<u64>,
     /// Number of samples dropped because the ring was full.
     pub(super) lost: u64,
 }
 
-impl Tap {
+impl SampleSender {
     pub(super) fn put(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
         let cells = value.unwrap_or(&[]);
         if self.ring.slots() < HEADER + cells.len() {
@@ -109,15 +109,15 @@ impl Tap {
 }
 
 /// Host side of the ring.
-pub(super) struct Drain {
+pub(super) struct SampleReceiver {
     ring: Consumer<u64>,
     widths: Box<[usize]>,
     buffer: Box<[u64]>,
 }
 
-impl Drain {
+impl SampleReceiver {
     /// Passes all complete samples in the ring to `take`, in order.
-    pub(super) fn each(&mut self, mut take: impl FnMut(usize, u64, Option<&[u64]>)) {
+    pub(super) fn drain(&mut self, mut take: impl FnMut(usize, u64, Option<&[u64]>)) {
         while let Some((channel, present)) = self.next() {
             let _ = self.ring.pop();
             let tick = self.ring.pop().unwrap_or(0);
@@ -149,7 +149,7 @@ mod tests {
         tap.put(0, 0, None);
         tap.put(0, 1, Some(&[1]));
         let mut got = Vec::new();
-        drain.each(|channel, tick, value| got.push((channel, tick, value.map(<[u64]>::to_vec))));
+        drain.drain(|channel, tick, value| got.push((channel, tick, value.map(<[u64]>::to_vec))));
         assert_eq!(
             got,
             [
@@ -167,7 +167,7 @@ mod tests {
         (0..most as u64 + 3).for_each(|tick| tap.put(0, tick, Some(&[1, 2, 3])));
         assert_eq!(tap.lost, 3);
         let mut count = 0;
-        drain.each(|_, _, value| {
+        drain.drain(|_, _, value| {
             assert_eq!(value, Some(&[1, 2, 3][..]));
             count += 1;
         });

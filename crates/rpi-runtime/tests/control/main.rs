@@ -1,23 +1,24 @@
 //! Tests of the control core through its public interface: requests, events, samples, and freed objects.
 
-mod fence;
 mod support;
+mod syscall_filter;
 
 use std::sync::Arc;
 
 use rpi_core::Command;
 use rpi_device::NoDevices;
 use rpi_runtime::control::{
-    Board, Cause, Event, Fact, Notice, Refused, Rejected, Rule, Setting, State, Why,
+    AbortReason, Cause, CommandError, CommandState, Event, ExportSnapshot, Fact, InputValue,
+    Notice, RequestError, Rule,
 };
-use rpi_sim::{Cell, Part, SimBank};
-use support::{Rig, counter};
+use rpi_sim::{Cell, NamedDevice, SimBank};
+use support::{TestCore, counter};
 
 rpi_testkit::trap_allocations!();
 
 #[test]
 fn requests_can_name_what_has_not_arrived_yet() {
-    let mut rig = Rig::new(4);
+    let mut rig = TestCore::new(4);
     let a = rig.load(counter("A", 3));
     let b = rig.load(counter("B", 2));
     rig.control.schedule(Rule::follow(a).start(b)).unwrap();
@@ -29,7 +30,7 @@ fn requests_can_name_what_has_not_arrived_yet() {
     let (one, two) = (rig.control.get(a).unwrap(), rig.control.get(b).unwrap());
     assert_eq!(
         (one.state, two.state),
-        (State::Terminated, State::Terminated)
+        (CommandState::Terminated, CommandState::Terminated)
     );
     // The takeover is immediate: the first cycle of B is in the tick after the last cycle of A.
     let cycles = one.ending.unwrap().cycles;
@@ -39,14 +40,14 @@ fn requests_can_name_what_has_not_arrived_yet() {
 
 #[test]
 fn every_ticket_is_answered_once_and_in_order() {
-    let mut rig = Rig::new(4);
+    let mut rig = TestCore::new(4);
     let a = rig.load(counter("A", 1000));
     let tickets = [
         rig.control.cancel(a).unwrap(),
         rig.control.start(a).unwrap(),
         rig.control.start(a).unwrap(),
         rig.control.unload(a).unwrap(),
-        rig.control.abort(a, Why::ClientLost).unwrap(),
+        rig.control.abort(a, AbortReason::ClientLost).unwrap(),
         rig.control.unload(a).unwrap(),
     ];
     rig.ticks(2);
@@ -60,12 +61,12 @@ fn every_ticket_is_answered_once_and_in_order() {
             _ => None,
         })
         .collect();
-    let refused = |state| Some(Refused::State(state));
+    let refused = |state| Some(CommandError::InvalidState(state));
     let expected = [
-        refused(State::Ready),
+        refused(CommandState::Ready),
         None,
-        refused(State::Running),
-        refused(State::Running),
+        refused(CommandState::Running),
+        refused(CommandState::Running),
         None,
         None,
     ];
@@ -78,11 +79,14 @@ fn every_ticket_is_answered_once_and_in_order() {
 
 #[test]
 fn places_come_back_and_the_table_has_its_size() {
-    let mut rig = Rig::new(2);
+    let mut rig = TestCore::new(2);
     for _ in 0..20 {
         let a = rig.load(counter("A", 1));
         let b = rig.load(counter("B", 1));
-        assert_eq!(rig.control.load(counter("C", 1)), Err(Rejected::Full));
+        assert_eq!(
+            rig.control.load(counter("C", 1)),
+            Err(RequestError::TableFull)
+        );
         // Nothing starts A. When the rule is withdrawn, nothing can start B any more, so B is unloaded automatically.
         let (rule, _) = rig.control.schedule(Rule::follow(a).start(b)).unwrap();
         rig.control.withdraw(rule).unwrap();
@@ -99,14 +103,14 @@ fn places_come_back_and_the_table_has_its_size() {
 
 #[test]
 fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
-    let mut rig = Rig::new(2);
+    let mut rig = TestCore::new(2);
     let a = rig.load(counter("A", 1_000_000));
     rig.control.start(a).unwrap();
     let mut asked = 0;
     while rig.control.cancel(a).is_ok() {
         asked += 1;
     }
-    assert_eq!(rig.control.cancel(a), Err(Rejected::Busy));
+    assert_eq!(rig.control.cancel(a), Err(RequestError::QueueFull));
     let mut answered = 0;
     for _ in 0..1000 {
         rig.ticks(1);
@@ -124,11 +128,11 @@ fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
 /// M1.3, M10.5: inputs set by the host reach the command, and its exports reach the host.
 #[test]
 fn inputs_and_exports_go_through() {
-    let mut rig = Rig::new(2);
+    let mut rig = TestCore::new(2);
     let a = rig.load(counter("A", 1_000_000));
     rig.control.start(a).unwrap();
     rig.control.subscribe(a, &[0], 1).unwrap();
-    let step = |value: f64| Setting {
+    let step = |value: f64| InputValue {
         command: a,
         input: 0,
         value: [value.to_bits()].into(),
@@ -150,14 +154,14 @@ fn inputs_and_exports_go_through() {
             (3, Some(22.0))
         ]
     );
-    let bad = Setting {
+    let bad = InputValue {
         command: a,
         input: 9,
         value: [0].into(),
     };
     assert_eq!(
         rig.control.set(vec![bad]),
-        Err(Rejected::Value {
+        Err(RequestError::ValueSize {
             command: a,
             input: 9
         })
@@ -169,78 +173,81 @@ fn inputs_and_exports_go_through() {
 
 #[test]
 fn a_board_has_what_a_command_exports_in_its_latest_cycle() {
-    let mut rig = Rig::new(2);
+    let mut rig = TestCore::new(2);
     let image = counter("A", 1_000_000);
     let command = Command::load(Arc::clone(&image), &mut NoDevices).unwrap();
     let adopted = rig.control.adopt_with_board(Box::new(command)).unwrap();
-    assert_eq!((adopted.board.cycles(), adopted.board.read()), (0, None));
+    assert_eq!(
+        (adopted.board.cycles(), adopted.board.read_consistent()),
+        (0, None)
+    );
     rig.control.start(adopted.id).unwrap();
     rig.ticks(7);
-    let cells = adopted.board.read().unwrap();
-    let told = Board::values(&image.exports, &cells);
+    let cells = adopted.board.read_consistent().unwrap();
+    let told = ExportSnapshot::values(&image.exports, &cells);
     let told: Vec<_> = told
         .map(|(export, value)| (export.key.as_str(), value.map(|v| v[0])))
         .collect();
     assert_eq!(told, [("count", Some(7f64.to_bits())), ("late", Some(0))]);
     assert_eq!(adopted.board.cycles(), 7);
     // Another command gets the slot of A later. The board of A must keep its values.
-    rig.control.abort(adopted.id, Why::Request).unwrap();
+    rig.control.abort(adopted.id, AbortReason::Request).unwrap();
     rig.control.unload(adopted.id).unwrap();
     rig.ticks(1);
     rig.log();
     let other = rig.load(counter("B", 1_000_000));
     rig.control.start(other).unwrap();
     rig.ticks(3);
-    assert_eq!(adopted.board.read(), Some(cells));
+    assert_eq!(adopted.board.read_consistent(), Some(cells));
 }
 
 #[test]
 fn devices_come_and_go_and_are_freed_by_the_host() {
-    let mut rig = Rig::new(1);
+    let mut rig = TestCore::new(1);
     let cell = "[devices.io]\nkind = \"digital-io\"\ninputs = 1\noutputs = 1\n";
     let cell = Cell::parse("cell.toml", cell).unwrap_or_else(|e| panic!("{e}"));
     *rig.executive.plant() = SimBank::empty(2, 1e-3);
     for device in [true, false] {
-        let part = device.then(|| Part::new(&cell.devices[0], 1e-3, 0, 1));
-        let ticket = rig.control.put_device(1, part).unwrap();
+        let part = device.then(|| NamedDevice::new(&cell.devices[0], 1e-3, 0, 1));
+        let ticket = rig.control.replace_device(1, part).unwrap();
         rig.ticks(1);
         let answered = rig
             .log()
             .into_iter()
             .any(|e| matches!(e, Event::Answer { ticket: t, refused: None, .. } if t == ticket));
         assert!(answered);
-        let places: Vec<_> = rig.executive.plant().status().map(|s| s.place).collect();
+        let places: Vec<_> = rig.executive.plant().status().map(|s| s.index).collect();
         assert_eq!(places, if device { vec![1] } else { vec![] });
     }
 }
 
 #[test]
 fn an_emergency_stop_ends_everything() {
-    let mut rig = Rig::new(4);
+    let mut rig = TestCore::new(4);
     let a = rig.load(counter("A", 1_000_000));
     let b = rig.load(counter("B", 1));
     rig.control
-        .schedule(Rule::follow(a).start(b).keep())
+        .schedule(Rule::follow(a).start(b).keep_orphans())
         .unwrap();
     rig.control.start(a).unwrap();
     rig.control.emergency_stop().unwrap();
     rig.ticks(1);
     rig.log();
     let ending = rig.control.get(a).unwrap().ending.unwrap();
-    assert_eq!(ending.cause, Cause::Aborted(Why::EmergencyStop));
-    assert_eq!(rig.control.get(b).unwrap().state, State::Ready);
+    assert_eq!(ending.cause, Cause::Aborted(AbortReason::EmergencyStop));
+    assert_eq!(rig.control.get(b).unwrap().state, CommandState::Ready);
 }
 
 /// After all commands were stopped, pending start requests must not start a command.
 #[test]
 fn a_tick_alone_takes_no_request() {
-    let mut rig = Rig::new(4);
+    let mut rig = TestCore::new(4);
     let id = rig.load(counter("late", 5));
     rig.ticks(1);
     rig.log();
     rig.control.start(id).unwrap();
-    rig.executive.halt(Why::EmergencyStop);
-    rpi_testkit::no_alloc(|| (0..3).for_each(|_| rig.executive.tick_alone(0, &mut ())));
+    rig.executive.halt(AbortReason::EmergencyStop);
+    rpi_testkit::no_alloc(|| (0..3).for_each(|_| rig.executive.tick_without_requests(0, &mut ())));
     let started = |event: &Event| matches!(event, Event::Notice(Notice::Started { command, .. }) if *command == id);
     assert!(!rig.log().iter().any(started));
     rig.ticks(1);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rpi_bench::{Build, build, twin};
+use rpi_bench::{NetBuilder, image_compare, net_builder};
 use rpi_device::NoDevices;
 use rpi_image::{Image, Value};
 use rpi_lower::LowerOptions;
@@ -10,15 +10,15 @@ use rpi_net::{FragmentId, Input, ResultKind};
 use rpi_runtime::control::{CommandId, Control, Event, Executive, Options, open};
 use rpi_sim::{Cell, SimBank};
 
-pub(crate) struct Rig {
+pub(crate) struct TestCore {
     pub(crate) control: Control,
     pub(crate) executive: Executive<SimBank>,
     pub(crate) options: Options,
 }
 
-impl Rig {
+impl TestCore {
     /// Creates a control core for this number of commands.
-    pub(crate) fn new(commands: usize) -> Rig {
+    pub(crate) fn new(commands: usize) -> TestCore {
         let options = Options {
             commands,
             requests: 64,
@@ -27,7 +27,7 @@ impl Rig {
         let cell = Cell::parse("cell.toml", "").unwrap_or_else(|e| panic!("{e}"));
         let plant = SimBank::new(&cell, 1e-3);
         let (control, executive) = open(plant, Box::new(NoDevices), options);
-        Rig {
+        TestCore {
             control,
             executive,
             options,
@@ -53,7 +53,7 @@ impl Rig {
 /// Boolean `late`, and ends with `done` once `count` reaches `most`.
 pub(crate) fn counter(name: &str, most: u32) -> Arc<Image> {
     let root = FragmentId::ROOT;
-    let mut b = Build::new(name);
+    let mut b = NetBuilder::new(name);
     let key = |key: &str| ("Key", Value::Str(key.into()));
     let step = b.add_with(
         root,
@@ -69,8 +69,8 @@ pub(crate) fn counter(name: &str, most: u32) -> Arc<Image> {
     );
     b.wire(before.node, 0, count);
     b.export("count", count);
-    let over = |b: &mut Build, limit: f64| {
-        let inputs = [Input::Port(count), build::real(limit)];
+    let over = |b: &mut NetBuilder, limit: f64| {
+        let inputs = [Input::Port(count), net_builder::real(limit)];
         b.add(root, "Core::DoubleGreater", &inputs)
     };
     let late = over(&mut b, f64::from(most) * 0.5);
@@ -82,6 +82,6 @@ pub(crate) fn counter(name: &str, most: u32) -> Arc<Image> {
     );
     let done = over(&mut b, f64::from(most) - 0.5);
     b.result("done", ResultKind::Finish, done);
-    let image = twin::image(&b.net, &LowerOptions::running(1_000_000));
+    let image = image_compare::lower_net(&b.net, &LowerOptions::running(1_000_000));
     Arc::new(image.unwrap_or_else(|e| panic!("{e}")))
 }

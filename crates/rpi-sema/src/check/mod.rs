@@ -31,56 +31,56 @@ mod types;
 use crate::check::signatures::header::Header;
 use crate::check::types::type_decls;
 use crate::elab::Argument;
-use crate::hash::{Map, Set};
+use crate::hash::{FastMap, FastSet};
 use crate::program::{DeclId, DeclKind, Program};
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
+use crate::ty::check_assignable;
 use crate::typed::{Flow, Leaf, Unit, UnitId};
-use rpi_diag::{Code, Finding, Severity, Span};
+use rpi_diag::{Code, Diagnostic, Severity, Span};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
-pub(crate) use crate::check::calls::prim_ports::{machine_type, packed, param_default};
-pub use crate::check::diagnostics::undefined_names::no_file;
-pub(crate) use crate::check::diagnostics::undefined_names::no_module;
+pub(crate) use crate::check::calls::prim_ports::{machine_type, pack_leaves, param_default};
+pub use crate::check::diagnostics::undefined_names::file_not_found;
+pub(crate) use crate::check::diagnostics::undefined_names::module_not_found;
 #[cfg(test)]
-pub(crate) use crate::check::exprs::builtins::operator_names;
-pub(crate) use crate::check::exprs::builtins::{predeclared, spatial_parts};
-pub(crate) use crate::check::exprs::names::predeclared_name;
+pub(crate) use crate::check::exprs::builtins::intrinsic_names;
+pub(crate) use crate::check::exprs::builtins::{resolve_predeclared, spatial_parts};
+pub(crate) use crate::check::exprs::names::predeclared_flow_of_prim;
 pub use crate::check::exprs::names::result_identity;
 pub(crate) use crate::check::signatures::constraint::constraints;
-pub(crate) use crate::check::signatures::static_params::{params, params_of};
-pub(crate) use crate::check::types::exact_time::outside_type;
-pub(crate) use crate::check::types::subrange::outside;
+pub(crate) use crate::check::signatures::static_params::{static_params, static_params_of};
+pub(crate) use crate::check::types::exact_time::external_type;
+pub(crate) use crate::check::types::subrange::outside_subrange;
 
 /// A checked program.
 #[derive(Debug)]
-pub struct Checked {
+pub struct CheckedProgram {
     /// All units that are called or can be run.
     pub units: Vec<Unit>,
     /// Unit of each declaration of the first module that needs no static arguments, in declaration order.
     pub runnable: Vec<(DeclId, UnitId)>,
     /// All diagnostics.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
     /// Values of the constants of the first module.
     constants: BTreeMap<DeclId, Constant>,
 }
 
-impl Checked {
+impl CheckedProgram {
     /// Returns the value of a parameter of a command or task that is started directly: the device of the same name, the
     /// constant of the same name in the first module, or the default.
     #[must_use]
-    pub fn argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
+    pub fn root_argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
         if let Ty::Device(_) = param.ty {
             return Argument::Value(vec![Leaf::Str(param.name.to_string())]);
         }
         let fits = |constant: &&Constant| {
-            fit(
-                &outside_type(&param.ty).0,
-                &outside_type(&constant.ty).0,
-                &mut Subst::default(),
+            check_assignable(
+                &external_type(&param.ty).0,
+                &external_type(&constant.ty).0,
+                &mut Substitution::default(),
             )
             .is_ok()
         };
@@ -103,31 +103,31 @@ impl Checked {
 
 /// Checks a program: all of its first module, and the declarations of other modules that it uses.
 #[must_use]
-pub fn check(program: &Program<'_>) -> Checked {
+pub fn check(program: &Program<'_>) -> CheckedProgram {
     let mut checker = Checker::new(program);
     let mut runnable = Vec::new();
     crate::check::signatures::generic::check_generics(&mut checker);
     for id in &program.root().decls {
-        runnable.extend(checker.declaration(*id).map(|unit| (*id, unit)));
+        runnable.extend(checker.check_declaration(*id).map(|unit| (*id, unit)));
     }
     crate::check::types::frame_placement::check_frame_placement(&mut checker);
     crate::check::signatures::unit::check_queued(&mut checker);
     crate::check::signatures::sample_check::check_samples(&mut checker);
-    checker.findings.extend(program.clashes());
+    checker.diagnostics.extend(program.ambiguous_name_errors());
     checker
-        .findings
+        .diagnostics
         .extend(crate::check::limits::recursion::check(&checker.units));
     checker
-        .findings
+        .diagnostics
         .extend(crate::check::diagnostics::dialect::check(&checker.units));
-    crate::check::diagnostics::undefined_names::once_for_each_fix(&mut checker.findings);
-    crate::check::diagnostics::undefined_names::once_for_each_name(&mut checker.findings);
+    crate::check::diagnostics::undefined_names::dedup_by_fix(&mut checker.diagnostics);
+    crate::check::diagnostics::undefined_names::dedup_by_name(&mut checker.diagnostics);
     if !checker.valueless_constants.is_empty() {
-        checker
-            .findings
-            .retain(|finding| !crate::check::signatures::sample_check::may_be_its_fault(finding));
+        checker.diagnostics.retain(|diagnostic| {
+            !crate::check::signatures::sample_check::may_depend_on_sample(diagnostic)
+        });
     }
-    only_what_is_wrong(&mut checker.findings);
+    suppress_external(&mut checker.diagnostics);
     let root = program
         .root()
         .decls
@@ -136,26 +136,28 @@ pub fn check(program: &Program<'_>) -> Checked {
             Some(Lazy::Done(Some(constant))) => Some((*id, constant.clone())),
             _ => None,
         });
-    Checked {
+    CheckedProgram {
         units: checker.units,
         runnable,
-        findings: checker.findings,
+        diagnostics: checker.diagnostics,
         constants: root.collect(),
     }
 }
 
 /// Removes the diagnostics about external definitions if the program has other errors. They only keep the program from
 /// running here.
-fn only_what_is_wrong(findings: &mut Vec<Finding>) {
-    let is_outside = |finding: &Finding| matches!(finding.code, Code::RPI0017 | Code::RPI1012);
-    let is_fault =
-        |finding: &Finding| finding.severity() == Severity::Error && !is_outside(finding);
-    if findings.iter().any(is_fault) {
-        findings.retain(|finding| !is_outside(finding));
+fn suppress_external(diagnostics: &mut Vec<Diagnostic>) {
+    let is_outside =
+        |diagnostic: &Diagnostic| matches!(diagnostic.code, Code::RPI0017 | Code::RPI1012);
+    let is_fault = |diagnostic: &Diagnostic| {
+        diagnostic.severity() == Severity::Error && !is_outside(diagnostic)
+    };
+    if diagnostics.iter().any(is_fault) {
+        diagnostics.retain(|diagnostic| !is_outside(diagnostic));
     }
     // One diagnostic for each construct.
     let mut said = BTreeSet::new();
-    findings.retain(|f| f.code != Code::RPI0017 || said.insert(f.message.clone()));
+    diagnostics.retain(|f| f.code != Code::RPI0017 || said.insert(f.message.clone()));
 }
 
 /// Value of a constant: its type and its leaves.
@@ -169,7 +171,7 @@ pub(crate) struct Constant {
 #[derive(Clone, Debug)]
 enum Lazy<T> {
     /// In progress. Another request in the meantime is a dependency cycle.
-    Busy,
+    InProgress,
     /// Finished; `None` after an error.
     Done(Option<T>),
 }
@@ -183,14 +185,14 @@ struct Checker<'a> {
     instances: Instances,
     /// Sizes and depths, and their limits.
     limits: Limits,
-    constants: Map<DeclId, Lazy<Constant>>,
-    types: Map<String, Lazy<Ty>>,
-    headers: Map<String, Option<Rc<Header>>>,
-    findings: Vec<Finding>,
+    constants: FastMap<DeclId, Lazy<Constant>>,
+    types: FastMap<String, Lazy<Ty>>,
+    headers: FastMap<String, Option<Rc<Header>>>,
+    diagnostics: Vec<Diagnostic>,
     /// Constants and types in progress, each needed by the previous one.
     in_progress: Vec<DeclId>,
     /// Devices that each task drives.
-    task_uses: Map<DeclId, Rc<task::Uses>>,
+    task_uses: FastMap<DeclId, Rc<task::DeviceUses>>,
     /// Aliases of callables being resolved, each needed by the previous one.
     aliases: Vec<DeclId>,
     /// Aliases with a dependency cycle.
@@ -198,7 +200,7 @@ struct Checker<'a> {
     /// Number of names that may still be compared for "did you mean".
     suggestion_budget: Cell<usize>,
     /// Constants that depend on constants without a value, with the diagnostic for their use.
-    valueless_constants: BTreeMap<DeclId, Finding>,
+    valueless_constants: BTreeMap<DeclId, Diagnostic>,
     /// Types whose conditions refer to earlier cycles.
     temporal_types: BTreeSet<DeclId>,
 }
@@ -207,11 +209,11 @@ struct Checker<'a> {
 #[derive(Default)]
 struct Instances {
     /// Header and progress of each unit, by index.
-    entries: Vec<crate::check::signatures::unit::Entry>,
+    entries: Vec<crate::check::signatures::unit::UnitEntry>,
     /// Units by the key of their instance: declaration and static arguments.
-    ids: Map<String, UnitId>,
+    ids: FastMap<String, UnitId>,
     /// Declarations that have a unit.
-    called: Set<DeclId>,
+    called: FastSet<DeclId>,
     /// Units that wait to be checked.
     queue: VecDeque<UnitId>,
     /// Number of nested instances around the current unit: each is created while the previous one is checked.
@@ -219,7 +221,7 @@ struct Instances {
     /// Errors already reported in instances, by generic declaration, code and location.
     reported: BTreeSet<(DeclId, Code, Span)>,
     /// Generic declarations with a reported error. No errors are reported in their instances.
-    erroneous_generics: Set<DeclId>,
+    erroneous_generics: FastSet<DeclId>,
 }
 
 /// Sizes and depths of the program so far, and their limits.
@@ -240,7 +242,7 @@ struct Limits {
 
 /// Number of names compared for "did you mean" in one program. With very many undefined names only the first ones get a
 /// suggestion.
-const PATIENCE: usize = 200_000;
+const SUGGESTION_BUDGET: usize = 200_000;
 
 impl<'a> Checker<'a> {
     fn new(program: &'a Program<'a>) -> Self {
@@ -250,28 +252,28 @@ impl<'a> Checker<'a> {
             instances: Instances::default(),
             limits: Limits {
                 expanded_size: 0,
-                max_expanded_size: limits::nesting::most(program),
+                max_expanded_size: limits::nesting::max_expanded_size(program),
                 size_reported: false,
                 nesting: 0,
                 header_depth: 0,
                 nesting_reported: false,
             },
-            constants: Map::default(),
-            types: Map::default(),
-            headers: Map::default(),
-            findings: Vec::new(),
+            constants: FastMap::default(),
+            types: FastMap::default(),
+            headers: FastMap::default(),
+            diagnostics: Vec::new(),
             in_progress: Vec::new(),
-            task_uses: Map::default(),
+            task_uses: FastMap::default(),
             aliases: Vec::new(),
             cyclic_aliases: BTreeSet::new(),
-            suggestion_budget: Cell::new(PATIENCE),
+            suggestion_budget: Cell::new(SUGGESTION_BUDGET),
             valueless_constants: BTreeMap::new(),
             temporal_types: BTreeSet::new(),
         }
     }
 
     pub(crate) fn is_lustre(&self, id: DeclId) -> bool {
-        self.program.decl(id).mode == rpi_syntax::Mode::Lustre
+        self.program.decl(id).mode == rpi_syntax::Dialect::Lustre
     }
 
     /// Returns the most similar of these names, if it is similar enough for a suggestion.
@@ -286,7 +288,7 @@ impl<'a> Checker<'a> {
 
     /// Checks a declaration of the first module on its own; returns the unit of a callable that needs no static
     /// arguments.
-    fn declaration(&mut self, id: DeclId) -> Option<UnitId> {
+    fn check_declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
             DeclKind::Const(_) if self.is_lustre(id) => {
                 crate::check::types::consts::check_lustre_constant(self, id)

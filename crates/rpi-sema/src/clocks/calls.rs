@@ -2,39 +2,39 @@
 //! names for the deciding flows.
 
 use super::canonical_decider;
-use crate::clocks::clock::{Clock, Decider, Tick};
-use crate::clocks::leaf_clocks::Row;
+use crate::clocks::clock::{Clock, Decider, Sampling};
+use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::typed::{Activation, Call};
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitKind};
 
 impl<'u> Solver<'u> {
     /// Returns the clocks of a call's results and records the clock of the call itself.
-    pub(super) fn call(&mut self, id: ExprId, call: &'u Call) -> Row<Clock> {
+    pub(super) fn call(&mut self, id: ExprId, call: &'u Call) -> LeafClocks<Clock> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
-        let mut base = self.base(call, callee);
+        let mut base = self.call_clock(call, callee);
         if base == Clock::ANY && canonical_decider::runs_always(self, callee) {
             base = Clock::BASE;
         }
         self.calls.insert(id, base);
-        self.move_exposed(id, call, base);
+        self.update_exposed(id, call, base);
         let is_kept = !self.unit.is_lustre && matches!(call.activation, Activation::Condact { .. });
         if is_kept || may_be_inactive(callee) {
-            return Row::All(base);
+            return LeafClocks::Uniform(base);
         }
         let mut leaves = Vec::new();
         for output in &callee.outputs {
             for k in 0..callee.flow(*output).ty.leaf_count() {
                 let path = self.port_path(call, callee, *output, k);
-                leaves.push(self.through(id, call, &path, base));
+                leaves.push(self.translate_clock(id, call, &path, base));
             }
         }
-        Row::of(leaves.into_iter(), base)
+        LeafClocks::from_leaves(leaves.into_iter(), base)
     }
 
     /// Returns the clock of the call: the common clock of its arguments and of the operands of its activation.
-    fn base(&mut self, call: &Call, callee: &Unit) -> Clock {
+    fn call_clock(&mut self, call: &Call, callee: &Unit) -> Clock {
         let mut clocks = Vec::new();
         for (formal, arg) in callee.inputs.iter().zip(&call.args) {
             let Some(arg) = arg else { continue };
@@ -44,7 +44,7 @@ impl<'u> Solver<'u> {
             clocks.extend(self.exprs[arg.0 as usize].iter().map(outer));
         }
         call.activation
-            .operands(&mut |id| clocks.push(self.whole(id)));
+            .operands(&mut |id| clocks.push(self.common_clock(id)));
         let mut known = clocks.into_iter().filter(|clock| *clock != Clock::ANY);
         let base = match self.unit.is_lustre {
             true => known.next(),
@@ -54,28 +54,37 @@ impl<'u> Solver<'u> {
     }
 
     /// Records the caller's clocks of the flows inside the callee that decide about clocks of its outputs.
-    fn move_exposed(&mut self, id: ExprId, call: &Call, base: Clock) {
+    fn update_exposed(&mut self, id: ExprId, call: &Call, base: Clock) {
         let clocks = &self.facts[call.unit.0 as usize].clocks;
         for (number, (_, clock)) in (0..).zip(clocks.exposed()) {
-            let clock = self.through(id, call, clocks.path(*clock), base);
-            self.move_inside(id, number, clock);
+            let clock = self.translate_clock(id, call, clocks.path(*clock), base);
+            self.set_exposed_clock(id, number, clock);
         }
     }
 
     /// Translates a clock of the callee, given as a path of samplings, into a clock of the caller.
-    pub(super) fn through(&mut self, id: ExprId, call: &Call, path: &[Tick], base: Clock) -> Clock {
+    pub(super) fn translate_clock(
+        &mut self,
+        id: ExprId,
+        call: &Call,
+        path: &[Sampling],
+        base: Clock,
+    ) -> Clock {
         let Some(tick) = path.last() else {
             return base;
         };
-        match self.decider_inside(id, call, tick.by) {
-            Some(by) => self.ticks.clock(Tick { by, ..*tick }),
+        match self.translate_decider(id, call, tick.decider) {
+            Some(by) => self.ticks.intern(Sampling {
+                decider: by,
+                ..*tick
+            }),
             None => Clock::ANY,
         }
     }
 
     /// Translates a decider of the callee: to the argument passed for it if that has a name, else to an exposed decider
     /// of the call.
-    fn decider_inside(&mut self, id: ExprId, call: &Call, by: Decider) -> Option<Decider> {
+    fn translate_decider(&mut self, id: ExprId, call: &Call, by: Decider) -> Option<Decider> {
         let callee = &self.units[call.unit.0 as usize];
         if let Decider::Flow(flow) = by
             && let Some(port) = callee.inputs.iter().position(|input| *input == flow)
@@ -86,7 +95,7 @@ impl<'u> Solver<'u> {
         }
         let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
         let number = exposed.iter().position(|(known, _)| *known == by)?;
-        Some(Decider::Inside(id, u32::try_from(number).ok()?))
+        Some(Decider::CallInternal(id, u32::try_from(number).ok()?))
     }
 
     /// Returns the samplings of leaf `k` of a callee's port, in the callee's terms, from its base clock on.
@@ -96,10 +105,10 @@ impl<'u> Solver<'u> {
         callee: &Unit,
         port: FlowId,
         k: usize,
-    ) -> Vec<Tick> {
+    ) -> Vec<Sampling> {
         let clocks = &self.facts[call.unit.0 as usize].clocks;
-        if clocks.any() {
-            return clocks.path(clocks.flow(port).leaf(k)).to_vec();
+        if clocks.has_samplings() {
+            return clocks.path(clocks.flow_clocks(port).leaf(k)).to_vec();
         }
         let mut path = Vec::new();
         let mut at = port;
@@ -108,8 +117,8 @@ impl<'u> Solver<'u> {
         let declared = |at: FlowId| callee.flow(at).clock;
         while let Some(on) = declared(at).filter(|_| path.len() < callee.flows.len()) {
             let by = Decider::Flow(on.flow);
-            path.push(Tick {
-                by,
+            path.push(Sampling {
+                decider: by,
                 value: on.value,
             });
             at = on.flow;
@@ -126,12 +135,12 @@ impl<'u> Solver<'u> {
             .outputs
             .iter()
             .map(|id| &self.flows[id.0 as usize]);
-        for clock in rows.flat_map(Row::iter) {
+        for clock in rows.flat_map(LeafClocks::iter) {
             let chain = self.chain(clock).unwrap_or_default();
-            for tick in chain.iter().filter_map(|clock| self.ticks.tick(*clock)) {
-                if exposed.iter().all(|(known, _)| *known != tick.by) {
+            for tick in chain.iter().filter_map(|clock| self.ticks.sampling(*clock)) {
+                if exposed.iter().all(|(known, _)| *known != tick.decider) {
                     let clock = self.ticks.clock_of(tick).and_then(|at| self.parent(at));
-                    exposed.push((tick.by, clock.unwrap_or(Clock::BASE)));
+                    exposed.push((tick.decider, clock.unwrap_or(Clock::BASE)));
                 }
             }
         }

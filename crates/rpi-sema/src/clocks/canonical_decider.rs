@@ -2,25 +2,25 @@
 
 use crate::clocks::clock::Decider;
 use crate::clocks::solve::Solver;
-use crate::typed::{Activation, Kind};
-use crate::typed::{ExprId, FlowId, Place, Unit};
+use crate::typed::{Activation, TypedExprKind};
+use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
 
 /// Returns the canonical decider for a flow.
 pub(super) fn decider_of(solver: &mut Solver<'_>, flow: FlowId) -> Decider {
-    if let Some(known) = solver.named.get(&flow) {
+    if let Some(known) = solver.canonical.get(&flow) {
         return *known;
     }
     let name = source(solver, flow, 0).unwrap_or(Decider::Flow(flow));
-    solver.named.insert(flow, name);
+    solver.canonical.insert(flow, name);
     name
 }
 
 /// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
 pub(super) fn decider(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<Decider> {
-    match passed_on(solver, id, k)? {
-        Passed::Leaf(flow, 0) if is_scalar(solver.unit, flow) => Some(decider_of(solver, flow)),
-        Passed::Leaf(flow, k) => source(solver, flow, k),
-        Passed::Result(by) => Some(by),
+    match copied_source(solver, id, k)? {
+        CopySource::Leaf(flow, 0) if is_scalar(solver.unit, flow) => Some(decider_of(solver, flow)),
+        CopySource::Leaf(flow, k) => source(solver, flow, k),
+        CopySource::CallResult(by) => Some(by),
     }
 }
 
@@ -31,10 +31,10 @@ fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<Decider> {
         let Some((value, k)) = single_definition(solver, at.0, at.1) else {
             break;
         };
-        match passed_on(solver, value, k) {
-            Some(Passed::Result(by)) => return Some(by),
+        match copied_source(solver, value, k) {
+            Some(CopySource::CallResult(by)) => return Some(by),
             // In Lustre each name is a clock of its own, so copies are not followed.
-            Some(Passed::Leaf(flow, k)) if !solver.unit.is_lustre => {
+            Some(CopySource::Leaf(flow, k)) if !solver.unit.is_lustre => {
                 at = (flow, k);
                 if is_scalar(solver.unit, flow) {
                     best = Some(Decider::Flow(flow));
@@ -49,7 +49,7 @@ fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<Decider> {
 /// Returns the expression and its leaf that define leaf `k` of a flow; none unless exactly one equation defines the
 /// flow.
 fn single_definition(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<(ExprId, usize)> {
-    let [definition] = solver.defined[flow.0 as usize][..] else {
+    let [definition] = solver.definitions_of[flow.0 as usize][..] else {
         return None;
     };
     let equation = solver.equation(definition)?;
@@ -57,7 +57,7 @@ fn single_definition(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<(Exp
     for target in &equation.targets {
         let count = target.ty.leaf_count();
         match target.place {
-            Place::Flow { flow: defined, at }
+            TargetPlace::Flow { flow: defined, at }
                 if defined == flow && (at as usize..at as usize + count).contains(&k) =>
             {
                 return Some((equation.value, first + k - at as usize));
@@ -69,15 +69,16 @@ fn single_definition(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<(Exp
 }
 
 /// Returns the source of leaf `k` of an expression if the expression passes that leaf on unchanged.
-fn passed_on(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<Passed> {
+fn copied_source(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<CopySource> {
     let (mut id, mut k) = (id, k);
     loop {
         match &solver.unit.expr(id).kind {
-            Kind::Flow(flow) => {
-                return (!solver.outside[id.0 as usize]).then_some(Passed::Leaf(*flow, k));
+            TypedExprKind::Flow(flow) => {
+                return (!solver.reads_inactive[id.0 as usize])
+                    .then_some(CopySource::Leaf(*flow, k));
             }
-            Kind::Part { base, at } => (id, k) = (*base, *at as usize + k),
-            Kind::Build(parts) => {
+            TypedExprKind::Part { base, at } => (id, k) = (*base, *at as usize + k),
+            TypedExprKind::Build(parts) => {
                 let mut parts = parts.iter();
                 id = *parts.find(|part| {
                     let count = solver.unit.expr(**part).ty.leaf_count();
@@ -88,14 +89,14 @@ fn passed_on(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<Passed> {
                     is_here
                 })?;
             }
-            Kind::Call(call) if matches!(call.activation, Activation::Always) => {
+            TypedExprKind::Call(call) if matches!(call.activation, Activation::Always) => {
                 let callee = &solver.units[call.unit.0 as usize];
                 let port = port_of(callee, k)?;
                 let exposed = solver.facts[call.unit.0 as usize].clocks.exposed();
                 let mut exposed = exposed.iter();
                 let number = exposed.position(|(by, _)| *by == Decider::Flow(port))?;
-                let by = Decider::Inside(id, u32::try_from(number).ok()?);
-                return Some(Passed::Result(by));
+                let by = Decider::CallInternal(id, u32::try_from(number).ok()?);
+                return Some(CopySource::CallResult(by));
             }
             _ => return None,
         }
@@ -105,15 +106,15 @@ fn passed_on(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<Passed> {
 /// Returns whether a call without a clock runs in all cycles: its callee has state, and the last round of inference
 /// has begun.
 pub(super) fn runs_always(solver: &Solver<'_>, callee: &Unit) -> bool {
-    solver.is_last_look() && !solver.unit.is_lustre && callee.has_state
+    solver.is_last_round() && !solver.unit.is_lustre && callee.has_state
 }
 
 /// Source of a leaf that is passed on unchanged.
-enum Passed {
+enum CopySource {
     /// Leaf of a flow, by its index.
     Leaf(FlowId, usize),
     /// Exposed decider inside a call.
-    Result(Decider),
+    CallResult(Decider),
 }
 
 fn is_scalar(unit: &Unit, flow: FlowId) -> bool {

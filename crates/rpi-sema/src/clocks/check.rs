@@ -2,27 +2,27 @@
 
 use crate::clocks::clock::Clock;
 use crate::clocks::constants::case_clock;
-use crate::clocks::leaf_clocks::Row;
+use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
-use crate::clocks::span_set::Covered;
+use crate::clocks::span_set::SpanSet;
 use crate::facts::Definition;
-use crate::typed::{Call, Each, Kind};
-use crate::typed::{Equation, ExprId, FlowId, Optional, Place};
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::typed::{Call, ElementwiseOp, TypedExprKind};
+use crate::typed::{Equation, ExprId, FlowId, FlowPresence, TargetPlace};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-const APART: &str = "clock mismatch";
+const CLOCK_MISMATCH: &str = "clock mismatch";
 
 const SAMPLE_OR_HOLD: &str =
     "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
 
 /// Checks the clocks of a unit and returns the errors.
-pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
+pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Diagnostic> {
     let faulty = vec![false; solver.unit.exprs.len()];
     let mut check = Check {
         solver,
-        faulty,
-        findings: Vec::new(),
+        has_error: faulty,
+        diagnostics: Vec::new(),
         reported: BTreeSet::new(),
         sampled_currents: BTreeMap::new(),
         currents: Vec::new(),
@@ -30,22 +30,22 @@ pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Finding> {
     check.declarations();
     for id in (0..)
         .map(ExprId)
-        .take(check.faulty.len())
+        .take(check.has_error.len())
         .collect::<Vec<_>>()
     {
         check.expr(id);
     }
     check.equations();
-    check.read_always();
-    check.not_sampled();
-    check.findings
+    check.check_base_clock_reads();
+    check.check_useless_currents();
+    check.diagnostics
 }
 
 pub(super) struct Check<'s, 'u> {
     pub(super) solver: &'s mut Solver<'u>,
     /// For each expression, whether it or one of its operands has been reported. Its readers are then not checked.
-    faulty: Vec<bool>,
-    findings: Vec<Finding>,
+    has_error: Vec<bool>,
+    diagnostics: Vec<Diagnostic>,
     reported: BTreeSet<Span>,
     /// For each `current` that is sampled directly (`current x when c`), the span of the whole expression.
     sampled_currents: BTreeMap<ExprId, Span>,
@@ -68,7 +68,7 @@ impl<'u> Check<'_, 'u> {
         self.solver.unit.is_lustre
     }
 
-    fn row(&self, id: ExprId) -> Row<Clock> {
+    fn row(&self, id: ExprId) -> LeafClocks<Clock> {
         self.solver.exprs[id.0 as usize].clone()
     }
 
@@ -78,90 +78,105 @@ impl<'u> Check<'_, 'u> {
         let kind = &unit.expr(id).kind;
         let mut operands = Vec::new();
         kind.operands(&mut |operand| operands.push(operand));
-        if operands.iter().any(|id| self.faulty[id.0 as usize]) {
-            self.faulty[id.0 as usize] = true;
+        if operands.iter().any(|id| self.has_error[id.0 as usize]) {
+            self.has_error[id.0 as usize] = true;
             return;
         }
         let own = self.row(id);
         let fits = match kind {
-            Kind::Part { .. } | Kind::Slice { .. } | Kind::Repeat(_) | Kind::Replace { .. } => true,
-            Kind::Build(_) => true,
-            Kind::When { value, .. } => self.sampled(id, *value),
-            Kind::Merge { on, cases } => cases.iter().all(|(value, case)| {
+            TypedExprKind::Part { .. }
+            | TypedExprKind::Slice { .. }
+            | TypedExprKind::Repeat(_)
+            | TypedExprKind::Replace { .. } => true,
+            TypedExprKind::Build(_) => true,
+            TypedExprKind::When { value, .. } => self.add_when(id, *value),
+            TypedExprKind::Merge { on, cases } => cases.iter().all(|(value, case)| {
                 let wanted = case_clock(self.solver, *on, *value);
-                wanted.is_none_or(|wanted| self.exact(*case, &Row::All(wanted)))
+                wanted.is_none_or(|wanted| self.check_exact(*case, &LeafClocks::Uniform(wanted)))
             }),
-            Kind::Current(operand) => {
+            TypedExprKind::Current(operand) => {
                 if self.row(*operand).iter().any(|clock| clock == Clock::BASE) {
                     self.currents.push((id, *operand));
                 }
                 true
             }
-            Kind::Call(call) => self.arguments(id, call),
-            Kind::Each(each, operands) if !self.is_lustre() => {
-                self.is_of_one_clock(id, *each, operands)
+            TypedExprKind::Call(call) => self.arguments(id, call),
+            TypedExprKind::Each(each, operands) if !self.is_lustre() => {
+                self.check_initialisation(id, *each, operands)
             }
-            Kind::Each(..) => operands.iter().all(|operand| self.exact(*operand, &own)),
+            TypedExprKind::Each(..) => operands
+                .iter()
+                .all(|operand| self.check_exact(*operand, &own)),
             _ => self.strict(id, &operands),
         };
-        self.faulty[id.0 as usize] = !fits;
+        self.has_error[id.0 as usize] = !fits;
     }
 
     /// Checks the operands of a strict operator. Outside Lustre, operands of slower clocks are optional, so only the
     /// last operand of `s - 1 when c` is checked: there the whole was probably meant to be sampled.
     fn strict(&mut self, id: ExprId, operands: &[ExprId]) -> bool {
-        let own = Row::All(self.row(id).leaf(0));
-        match self.sampled_end(id, operands) {
-            Some(end) => self.sampled_in_part(id, end, &own),
-            None if self.is_lustre() => operands.iter().all(|operand| self.exact(*operand, &own)),
+        let own = LeafClocks::Uniform(self.row(id).leaf(0));
+        match self.sampled_last_operand(id, operands) {
+            Some(end) => self.check_sampled_last_operand(id, end, &own),
+            None if self.is_lustre() => operands
+                .iter()
+                .all(|operand| self.check_exact(*operand, &own)),
             None => true,
         }
     }
 
     /// Returns whether all leaves of an expression have the expected clocks. Reports a mismatch.
-    fn exact(&mut self, id: ExprId, wanted: &Row<Clock>) -> bool {
+    fn check_exact(&mut self, id: ExprId, wanted: &LeafClocks<Clock>) -> bool {
         let own = self.row(id);
         let count = self.solver.unit.expr(id).ty.leaf_count().max(1);
         let count = match (&own, wanted) {
-            (Row::All(_), Row::All(_)) => 1,
+            (LeafClocks::Uniform(_), LeafClocks::Uniform(_)) => 1,
             _ => count,
         };
         let mut pairs = (0..count).map(|k| (own.leaf(k), wanted.leaf(k)));
         match pairs.find(|(own, wanted)| own != wanted) {
-            Some((found, wanted)) => self.apart(found, wanted, self.solver.unit.expr(id).span),
+            Some((found, wanted)) => {
+                self.report_mismatch(found, wanted, self.solver.unit.expr(id).span)
+            }
             None => true,
         }
     }
 
-    fn apart(&mut self, found: Clock, wanted: Clock, span: Span) -> bool {
-        let [found, wanted] = [found, wanted].map(|clock| self.words(clock));
+    fn report_mismatch(&mut self, found: Clock, wanted: Clock, span: Span) -> bool {
+        let [found, wanted] = [found, wanted].map(|clock| self.describe(clock));
         let text = format!("expected a value {wanted}, found one {found}");
         self.report(span, text);
         false
     }
 
     /// Returns the last operand of `s - 1 when c` if only that operand is sampled.
-    fn sampled_end(&self, id: ExprId, operands: &[ExprId]) -> Option<ExprId> {
+    fn sampled_last_operand(&self, id: ExprId, operands: &[ExprId]) -> Option<ExprId> {
         let unit = self.solver.unit;
         let (last, others) = operands.split_last()?;
         let (whole, part) = (unit.expr(id).span, unit.expr(*last));
-        let Kind::When { value, .. } = part.kind else {
+        let TypedExprKind::When { value, .. } = part.kind else {
             return None;
         };
-        let is_sampled = |id: &ExprId| matches!(unit.expr(*id).kind, Kind::When { .. });
+        let is_sampled = |id: &ExprId| matches!(unit.expr(*id).kind, TypedExprKind::When { .. });
         let value = unit.expr(value).span;
         let is_end = part.span.end == whole.end && value.end <= part.span.end;
         (is_end && !others.iter().any(is_sampled)).then_some(*last)
     }
 
     /// Checks the last operand of `s - 1 when c`. On a mismatch, suggests sampling the whole expression.
-    fn sampled_in_part(&mut self, id: ExprId, end: ExprId, own: &Row<Clock>) -> bool {
-        if self.exact(end, own) {
+    fn check_sampled_last_operand(
+        &mut self,
+        id: ExprId,
+        end: ExprId,
+        own: &LeafClocks<Clock>,
+    ) -> bool {
+        if self.check_exact(end, own) {
             return true;
         }
         let unit = self.solver.unit;
         let (whole, part) = (unit.expr(id).span, unit.expr(end));
-        if let (Some(told), Kind::When { value, .. }) = (self.findings.last_mut(), &part.kind)
+        if let (Some(told), TypedExprKind::When { value, .. }) =
+            (self.diagnostics.last_mut(), &part.kind)
             && told.span() == part.span
         {
             let fix = Fix::maybe("sample the whole")
@@ -177,7 +192,7 @@ impl<'u> Check<'_, 'u> {
 
     /// Returns whether the operand of `when` has the clock of the deciding flow or a faster one in its chain. Outside
     /// Lustre, a slower operand is optional and always accepted.
-    fn sampled(&mut self, id: ExprId, value: ExprId) -> bool {
+    fn add_when(&mut self, id: ExprId, value: ExprId) -> bool {
         let unit = self.solver.unit;
         self.sampled_currents.insert(value, unit.expr(id).span);
         if !self.is_lustre() {
@@ -187,7 +202,8 @@ impl<'u> Check<'_, 'u> {
         let parent = self.solver.parent(own).unwrap_or(Clock::BASE);
         let chain = self.solver.chain(parent).unwrap_or_default();
         let is_faster = |clock: Clock| chain.contains(&clock);
-        self.row(value).iter().all(is_faster) || self.exact(value, &Row::All(parent))
+        self.row(value).iter().all(is_faster)
+            || self.check_exact(value, &LeafClocks::Uniform(parent))
     }
 
     fn arguments(&mut self, id: ExprId, call: &'u Call) -> bool {
@@ -199,15 +215,15 @@ impl<'u> Check<'_, 'u> {
             let Some(arg) = arg else { continue };
             let path = self.solver.port_path(call, callee, *formal, 0);
             if self.is_lustre() || !path.is_empty() {
-                let wanted = self.solver.through(id, call, &path, base);
-                fits &= self.exact(*arg, &Row::All(wanted));
+                let wanted = self.solver.translate_clock(id, call, &path, base);
+                fits &= self.check_exact(*arg, &LeafClocks::Uniform(wanted));
             }
         }
         let mut deciding = Vec::new();
         call.activation.operands(&mut |id| deciding.push(id));
         if self.is_lustre() {
             for operand in deciding {
-                fits &= self.exact(operand, &Row::All(base));
+                fits &= self.check_exact(operand, &LeafClocks::Uniform(base));
             }
         }
         fits
@@ -217,7 +233,7 @@ impl<'u> Check<'_, 'u> {
     fn equations(&mut self) {
         for k in 0..self.solver.reads.definitions.len() {
             if let Definition::Equation(_, equation) = self.solver.reads.definitions[k]
-                && !self.faulty[equation.value.0 as usize]
+                && !self.has_error[equation.value.0 as usize]
             {
                 self.equation(equation);
             }
@@ -232,28 +248,29 @@ impl<'u> Check<'_, 'u> {
             let part = value.part(first, count);
             first += count;
             let own = match target.place {
-                Place::Flow { flow, .. } if !self.is_lifted(flow) => {
+                TargetPlace::Flow { flow, .. } if !self.accepts_slower(flow) => {
                     self.solver.flows[flow.0 as usize].leaf(0)
                 }
-                Place::Port { .. } if self.is_lustre() => Clock::BASE,
+                TargetPlace::Port { .. } if self.is_lustre() => Clock::BASE,
                 _ => continue,
             };
             let mut clocks = part.iter();
             if let Some(clock) = clocks.find(|clock| *clock != own && own != Clock::ANY) {
-                self.apart(clock, own, self.solver.unit.expr(equation.value).span);
+                self.report_mismatch(clock, own, self.solver.unit.expr(equation.value).span);
                 return;
             }
         }
     }
 
     /// Returns whether a flow also accepts values of slower clocks.
-    fn is_lifted(&self, flow: FlowId) -> bool {
+    fn accepts_slower(&self, flow: FlowId) -> bool {
         self.solver.inferred[flow.0 as usize]
-            || !self.is_lustre() && self.solver.unit.flow(flow).optional == Optional::Declared(true)
+            || !self.is_lustre()
+                && self.solver.unit.flow(flow).optional == FlowPresence::Declared(true)
     }
 
     /// In Lustre, checks that conditions of blocks, ends and transitions, and exported values, are on the base clock.
-    fn read_always(&mut self) {
+    fn check_base_clock_reads(&mut self) {
         if !self.is_lustre() {
             return;
         }
@@ -268,25 +285,26 @@ impl<'u> Check<'_, 'u> {
             let transitions = transitions.filter_map(|transition| transition.condition);
             let all = block.when.into_iter().chain(ends).chain(exports);
             for id in all.chain(transitions) {
-                if !self.faulty[id.0 as usize] {
-                    self.exact(id, &Row::All(Clock::BASE));
+                if !self.has_error[id.0 as usize] {
+                    self.check_exact(id, &LeafClocks::Uniform(Clock::BASE));
                 }
             }
         }
     }
 
-    pub(super) fn words(&self, clock: Clock) -> String {
+    pub(super) fn describe(&self, clock: Clock) -> String {
         let mut chain = self.solver.chain(clock).unwrap_or_default();
         chain.reverse();
         let ticks = chain
             .iter()
-            .filter_map(|clock| self.solver.ticks.tick(*clock));
-        let path: Vec<crate::clocks::Tick> = ticks.collect();
+            .filter_map(|clock| self.solver.ticks.sampling(*clock));
+        let path: Vec<crate::clocks::Sampling> = ticks.collect();
         match path.is_empty() {
             true => "in all cycles".to_owned(),
             false => {
                 let solver = &self.solver;
-                let text = crate::clocks::print(solver.units, solver.facts, solver.unit, &path);
+                let text =
+                    crate::clocks::format_clock(solver.units, solver.facts, solver.unit, &path);
                 format!("`{text}`")
             }
         }
@@ -294,45 +312,48 @@ impl<'u> Check<'_, 'u> {
 
     fn report(&mut self, span: Span, text: String) {
         if self.reported.insert(span) {
-            let finding = Finding::new(Code::RPI3007, APART).at(span, text);
-            self.findings.push(finding.help(SAMPLE_OR_HOLD));
+            let diagnostic = Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, text);
+            self.diagnostics.push(diagnostic.help(SAMPLE_OR_HOLD));
         }
     }
 
     /// Adds a diagnostic at a place that has no clock diagnostic yet.
-    pub(super) fn add(&mut self, finding: Finding) {
-        if self.reported.insert(finding.span()) {
-            self.findings.push(finding);
+    pub(super) fn add(&mut self, diagnostic: Diagnostic) {
+        if self.reported.insert(diagnostic.span()) {
+            self.diagnostics.push(diagnostic);
         }
     }
 
     /// Reports `current` of a flow on the base clock. Lists operands of different clocks as a possible cause.
-    fn not_sampled(&mut self) {
+    fn check_useless_currents(&mut self) {
         // A mismatch around this place has been reported already; this one would follow from it.
-        let told = Covered::by(&self.reported);
+        let told = SpanSet::new(&self.reported);
         for (id, operand) in std::mem::take(&mut self.currents) {
             let unit = self.solver.unit;
             let span = unit.expr(id).span;
-            if told.contain(span) || !self.reported.insert(span) {
+            if told.contains(span) || !self.reported.insert(span) {
                 continue;
             }
             let told = "`current` of a flow on the base clock has no effect";
-            let mut finding = Finding::new(Code::RPI3007, APART).at(span, told);
+            let mut diagnostic = Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, told);
             let mut parts = Vec::new();
             unit.expr(operand)
                 .kind
                 .operands(&mut |part| parts.push(part));
             let own = self.row(operand).leaf(0);
-            let is_call = matches!(unit.expr(operand).kind, Kind::Call(_) | Kind::When { .. });
+            let is_call = matches!(
+                unit.expr(operand).kind,
+                TypedExprKind::Call(_) | TypedExprKind::When { .. }
+            );
             for part in parts.into_iter().filter(|_| !is_call) {
-                let clock = self.solver.whole(part);
+                let clock = self.solver.common_clock(part);
                 if clock != own {
-                    let text = format!("the clock of this operand is {}", self.words(clock));
-                    finding = finding.also(unit.expr(part).span, text);
+                    let text = format!("the clock of this operand is {}", self.describe(clock));
+                    diagnostic = diagnostic.secondary(unit.expr(part).span, text);
                 }
             }
-            let finding = match self.sampled_currents.get(&id) {
-                Some(whole) => finding
+            let diagnostic = match self.sampled_currents.get(&id) {
+                Some(whole) => diagnostic
                     .help(
                         "`current` binds before `when`: `current (x when c)` holds what is sampled",
                     )
@@ -341,19 +362,24 @@ impl<'u> Check<'_, 'u> {
                             .insert_before(unit.expr(operand).span, "(")
                             .insert_after(*whole, ")"),
                     ),
-                None => finding.help(SAMPLE_OR_HOLD),
+                None => diagnostic.help(SAMPLE_OR_HOLD),
             };
-            self.findings.push(finding);
+            self.diagnostics.push(diagnostic);
         }
     }
 
     /// Returns whether an initialisation (`->`, or `if` on the first cycle) has operands of one clock. Any other `if`
     /// may mix clocks.
-    fn is_of_one_clock(&mut self, id: ExprId, each: Each, operands: &[ExprId]) -> bool {
+    fn check_initialisation(
+        &mut self,
+        id: ExprId,
+        each: ElementwiseOp,
+        operands: &[ExprId],
+    ) -> bool {
         match (each, operands) {
-            (Each::Arrow, [a, b]) => self.mixes_none(id, [*a, *b]),
-            (Each::If, [condition, a, b]) if self.is_first(*condition) => {
-                self.mixes_none(id, [*a, *b])
+            (ElementwiseOp::Arrow, [a, b]) => self.check_same_clock(id, [*a, *b]),
+            (ElementwiseOp::If, [condition, a, b]) if self.is_first(*condition) => {
+                self.check_same_clock(id, [*a, *b])
             }
             _ => true,
         }
@@ -361,6 +387,6 @@ impl<'u> Check<'_, 'u> {
 
     fn is_first(&self, condition: ExprId) -> bool {
         let kind = &self.solver.unit.expr(condition).kind;
-        matches!(kind, Kind::Prim(call) if call.prim.desc().role == rpi_image::Role::First)
+        matches!(kind, TypedExprKind::Prim(call) if call.prim.desc().role == rpi_image::Role::First)
     }
 }

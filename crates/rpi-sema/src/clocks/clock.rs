@@ -1,6 +1,6 @@
 //! Clocks during inference: a tree of samplings whose root is the base clock of the unit.
 
-use crate::hash::{Map, Set};
+use crate::hash::{FastMap, FastSet};
 use crate::typed::{ExprId, FlowId};
 
 /// Flow whose value decides whether a clock ticks.
@@ -10,14 +10,14 @@ pub enum Decider {
     Flow(FlowId),
     /// Unnamed decider inside a call: the call expression and the index in [`Clocks::exposed`](super::Clocks::exposed)
     /// of the called unit.
-    Inside(ExprId, u32),
+    CallInternal(ExprId, u32),
 }
 
 /// One sampling: the cycles in which the decider has the given value.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Tick {
+pub struct Sampling {
     /// Decider of the sampling.
-    pub by: Decider,
+    pub decider: Decider,
     /// Value of the decider: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,
 }
@@ -34,7 +34,7 @@ impl Clock {
     pub(super) const BASE: Clock = Clock(0);
 
     /// Returns the clock of sampling number `number` of [`Ticks`].
-    pub(super) fn numbered(number: usize) -> Clock {
+    pub(super) fn from_sampling(number: usize) -> Clock {
         Clock(u32::try_from(number + 1).unwrap_or(u32::MAX - 1))
     }
 
@@ -47,36 +47,36 @@ impl Clock {
 
 /// All samplings of a unit, each stored once.
 #[derive(Debug, Default)]
-pub(super) struct Ticks {
-    all: Vec<Tick>,
-    known: Map<Tick, Clock>,
-    deciders: Set<Decider>,
+pub(super) struct Samplings {
+    all: Vec<Sampling>,
+    clock_by_sampling: FastMap<Sampling, Clock>,
+    deciders: FastSet<Decider>,
 }
 
-impl Ticks {
+impl Samplings {
     /// Returns the clock of a sampling, adding the sampling if it is new.
-    pub(super) fn clock(&mut self, tick: Tick) -> Clock {
-        let next = Clock::numbered(self.all.len());
+    pub(super) fn intern(&mut self, tick: Sampling) -> Clock {
+        let next = Clock::from_sampling(self.all.len());
         let (all, deciders) = (&mut self.all, &mut self.deciders);
-        *self.known.entry(tick).or_insert_with(|| {
+        *self.clock_by_sampling.entry(tick).or_insert_with(|| {
             all.push(tick);
-            deciders.insert(tick.by);
+            deciders.insert(tick.decider);
             next
         })
     }
 
     /// Returns the sampling of a clock; none for [`Clock::ANY`] and [`Clock::BASE`].
-    pub(super) fn tick(&self, clock: Clock) -> Option<Tick> {
+    pub(super) fn sampling(&self, clock: Clock) -> Option<Sampling> {
         self.all.get(clock.sampling()?).copied()
     }
 
     /// Returns the clock of a sampling that has been added before.
-    pub(super) fn clock_of(&self, tick: Tick) -> Option<Clock> {
-        self.known.get(&tick).copied()
+    pub(super) fn clock_of(&self, tick: Sampling) -> Option<Clock> {
+        self.clock_by_sampling.get(&tick).copied()
     }
 
     /// Returns whether a sampling with this decider exists.
-    pub(super) fn has(&self, by: Decider) -> bool {
+    pub(super) fn is_decider(&self, by: Decider) -> bool {
         self.deciders.contains(&by)
     }
 

@@ -1,21 +1,21 @@
 //! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
 use super::canonical_decider;
-use crate::clocks::clock::{Clock, Tick};
-use crate::clocks::leaf_clocks::Row;
+use crate::clocks::clock::{Clock, Sampling};
+use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::facts::Definition;
-use crate::typed::{Call, Each, Kind};
-use crate::typed::{ExprId, Place};
+use crate::typed::{Call, ElementwiseOp, TypedExprKind};
+use crate::typed::{ExprId, TargetPlace};
 
 /// Gives every expression without a clock the clock of its readers.
 pub(super) fn settle_constants(solver: &mut Solver<'_>) {
-    let mut open = Open(vec![false; solver.unit.exprs.len()]);
+    let mut open = Undetermined(vec![false; solver.unit.exprs.len()]);
     for (k, row) in solver.exprs.iter().enumerate() {
         open.0[k] = row.iter().any(|clock| clock == Clock::ANY);
     }
     let reached = vec![false; solver.unit.exprs.len()];
-    let mut placing = Placing {
+    let mut placing = ConstantClocks {
         solver,
         open,
         reached,
@@ -30,26 +30,26 @@ pub(super) fn settle_constants(solver: &mut Solver<'_>) {
         .rev()
     {
         if placing.open.0[id.0 as usize] && !placing.reached[id.0 as usize] {
-            placing.fill(id, &Row::All(Clock::BASE));
+            placing.set_prim_arg(id, &LeafClocks::Uniform(Clock::BASE));
         }
         placing.operands(id);
     }
 }
 
 /// For each expression, whether inference left it without a clock.
-struct Open(Vec<bool>);
+struct Undetermined(Vec<bool>);
 
-struct Placing<'s, 'u> {
+struct ConstantClocks<'s, 'u> {
     solver: &'s mut Solver<'u>,
-    open: Open,
+    open: Undetermined,
     /// For each expression, whether a reader has been visited.
     reached: Vec<bool>,
 }
 
-impl<'u> Placing<'_, 'u> {
+impl<'u> ConstantClocks<'_, 'u> {
     /// Gives an expression without a clock the clock of a reader. A second reader lowers it to the common clock of
     /// both.
-    fn fill(&mut self, id: ExprId, wanted: &Row<Clock>) {
+    fn set_prim_arg(&mut self, id: ExprId, wanted: &LeafClocks<Clock>) {
         let k = id.0 as usize;
         if !self.open.0[k] {
             return;
@@ -64,13 +64,13 @@ impl<'u> Placing<'_, 'u> {
             (own, _) => own,
         };
         let filled = match (&row, wanted) {
-            (Row::All(_), Row::All(_)) => Row::All(leaf(0)),
-            _ => Row::of((0..count).map(leaf), Clock::BASE),
+            (LeafClocks::Uniform(_), LeafClocks::Uniform(_)) => LeafClocks::Uniform(leaf(0)),
+            _ => LeafClocks::from_leaves((0..count).map(leaf), Clock::BASE),
         };
         if let Some(base) = solver.calls.get(&id)
             && (*base == Clock::ANY || is_again)
         {
-            let base = filled.one().unwrap_or(Clock::BASE);
+            let base = filled.uniform().unwrap_or(Clock::BASE);
             solver.calls.insert(id, base);
         }
         solver.exprs[k] = filled;
@@ -90,15 +90,15 @@ impl<'u> Placing<'_, 'u> {
             for target in &equation.targets {
                 let leaves = 0..target.ty.leaf_count();
                 let clock = |k: usize| match target.place {
-                    Place::Flow { flow, at } => {
+                    TargetPlace::Flow { flow, at } => {
                         self.solver.flows[flow.0 as usize].leaf(at as usize + k)
                     }
                     _ => Clock::BASE,
                 };
                 wanted.extend(leaves.map(clock));
             }
-            let wanted = Row::of(wanted.into_iter(), Clock::BASE);
-            self.fill(equation.value, &wanted);
+            let wanted = LeafClocks::from_leaves(wanted.into_iter(), Clock::BASE);
+            self.set_prim_arg(equation.value, &wanted);
         }
     }
 
@@ -106,48 +106,51 @@ impl<'u> Placing<'_, 'u> {
         let unit = self.solver.unit;
         let own = self.solver.exprs[id.0 as usize].clone();
         match &unit.expr(id).kind {
-            Kind::Build(parts) => {
+            TypedExprKind::Build(parts) => {
                 let mut at = 0;
                 for part in parts {
                     let count = unit.expr(*part).ty.leaf_count();
-                    self.fill(*part, &own.part(at, count));
+                    self.set_prim_arg(*part, &own.part(at, count));
                     at += count;
                 }
             }
-            Kind::Replace { base, at, value } => {
+            TypedExprKind::Replace { base, at, value } => {
                 let count = unit.expr(*value).ty.leaf_count();
-                self.fill(*base, &own);
-                self.fill(*value, &own.part(*at as usize, count));
+                self.set_prim_arg(*base, &own);
+                self.set_prim_arg(*value, &own.part(*at as usize, count));
             }
-            Kind::Each(each, operands) => {
+            TypedExprKind::Each(each, operands) => {
                 for (n, operand) in operands.iter().enumerate() {
                     match (each, n) {
-                        (Each::If, 0) => {
+                        (ElementwiseOp::If, 0) => {
                             let clocks = own.iter().reduce(|a, b| self.solver.meet(a, b));
-                            self.fill(*operand, &Row::All(clocks.unwrap_or(Clock::BASE)));
+                            self.set_prim_arg(
+                                *operand,
+                                &LeafClocks::Uniform(clocks.unwrap_or(Clock::BASE)),
+                            );
                         }
-                        _ => self.fill(*operand, &own),
+                        _ => self.set_prim_arg(*operand, &own),
                     }
                 }
             }
-            Kind::When { value, .. } => {
+            TypedExprKind::When { value, .. } => {
                 let parent = self.solver.parent(own.leaf(0)).unwrap_or(Clock::BASE);
-                self.fill(*value, &Row::All(parent));
+                self.set_prim_arg(*value, &LeafClocks::Uniform(parent));
             }
-            Kind::Merge { on, cases } => {
-                self.fill(*on, &own);
+            TypedExprKind::Merge { on, cases } => {
+                self.set_prim_arg(*on, &own);
                 for (value, case) in cases {
                     let clock = case_clock(self.solver, *on, *value).unwrap_or(own.leaf(0));
-                    self.fill(*case, &Row::All(clock));
+                    self.set_prim_arg(*case, &LeafClocks::Uniform(clock));
                 }
             }
-            Kind::Call(call) => self.arguments(id, call),
+            TypedExprKind::Call(call) => self.arguments(id, call),
             kind => {
-                let wanted = Row::All(own.leaf(0));
+                let wanted = LeafClocks::Uniform(own.leaf(0));
                 let mut operands = Vec::new();
                 kind.operands(&mut |operand| operands.push(operand));
                 for operand in operands {
-                    self.fill(operand, &wanted);
+                    self.set_prim_arg(operand, &wanted);
                 }
             }
         }
@@ -160,14 +163,14 @@ impl<'u> Placing<'_, 'u> {
         for (formal, arg) in callee.inputs.iter().zip(&call.args) {
             if let Some(arg) = arg {
                 let path = self.solver.port_path(call, callee, *formal, 0);
-                let wanted = self.solver.through(id, call, &path, base);
-                self.fill(*arg, &Row::All(wanted));
+                let wanted = self.solver.translate_clock(id, call, &path, base);
+                self.set_prim_arg(*arg, &LeafClocks::Uniform(wanted));
             }
         }
         let mut deciding = Vec::new();
         call.activation.operands(&mut |id| deciding.push(id));
         for operand in deciding {
-            self.fill(operand, &Row::All(base));
+            self.set_prim_arg(operand, &LeafClocks::Uniform(base));
         }
     }
 }
@@ -175,5 +178,5 @@ impl<'u> Placing<'_, 'u> {
 /// Returns the clock of a case of a `merge`.
 pub(super) fn case_clock(solver: &mut Solver<'_>, on: ExprId, value: u32) -> Option<Clock> {
     let by = canonical_decider::decider(solver, on, 0)?;
-    Some(solver.ticks.clock(Tick { by, value }))
+    Some(solver.ticks.intern(Sampling { decider: by, value }))
 }

@@ -4,12 +4,12 @@ use crate::typed::{BlockId, FlowId, Unit};
 
 /// Blocks of a unit, each marked with whether it may be inactive while its parent block is active.
 #[derive(Clone, Debug)]
-pub struct Borders<'u> {
+pub struct InactiveBlocks<'u> {
     unit: &'u Unit,
-    gated: Vec<bool>,
+    may_be_inactive: Vec<bool>,
 }
 
-impl<'u> Borders<'u> {
+impl<'u> InactiveBlocks<'u> {
     /// Creates the table for a unit. Blocks with a condition and states of automata may be inactive.
     #[must_use]
     pub fn new(unit: &'u Unit) -> Self {
@@ -21,23 +21,26 @@ impl<'u> Borders<'u> {
         }
         // The activation of the fragment itself is handled where it is called.
         gated[0] = false;
-        Borders { unit, gated }
+        InactiveBlocks {
+            unit,
+            may_be_inactive: gated,
+        }
     }
 
     /// Returns whether any block may be inactive.
     #[must_use]
-    pub fn any(&self) -> bool {
-        self.gated.contains(&true)
+    pub fn has_inactive(&self) -> bool {
+        self.may_be_inactive.contains(&true)
     }
 
     /// Returns whether a block that may be inactive lies on the way from block `from` outwards to block `to`. False if
     /// `to` does not enclose `from`.
     #[must_use]
-    pub fn crossed(&self, from: BlockId, to: BlockId) -> bool {
+    pub fn crosses_inactive(&self, from: BlockId, to: BlockId) -> bool {
         let mut block = from;
         let mut crossed = false;
         while block != to {
-            crossed |= self.gated[block.0 as usize];
+            crossed |= self.may_be_inactive[block.0 as usize];
             match self.unit.block(block).parent {
                 Some(parent) => block = parent,
                 None => return false,
@@ -57,6 +60,6 @@ impl<'u> Borders<'u> {
         let around: Vec<BlockId> = std::iter::successors(Some(reader), parent).collect();
         let mut outwards = std::iter::successors(Some(own), parent);
         let common = outwards.find(|block| around.contains(block));
-        self.crossed(own, common.unwrap_or(BlockId::ROOT))
+        self.crosses_inactive(own, common.unwrap_or(BlockId::ROOT))
     }
 }

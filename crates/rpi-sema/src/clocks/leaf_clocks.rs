@@ -4,68 +4,70 @@ use std::rc::Rc;
 
 /// Clock of each leaf of a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Row<C> {
+pub enum LeafClocks<C> {
     /// Clock shared by all leaves.
-    All(C),
+    Uniform(C),
     /// One clock for each leaf; not all are equal.
-    Each(Rc<[C]>),
+    PerLeaf(Rc<[C]>),
 }
 
-impl<C: Copy + PartialEq> Row<C> {
+impl<C: Copy + PartialEq> LeafClocks<C> {
     /// Returns the clock of leaf `k`.
     #[must_use]
     pub fn leaf(&self, k: usize) -> C {
         match self {
-            Row::All(clock) => *clock,
-            Row::Each(leaves) => leaves[k.min(leaves.len() - 1)],
+            LeafClocks::Uniform(clock) => *clock,
+            LeafClocks::PerLeaf(leaves) => leaves[k.min(leaves.len() - 1)],
         }
     }
 
     /// Returns the clock shared by all leaves, if there is one.
     #[must_use]
-    pub fn one(&self) -> Option<C> {
+    pub fn uniform(&self) -> Option<C> {
         match self {
-            Row::All(clock) => Some(*clock),
-            Row::Each(_) => None,
+            LeafClocks::Uniform(clock) => Some(*clock),
+            LeafClocks::PerLeaf(_) => None,
         }
     }
 
     /// Iterates over the clocks of the leaves in order; over a shared clock once.
     pub fn iter(&self) -> impl Iterator<Item = C> + '_ {
         match self {
-            Row::All(clock) => std::slice::from_ref(clock).iter().copied(),
-            Row::Each(leaves) => leaves.iter().copied(),
+            LeafClocks::Uniform(clock) => std::slice::from_ref(clock).iter().copied(),
+            LeafClocks::PerLeaf(leaves) => leaves.iter().copied(),
         }
     }
 
     /// Creates a row from the clocks of successive leaves. A value without leaves gets the clock `otherwise`.
-    pub(super) fn of(leaves: impl Iterator<Item = C>, otherwise: C) -> Row<C> {
+    pub(super) fn from_leaves(leaves: impl Iterator<Item = C>, otherwise: C) -> LeafClocks<C> {
         let leaves: Vec<C> = leaves.collect();
         match leaves.split_first() {
-            None => Row::All(otherwise),
-            Some((first, rest)) if rest.iter().all(|leaf| leaf == first) => Row::All(*first),
-            Some(_) => Row::Each(leaves.into()),
+            None => LeafClocks::Uniform(otherwise),
+            Some((first, rest)) if rest.iter().all(|leaf| leaf == first) => {
+                LeafClocks::Uniform(*first)
+            }
+            Some(_) => LeafClocks::PerLeaf(leaves.into()),
         }
     }
 
     /// Returns the row of `count` leaves starting at leaf `at`.
-    pub(super) fn part(&self, at: usize, count: usize) -> Row<C> {
+    pub(super) fn part(&self, at: usize, count: usize) -> LeafClocks<C> {
         match self {
-            Row::All(clock) => Row::All(*clock),
-            Row::Each(leaves) => {
+            LeafClocks::Uniform(clock) => LeafClocks::Uniform(*clock),
+            LeafClocks::PerLeaf(leaves) => {
                 let part = leaves.iter().copied().skip(at).take(count);
-                Row::of(part, leaves[0])
+                LeafClocks::from_leaves(part, leaves[0])
             }
         }
     }
 
     /// Returns a row with each clock replaced by `of(clock)`.
-    pub(super) fn map<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> Row<D> {
+    pub(super) fn map_arrays<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> LeafClocks<D> {
         match self {
-            Row::All(clock) => Row::All(of(*clock)),
-            Row::Each(leaves) => {
+            LeafClocks::Uniform(clock) => LeafClocks::Uniform(of(*clock)),
+            LeafClocks::PerLeaf(leaves) => {
                 let mapped: Rc<[D]> = leaves.iter().map(|clock| of(*clock)).collect();
-                Row::of(mapped.iter().copied(), mapped[0])
+                LeafClocks::from_leaves(mapped.iter().copied(), mapped[0])
             }
         }
     }

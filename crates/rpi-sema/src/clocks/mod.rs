@@ -29,16 +29,16 @@ mod rules;
 mod solve;
 pub(crate) mod span_set;
 
-pub use crate::clocks::inactive_blocks::Borders;
-pub use crate::clocks::leaf_clocks::Row;
+pub use crate::clocks::inactive_blocks::InactiveBlocks;
+pub use crate::clocks::leaf_clocks::LeafClocks;
 pub(crate) use calls::may_be_inactive;
-pub use clock::{Decider, Tick};
+pub use clock::{Decider, Sampling};
 
 use crate::facts::Facts;
-use crate::hash::Map;
-use crate::typed::Kind;
+use crate::hash::FastMap;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, FlowId, Unit};
-use rpi_diag::Finding;
+use rpi_diag::Diagnostic;
 use std::fmt::Write as _;
 
 /// Index of a clock in [`Clocks`] of a unit.
@@ -54,29 +54,29 @@ impl ClockId {
 #[derive(Clone, Debug, Default)]
 pub struct Clocks {
     /// For each clock, its samplings from the base clock of the unit on.
-    paths: Vec<Vec<Tick>>,
-    exprs: Vec<Row<ClockId>>,
-    flows: Vec<Row<ClockId>>,
+    paths: Vec<Vec<Sampling>>,
+    exprs: Vec<LeafClocks<ClockId>>,
+    flows: Vec<LeafClocks<ClockId>>,
     /// For each call, the clock on which it runs.
-    calls: Map<ExprId, ClockId>,
+    calls: FastMap<ExprId, ClockId>,
     /// Flows that decide about the clocks of the outputs, each with its own clock.
     exposed: Vec<(Decider, ClockId)>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
-    outside: Vec<bool>,
+    reads_inactive: Vec<bool>,
 }
 
 impl Clocks {
     /// Returns whether the unit has any sampled flow.
     #[must_use]
-    pub fn any(&self) -> bool {
+    pub fn has_samplings(&self) -> bool {
         !self.exprs.is_empty()
     }
 
     /// Returns the clocks of the leaves of an expression.
     #[must_use]
-    pub fn row(&self, id: ExprId) -> Row<ClockId> {
+    pub fn expr_clocks(&self, id: ExprId) -> LeafClocks<ClockId> {
         let known = self.exprs.get(id.0 as usize);
-        known.cloned().unwrap_or(Row::All(ClockId::BASE))
+        known.cloned().unwrap_or(LeafClocks::Uniform(ClockId::BASE))
     }
 
     /// Returns the clock of leaf `k` of an expression.
@@ -88,7 +88,7 @@ impl Clocks {
 
     /// Returns the clock on which an expression is computed. For a call this may differ from the clocks of its results.
     #[must_use]
-    pub fn place(&self, id: ExprId) -> ClockId {
+    pub fn computed_on(&self, id: ExprId) -> ClockId {
         match self.calls.get(&id) {
             Some(clock) => *clock,
             None => self.leaf(id, 0),
@@ -97,20 +97,20 @@ impl Clocks {
 
     /// Returns the clocks of the leaves of a flow.
     #[must_use]
-    pub fn flow(&self, id: FlowId) -> Row<ClockId> {
+    pub fn flow_clocks(&self, id: FlowId) -> LeafClocks<ClockId> {
         let known = self.flows.get(id.0 as usize);
-        known.cloned().unwrap_or(Row::All(ClockId::BASE))
+        known.cloned().unwrap_or(LeafClocks::Uniform(ClockId::BASE))
     }
 
     /// Returns the samplings of a clock, from the base clock on.
     #[must_use]
-    pub fn path(&self, clock: ClockId) -> &[Tick] {
+    pub fn path(&self, clock: ClockId) -> &[Sampling] {
         self.paths.get(clock.0 as usize).map_or(&[], Vec::as_slice)
     }
 
     /// Returns the samplings of `clock` that follow the common prefix with the clock of a reader.
     #[must_use]
-    pub fn beyond(&self, clock: ClockId, reader: ClockId) -> &[Tick] {
+    pub fn samplings_beyond(&self, clock: ClockId, reader: ClockId) -> &[Sampling] {
         let (own, read) = (self.path(clock), self.path(reader));
         let common = own.iter().zip(read).take_while(|(a, b)| a == b);
         &own[common.count()..]
@@ -119,7 +119,12 @@ impl Clocks {
     /// For leaf `k` of the operand of `x when c`: splits its samplings into those in common with the clock of `c` and
     /// the remaining ones.
     #[must_use]
-    pub fn beyond_sampled(&self, value: ExprId, k: usize, when: ExprId) -> (&[Tick], &[Tick]) {
+    pub fn split_operand_samplings(
+        &self,
+        value: ExprId,
+        k: usize,
+        when: ExprId,
+    ) -> (&[Sampling], &[Sampling]) {
         let own = self.path(self.leaf(value, k));
         let of_when = self.path(self.leaf(when, 0));
         let decides = &of_when[..of_when.len().saturating_sub(1)];
@@ -131,13 +136,16 @@ impl Clocks {
     /// tick.
     #[must_use]
     pub fn is_slower(&self, clock: ClockId, reader: ClockId) -> bool {
-        clock != reader && !self.beyond(clock, reader).is_empty()
+        clock != reader && !self.samplings_beyond(clock, reader).is_empty()
     }
 
     /// Returns whether an expression reads a flow of a block that may be inactive.
     #[must_use]
-    pub fn is_outside(&self, id: ExprId) -> bool {
-        self.outside.get(id.0 as usize).copied().unwrap_or(false)
+    pub fn reads_inactive_block(&self, id: ExprId) -> bool {
+        self.reads_inactive
+            .get(id.0 as usize)
+            .copied()
+            .unwrap_or(false)
     }
 
     /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
@@ -149,7 +157,7 @@ impl Clocks {
 
 /// Infers the clocks of a unit and reports mismatches. `facts` holds the results for the units that it calls.
 #[must_use]
-pub fn find(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Finding>) {
+pub fn infer(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
     match unit.has_clocks || calls_sampled(units, facts, unit) {
         true => solve::solve(units, facts, unit),
         false => (Clocks::default(), Vec::new()),
@@ -159,7 +167,7 @@ pub fn find(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Findin
 /// Returns whether a unit calls a unit with sampled ports.
 fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     unit.exprs.iter().any(|expr| match &expr.kind {
-        Kind::Call(call) => {
+        TypedExprKind::Call(call) => {
             let callee = &units[call.unit.0 as usize];
             let mut ports = callee.inputs.iter().chain(&callee.outputs);
             let exposed = &facts[call.unit.0 as usize].clocks.exposed;
@@ -171,19 +179,23 @@ fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
 
 /// Formats a clock as in the source, `when c when not d`; empty for the base clock.
 #[must_use]
-pub fn print(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Tick]) -> String {
+pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampling]) -> String {
     let mut text = String::new();
     for tick in path {
-        let _ = write!(text, " when {}", condition(units, facts, unit, *tick));
+        let _ = write!(
+            text,
+            " when {}",
+            format_condition(units, facts, unit, *tick)
+        );
     }
     text.trim_start().to_owned()
 }
 
 /// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A decider inside a call is named after its unit,
 /// `Call.c`.
-fn condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> String {
-    let Decider::Flow(flow) = tick.by else {
-        return inner_condition(units, facts, unit, tick);
+fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
+    let Decider::Flow(flow) = tick.decider else {
+        return format_call_condition(units, facts, unit, tick);
     };
     let flow = unit.flow(flow);
     // A flow made by the compiler for an argument is named `port#n`; only the port's name is shown.
@@ -199,11 +211,11 @@ fn condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> String
     }
 }
 
-fn inner_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> String {
-    let Decider::Inside(call, number) = tick.by else {
+fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
+    let Decider::CallInternal(call, number) = tick.decider else {
         return String::new();
     };
-    let Kind::Call(call) = &unit.expr(call).kind else {
+    let TypedExprKind::Call(call) = &unit.expr(call).kind else {
         return String::new();
     };
     let (callee, clocks) = (
@@ -213,7 +225,15 @@ fn inner_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Tick) -> 
     let Some((by, _)) = clocks.exposed.get(number as usize) else {
         return callee.name.to_string();
     };
-    let inner = condition(units, facts, callee, Tick { by: *by, ..tick });
+    let inner = format_condition(
+        units,
+        facts,
+        callee,
+        Sampling {
+            decider: *by,
+            ..tick
+        },
+    );
     match inner.strip_prefix("not ") {
         Some(inner) => format!("not {}.{inner}", callee.name),
         None => format!("{}.{inner}", callee.name),

@@ -1,55 +1,61 @@
 //! Clock of an expression, from those of its operands.
 
 use super::canonical_decider;
-use crate::clocks::Row;
-use crate::clocks::clock::{Clock, Tick};
+use crate::clocks::LeafClocks;
+use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::solve::Solver;
-use crate::typed::{Each, Kind};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 use crate::typed::{ExprId, FlowRole, Unit};
-use rpi_image::State;
+use rpi_image::StateSize;
 
 impl Solver<'_> {
     /// Computes the clocks of an expression from those of its operands.
-    pub(super) fn expr(&mut self, id: ExprId) -> Row<Clock> {
+    pub(super) fn expr(&mut self, id: ExprId) -> LeafClocks<Clock> {
         let unit = self.unit;
         let count = self.count(id);
         let own = |id: ExprId| &self.exprs[id.0 as usize];
         let row = match &unit.expr(id).kind {
-            Kind::Flow(_) if self.outside[id.0 as usize] => Row::All(Clock::BASE),
-            Kind::Flow(flow) => self.flows[flow.0 as usize].clone(),
-            Kind::Part { base, at } => own(*base).part(*at as usize, count),
-            Kind::Slice { base, from, step } => self.slice(*base, (*from, *step), count),
-            Kind::Select { base, index } => self.select(*base, *index, count),
-            Kind::Build(parts) => self.build(parts),
-            Kind::Repeat(element) => match own(*element) {
-                Row::All(clock) => Row::All(*clock),
-                Row::Each(leaves) => {
-                    Row::of(leaves.iter().copied().cycle().take(count), Clock::ANY)
+            TypedExprKind::Flow(_) if self.reads_inactive[id.0 as usize] => {
+                LeafClocks::Uniform(Clock::BASE)
+            }
+            TypedExprKind::Flow(flow) => self.flows[flow.0 as usize].clone(),
+            TypedExprKind::Part { base, at } => own(*base).part(*at as usize, count),
+            TypedExprKind::Slice { base, from, step } => self.slice(*base, (*from, *step), count),
+            TypedExprKind::Select { base, index } => self.select(*base, *index, count),
+            TypedExprKind::Build(parts) => self.build(parts),
+            TypedExprKind::Repeat(element) => match own(*element) {
+                LeafClocks::Uniform(clock) => LeafClocks::Uniform(*clock),
+                LeafClocks::PerLeaf(leaves) => {
+                    LeafClocks::from_leaves(leaves.iter().copied().cycle().take(count), Clock::ANY)
                 }
             },
-            Kind::Replace { base, at, value } => self.replaced(*base, *at as usize, *value, count),
-            Kind::Each(each, operands) => self.each(*each, operands, count),
+            TypedExprKind::Replace { base, at, value } => {
+                self.replaced(*base, *at as usize, *value, count)
+            }
+            TypedExprKind::Each(each, operands) => self.each(*each, operands, count),
             // Presence of a flow may be tested on every clock.
-            Kind::Present(_) => Row::All(Clock::ANY),
-            Kind::When { clock, .. } => {
+            TypedExprKind::Present(_) => LeafClocks::Uniform(Clock::ANY),
+            TypedExprKind::When { clock, .. } => {
                 let by = canonical_decider::decider_of(self, clock.flow);
                 let value = clock.value;
-                Row::All(self.ticks.clock(Tick { by, value }))
+                LeafClocks::Uniform(self.ticks.intern(Sampling { decider: by, value }))
             }
-            Kind::Merge { on, .. } => Row::All(self.leaf(*on, 0)),
-            Kind::Current(operand) => own(*operand).map(|clock| match self.parent(clock) {
-                Some(parent) => parent,
-                None => clock,
-            }),
-            Kind::Call(call) => self.call(id, call),
+            TypedExprKind::Merge { on, .. } => LeafClocks::Uniform(self.leaf(*on, 0)),
+            TypedExprKind::Current(operand) => {
+                own(*operand).map_arrays(|clock| match self.parent(clock) {
+                    Some(parent) => parent,
+                    None => clock,
+                })
+            }
+            TypedExprKind::Call(call) => self.call(id, call),
             kind => {
                 let mut operands = Vec::new();
                 kind.operands(&mut |operand| operands.push(operand));
-                Row::All(self.strict(&operands))
+                LeafClocks::Uniform(self.strict(&operands))
             }
         };
-        match self.constants && !unit.is_lustre && self.starts(id) {
-            true => row.map(|clock| match clock {
+        match self.is_last_round && !unit.is_lustre && self.has_first_cycle(id) {
+            true => row.map_arrays(|clock| match clock {
                 Clock::ANY => Clock::BASE,
                 clock => clock,
             }),
@@ -60,26 +66,31 @@ impl Solver<'_> {
     /// Returns the common clock of the operands of a strict operator. In Lustre the first known clock is taken; the
     /// check compares the others with it.
     pub(super) fn strict(&self, operands: &[ExprId]) -> Clock {
-        self.first_or_meet(operands.iter().map(|id| self.whole(*id)))
+        self.first_or_meet(operands.iter().map(|id| self.common_clock(*id)))
     }
 
-    pub(super) fn each(&self, each: Each, operands: &[ExprId], count: usize) -> Row<Clock> {
+    pub(super) fn each(
+        &self,
+        each: ElementwiseOp,
+        operands: &[ExprId],
+        count: usize,
+    ) -> LeafClocks<Clock> {
         let rows = operands.iter().map(|id| &self.exprs[id.0 as usize]);
-        let are_alike = rows.clone().all(|row| row.one().is_some());
+        let are_alike = rows.clone().all(|row| row.uniform().is_some());
         let count = if are_alike { 1 } else { count };
         let leaf = |k: usize| {
             let clocks = operands.iter().enumerate().map(|(n, id)| match (each, n) {
-                (Each::If, 0) => self.whole(*id),
+                (ElementwiseOp::If, 0) => self.common_clock(*id),
                 _ => self.leaf(*id, k),
             });
             match (each, clocks.clone().next_back()) {
                 // The replacement of an absent value has the clock of the whole. A constant replacement leaves the
                 // clock open.
-                (Each::Coalesce | Each::Hold, Some(Clock::ANY)) => Clock::ANY,
+                (ElementwiseOp::Coalesce | ElementwiseOp::Hold, Some(Clock::ANY)) => Clock::ANY,
                 _ => self.first_or_meet(clocks),
             }
         };
-        Row::of((0..count).map(leaf), Clock::ANY)
+        LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
     pub(super) fn first_or_meet(&self, mut clocks: impl Iterator<Item = Clock>) -> Clock {
@@ -90,18 +101,19 @@ impl Solver<'_> {
         met.unwrap_or(Clock::ANY)
     }
 
-    pub(super) fn build(&self, parts: &[ExprId]) -> Row<Clock> {
+    pub(super) fn build(&self, parts: &[ExprId]) -> LeafClocks<Clock> {
         let rows = || parts.iter().map(|part| &self.exprs[part.0 as usize]);
-        let mut all = rows().map(Row::one);
+        let mut all = rows().map(LeafClocks::uniform);
         let first = all.next().flatten().unwrap_or(Clock::ANY);
-        if all.all(|clock| clock == Some(first)) && rows().next().is_none_or(|r| r.one().is_some())
+        if all.all(|clock| clock == Some(first))
+            && rows().next().is_none_or(|r| r.uniform().is_some())
         {
-            return Row::All(first);
+            return LeafClocks::Uniform(first);
         }
         let leaves = parts
             .iter()
             .flat_map(|part| (0..self.count(*part)).map(|k| self.leaf(*part, k)));
-        Row::of(leaves, Clock::ANY)
+        LeafClocks::from_leaves(leaves, Clock::ANY)
     }
 
     pub(super) fn replaced(
@@ -110,9 +122,9 @@ impl Solver<'_> {
         at: usize,
         value: ExprId,
         count: usize,
-    ) -> Row<Clock> {
+    ) -> LeafClocks<Clock> {
         let [whole, part] = [base, value].map(|id| &self.exprs[id.0 as usize]);
-        if whole == part && whole.one().is_some() {
+        if whole == part && whole.uniform().is_some() {
             return whole.clone();
         }
         let of_part = self.count(value);
@@ -120,12 +132,17 @@ impl Solver<'_> {
             Some(inner) => part.leaf(inner),
             None => whole.leaf(k),
         };
-        Row::of((0..count).map(leaf), Clock::ANY)
+        LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
-    pub(super) fn slice(&self, base: ExprId, (from, step): (u32, i32), count: usize) -> Row<Clock> {
+    pub(super) fn slice(
+        &self,
+        base: ExprId,
+        (from, step): (u32, i32),
+        count: usize,
+    ) -> LeafClocks<Clock> {
         let row = &self.exprs[base.0 as usize];
-        if row.one().is_some() {
+        if row.uniform().is_some() {
             return row.clone();
         }
         let size = element_size(self.unit, base);
@@ -133,35 +150,39 @@ impl Solver<'_> {
             let element = i64::from(from) + (k / size) as i64 * i64::from(step);
             row.leaf(usize::try_from(element).unwrap_or(0) * size + k % size)
         };
-        Row::of((0..count).map(leaf), Clock::ANY)
+        LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
     /// Computes the clocks of an element at a computed index: the meet over all elements and the index, leaf by leaf.
-    pub(super) fn select(&self, base: ExprId, index: ExprId, count: usize) -> Row<Clock> {
-        let (row, index) = (&self.exprs[base.0 as usize], self.whole(index));
-        if let Some(one) = row.one() {
-            return Row::All(self.first_or_meet([one, index].into_iter()));
+    pub(super) fn select(&self, base: ExprId, index: ExprId, count: usize) -> LeafClocks<Clock> {
+        let (row, index) = (&self.exprs[base.0 as usize], self.common_clock(index));
+        if let Some(one) = row.uniform() {
+            return LeafClocks::Uniform(self.first_or_meet([one, index].into_iter()));
         }
         let (size, total) = (element_size(self.unit, base), self.count(base));
         let leaf = |k: usize| {
             let all = (k..total).step_by(size).map(|k| row.leaf(k));
             self.first_or_meet(all.chain([index]))
         };
-        Row::of((0..count).map(leaf), Clock::ANY)
+        LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
     /// Returns whether an expression has state with a first cycle of its own. If only constants start it, it runs in
     /// all cycles.
-    pub(super) fn starts(&self, id: ExprId) -> bool {
+    pub(super) fn has_first_cycle(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
-            Kind::Each(Each::Pre | Each::Last, operands) => !self.is_constant(operands[0]),
-            Kind::Each(Each::Arrow, operands) => !operands.iter().all(|id| self.is_constant(*id)),
-            Kind::Each(Each::Hold, _) | Kind::Current(_) => true,
-            Kind::Prim(call) => {
-                let desc = call.prim.desc();
-                !matches!(desc.state, State::None) || desc.role == rpi_image::Role::First
+            TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, operands) => {
+                !self.is_constant(operands[0])
             }
-            Kind::Call(call) => self.units[call.unit.0 as usize].has_state,
+            TypedExprKind::Each(ElementwiseOp::Arrow, operands) => {
+                !operands.iter().all(|id| self.is_constant(*id))
+            }
+            TypedExprKind::Each(ElementwiseOp::Hold, _) | TypedExprKind::Current(_) => true,
+            TypedExprKind::Prim(call) => {
+                let desc = call.prim.desc();
+                !matches!(desc.state, StateSize::None) || desc.role == rpi_image::Role::First
+            }
+            TypedExprKind::Call(call) => self.units[call.unit.0 as usize].has_state,
             _ => false,
         }
     }
@@ -170,8 +191,8 @@ impl Solver<'_> {
     /// recognised.
     pub(super) fn is_constant(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
-            Kind::Const(_) | Kind::Literal(_) | Kind::None => true,
-            Kind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
+            TypedExprKind::Const(_) | TypedExprKind::Literal(_) | TypedExprKind::None => true,
+            TypedExprKind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
             _ => false,
         }
     }

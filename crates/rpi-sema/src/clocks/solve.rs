@@ -3,106 +3,106 @@
 
 use super::canonical_decider;
 use super::constants;
-use crate::clocks::clock::{Clock, Decider, Tick, Ticks};
-use crate::clocks::{Borders, ClockId, Clocks, Row};
-use crate::facts::{Definition, Facts, Reads};
-use crate::hash::Map;
-use crate::typed::Kind;
-use crate::typed::{Equation, ExprId, FlowId, FlowRole, Optional, Place, Unit};
-use rpi_diag::Finding;
+use crate::clocks::clock::{Clock, Decider, Sampling, Samplings};
+use crate::clocks::{ClockId, Clocks, InactiveBlocks, LeafClocks};
+use crate::facts::{Definition, Dependents, Facts};
+use crate::hash::FastMap;
+use crate::typed::TypedExprKind;
+use crate::typed::{Equation, ExprId, FlowId, FlowPresence, FlowRole, TargetPlace, Unit};
+use rpi_diag::Diagnostic;
 
 /// State of the clock inference for one unit.
 pub(super) struct Solver<'u> {
     pub(super) units: &'u [Unit],
     pub(super) facts: &'u [Facts],
     pub(super) unit: &'u Unit,
-    pub(super) borders: Borders<'u>,
-    pub(super) reads: Reads<'u>,
-    pub(super) ticks: Ticks,
-    pub(super) exprs: Vec<Row<Clock>>,
-    pub(super) flows: Vec<Row<Clock>>,
+    pub(super) borders: InactiveBlocks<'u>,
+    pub(super) reads: Dependents<'u>,
+    pub(super) ticks: Samplings,
+    pub(super) exprs: Vec<LeafClocks<Clock>>,
+    pub(super) flows: Vec<LeafClocks<Clock>>,
     /// For each flow, whether its clock is inferred from its equation. False for ports and for flows with a declared
     /// clock or presence.
     pub(super) inferred: Vec<bool>,
     /// For each call, the clock on which it runs.
-    pub(super) calls: Map<ExprId, Clock>,
+    pub(super) calls: FastMap<ExprId, Clock>,
     /// Clock of each exposed decider inside a call.
-    pub(super) inside: Map<(ExprId, u32), Clock>,
+    pub(super) exposed_clocks: FastMap<(ExprId, u32), Clock>,
     /// Canonical decider of each deciding flow, cached.
-    pub(super) named: Map<FlowId, Decider>,
+    pub(super) canonical: FastMap<FlowId, Decider>,
     /// For each flow, the definitions that define leaves of it.
-    pub(super) defined: Vec<Vec<u32>>,
+    pub(super) definitions_of: Vec<Vec<u32>>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
-    pub(super) outside: Vec<bool>,
+    pub(super) reads_inactive: Vec<bool>,
     /// Whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a constant.
-    pub(super) constants: bool,
+    pub(super) is_last_round: bool,
     /// Whether the clock of a decider has changed. Meets of clocks sampled by it are then out of date.
-    moved: bool,
+    decider_changed: bool,
     changed: Vec<FlowId>,
 }
 
 /// Infers the clocks of a unit and reports mismatches.
-pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Finding>) {
+pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
     let mut solver = Solver::new(units, facts, unit);
-    solver.declared();
-    solver.settle();
-    solver.constants = true;
-    solver.deciders();
-    solver.settle();
+    solver.init_declared();
+    solver.resolve_equation();
+    solver.is_last_round = true;
+    solver.fix_constant_deciders();
+    solver.resolve_equation();
     constants::settle_constants(&mut solver);
-    let findings = crate::clocks::check::check(&mut solver);
-    (solver.clocks(), findings)
+    let diagnostics = crate::clocks::check::check(&mut solver);
+    (solver.clocks(), diagnostics)
 }
 
 impl<'u> Solver<'u> {
     fn new(units: &'u [Unit], facts: &'u [Facts], unit: &'u Unit) -> Self {
-        let reads = Reads::new(unit);
+        let reads = Dependents::new(unit);
         let mut defined = vec![Vec::new(); unit.flows.len()];
         for (k, definition) in (0u32..).zip(&reads.definitions) {
             if let Definition::Equation(_, equation) = definition {
                 for target in &equation.targets {
-                    if let Place::Flow { flow, .. } = target.place {
+                    if let TargetPlace::Flow { flow, .. } = target.place {
                         defined[flow.0 as usize].push(k);
                     }
                 }
             }
         }
-        let borders = Borders::new(unit);
+        let borders = InactiveBlocks::new(unit);
         let outside = unit.exprs.iter().zip(&reads.blocks);
         let outside = outside.map(|(expr, reader)| match expr.kind {
-            Kind::Flow(flow) => borders.is_outside(flow, *reader),
+            TypedExprKind::Flow(flow) => borders.is_outside(flow, *reader),
             _ => false,
         });
         Solver {
             units,
             facts,
             unit,
-            outside: outside.collect(),
+            reads_inactive: outside.collect(),
             borders,
             reads,
-            ticks: Ticks::default(),
-            exprs: vec![Row::All(Clock::ANY); unit.exprs.len()],
-            flows: vec![Row::All(Clock::BASE); unit.flows.len()],
+            ticks: Samplings::default(),
+            exprs: vec![LeafClocks::Uniform(Clock::ANY); unit.exprs.len()],
+            flows: vec![LeafClocks::Uniform(Clock::BASE); unit.flows.len()],
             inferred: vec![false; unit.flows.len()],
-            calls: Map::default(),
-            inside: Map::default(),
-            named: Map::default(),
-            defined,
-            constants: false,
-            moved: false,
+            calls: FastMap::default(),
+            exposed_clocks: FastMap::default(),
+            canonical: FastMap::default(),
+            definitions_of: defined,
+            is_last_round: false,
+            decider_changed: false,
             changed: Vec::new(),
         }
     }
 
     /// Sets the clocks of flows that are not inferred: of ports, of flows declared as always present, and of flows
     /// shared by several states with each state's contribution. All other flows get the clock of their equation.
-    fn declared(&mut self) {
+    fn init_declared(&mut self) {
         for (k, flow) in self.unit.flows.iter().enumerate() {
-            let is_declared = flow.optional == Optional::Declared(false);
+            let is_declared = flow.optional == FlowPresence::Declared(false);
             if flow.role == FlowRole::Param {
-                self.flows[k] = Row::All(Clock::ANY);
+                self.flows[k] = LeafClocks::Uniform(Clock::ANY);
             } else if flow.role.has_equation() && !is_declared && flow.clock.is_none() {
-                self.flows[k] = Row::All(Clock::ANY);
+                self.flows[k] = LeafClocks::Uniform(Clock::ANY);
                 self.inferred[k] = true;
             }
         }
@@ -114,13 +114,14 @@ impl<'u> Solver<'u> {
             if let Some(on) = flow.clock {
                 let by = canonical_decider::decider_of(self, on.flow);
                 let value = on.value;
-                self.flows[k.0 as usize] = Row::All(self.ticks.clock(Tick { by, value }));
+                self.flows[k.0 as usize] =
+                    LeafClocks::Uniform(self.ticks.intern(Sampling { decider: by, value }));
             }
         }
         for shared in shared {
             let outer = shared.flow.0 as usize;
             if std::mem::replace(&mut self.inferred[outer], false) {
-                self.flows[outer] = Row::All(Clock::BASE);
+                self.flows[outer] = LeafClocks::Uniform(Clock::BASE);
             } else if self.unit.flow(shared.flow).clock.is_some() {
                 for inner in shared.contributions() {
                     self.flows[inner.0 as usize] = self.flows[outer].clone();
@@ -130,17 +131,17 @@ impl<'u> Solver<'u> {
     }
 
     /// A decider whose clock is still [`Clock::ANY`] is a constant: puts it on the base clock.
-    fn deciders(&mut self) {
+    fn fix_constant_deciders(&mut self) {
         for k in 0..self.ticks.len() {
-            let clock = Clock::numbered(k);
-            if let Some(Tick {
-                by: Decider::Flow(flow),
+            let clock = Clock::from_sampling(k);
+            if let Some(Sampling {
+                decider: Decider::Flow(flow),
                 ..
-            }) = self.ticks.tick(clock)
+            }) = self.ticks.sampling(clock)
             {
                 let row = &mut self.flows[flow.0 as usize];
                 if row.leaf(0) == Clock::ANY {
-                    *row = Row::All(Clock::BASE);
+                    *row = LeafClocks::Uniform(Clock::BASE);
                 }
             }
         }
@@ -148,22 +149,22 @@ impl<'u> Solver<'u> {
 
     /// Returns whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a
     /// constant.
-    pub(super) fn is_last_look(&self) -> bool {
-        self.constants
+    pub(super) fn is_last_round(&self) -> bool {
+        self.is_last_round
     }
 
-    fn settle(&mut self) {
+    fn resolve_equation(&mut self) {
         loop {
-            self.moved = false;
+            self.decider_changed = false;
             for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
                 let row = self.expr(id);
                 self.exprs[id.0 as usize] = row;
             }
             for k in 0..self.reads.definitions.len() {
-                self.define(k);
+                self.update_definition(k);
             }
             while let Some(flow) = self.changed.pop() {
-                let mut open: Vec<u32> = self.reads.of_flow(flow).to_vec();
+                let mut open: Vec<u32> = self.reads.flow_readers(flow).to_vec();
                 while let Some(id) = open.pop().map(ExprId) {
                     let row = self.expr(id);
                     if row == self.exprs[id.0 as usize] {
@@ -171,20 +172,20 @@ impl<'u> Solver<'u> {
                     }
                     self.exprs[id.0 as usize] = row;
                     open.extend(self.reads.parents(id));
-                    for k in self.reads.defined_by(id).to_vec() {
-                        self.define(k as usize);
+                    for k in self.reads.definitions_of_expr(id).to_vec() {
+                        self.update_definition(k as usize);
                     }
                 }
             }
             // A moved decider changes meets of other expressions than its dependents, so another full round is needed.
-            if !self.moved {
+            if !self.decider_changed {
                 return;
             }
         }
     }
 
     /// Updates the clocks of inferred flows from the value of their definition.
-    fn define(&mut self, definition: usize) {
+    fn update_definition(&mut self, definition: usize) {
         let Definition::Equation(block, equation) = self.reads.definitions[definition] else {
             return;
         };
@@ -192,11 +193,14 @@ impl<'u> Solver<'u> {
         let mut first = 0;
         for target in &equation.targets {
             let count = target.ty.leaf_count();
-            if let Place::Flow { flow, at } = target.place
+            if let TargetPlace::Flow { flow, at } = target.place
                 && self.inferred[flow.0 as usize]
             {
-                let part = match self.borders.crossed(block, self.unit.flow(flow).block) {
-                    true => Row::All(Clock::BASE),
+                let part = match self
+                    .borders
+                    .crosses_inactive(block, self.unit.flow(flow).block)
+                {
+                    true => LeafClocks::Uniform(Clock::BASE),
                     false => value.part(first, count),
                 };
                 self.join_flow(flow, at as usize, &part, count);
@@ -205,25 +209,27 @@ impl<'u> Solver<'u> {
         }
     }
 
-    fn join_flow(&mut self, flow: FlowId, at: usize, part: &Row<Clock>, count: usize) {
+    fn join_flow(&mut self, flow: FlowId, at: usize, part: &LeafClocks<Clock>, count: usize) {
         let whole = self.unit.flow(flow).ty.leaf_count();
         let known = self.flows[flow.0 as usize].clone();
         let joined = match (&known, part) {
-            (Row::All(known), Row::All(part)) if at == 0 && count == whole => {
-                Row::All(self.meet(*known, *part))
+            (LeafClocks::Uniform(known), LeafClocks::Uniform(part))
+                if at == 0 && count == whole =>
+            {
+                LeafClocks::Uniform(self.meet(*known, *part))
             }
             _ => {
                 let leaf = |k: usize| match k.checked_sub(at).filter(|k| *k < count) {
                     Some(inner) => self.meet(known.leaf(k), part.leaf(inner)),
                     None => known.leaf(k),
                 };
-                Row::of((0..whole).map(leaf), Clock::ANY)
+                LeafClocks::from_leaves((0..whole).map(leaf), Clock::ANY)
             }
         };
         if joined != known {
             self.flows[flow.0 as usize] = joined;
             self.changed.push(flow);
-            self.moved |= self.ticks.has(Decider::Flow(flow));
+            self.decider_changed |= self.ticks.is_decider(Decider::Flow(flow));
         }
     }
 
@@ -236,7 +242,7 @@ impl<'u> Solver<'u> {
     }
 
     /// Returns the common clock of all leaves of an expression.
-    pub(super) fn whole(&self, id: ExprId) -> Clock {
+    pub(super) fn common_clock(&self, id: ExprId) -> Clock {
         let leaves = self.exprs[id.0 as usize].iter();
         leaves.fold(Clock::ANY, |all, leaf| self.meet(all, leaf))
     }
@@ -244,11 +250,14 @@ impl<'u> Solver<'u> {
     /// Returns the clock from which a clock is sampled: the clock of its decider. None for the base clock and for
     /// [`Clock::ANY`].
     pub(super) fn parent(&self, clock: Clock) -> Option<Clock> {
-        match self.ticks.tick(clock)?.by {
+        match self.ticks.sampling(clock)?.decider {
             Decider::Flow(flow) => Some(self.flows[flow.0 as usize].leaf(0)),
-            Decider::Inside(call, number) => {
-                Some(*self.inside.get(&(call, number)).unwrap_or(&Clock::ANY))
-            }
+            Decider::CallInternal(call, number) => Some(
+                *self
+                    .exposed_clocks
+                    .get(&(call, number))
+                    .unwrap_or(&Clock::ANY),
+            ),
         }
     }
 
@@ -293,9 +302,9 @@ impl<'u> Solver<'u> {
     }
 
     /// Records the clock of an exposed decider inside a call.
-    pub(super) fn move_inside(&mut self, call: ExprId, number: u32, clock: Clock) {
-        let known = self.inside.insert((call, number), clock);
-        self.moved |= known.is_some_and(|known| known != clock);
+    pub(super) fn set_exposed_clock(&mut self, call: ExprId, number: u32, clock: Clock) {
+        let known = self.exposed_clocks.insert((call, number), clock);
+        self.decider_changed |= known.is_some_and(|known| known != clock);
     }
 
     /// Returns the equation of a definition; none for a flow shared by states.
@@ -308,16 +317,18 @@ impl<'u> Solver<'u> {
 
     /// Converts the result to [`Clocks`], with each clock as a path of samplings.
     fn clocks(self) -> Clocks {
-        let mut paths: Vec<Vec<Tick>> = vec![Vec::new()];
-        let mut numbers: Map<Clock, ClockId> = Map::default();
+        let mut paths: Vec<Vec<Sampling>> = vec![Vec::new()];
+        let mut numbers: FastMap<Clock, ClockId> = FastMap::default();
         numbers.insert(Clock::BASE, ClockId::BASE);
         // A clock that is still open belongs to a constant, which has a value in every cycle.
         numbers.insert(Clock::ANY, ClockId::BASE);
         for k in 0..self.ticks.len() {
-            let clock = Clock::numbered(k);
+            let clock = Clock::from_sampling(k);
             let mut chain = self.chain(clock).unwrap_or_default();
             chain.reverse();
-            let ticks = chain.into_iter().filter_map(|clock| self.ticks.tick(clock));
+            let ticks = chain
+                .into_iter()
+                .filter_map(|clock| self.ticks.sampling(clock));
             paths.push(ticks.collect());
             let number = u32::try_from(paths.len() - 1).unwrap_or(u32::MAX);
             numbers.insert(clock, ClockId(number));
@@ -327,14 +338,22 @@ impl<'u> Solver<'u> {
         let calls = self.calls.into_iter();
         Clocks {
             paths,
-            exprs: self.exprs.iter().map(|row| row.map(number)).collect(),
-            flows: self.flows.iter().map(|row| row.map(number)).collect(),
+            exprs: self
+                .exprs
+                .iter()
+                .map(|row| row.map_arrays(number))
+                .collect(),
+            flows: self
+                .flows
+                .iter()
+                .map(|row| row.map_arrays(number))
+                .collect(),
             calls: calls.map(|(id, at)| (id, number(at))).collect(),
             exposed: exposed
                 .into_iter()
                 .map(|(by, clock)| (by, number(clock)))
                 .collect(),
-            outside: self.outside,
+            reads_inactive: self.reads_inactive,
         }
     }
 }

@@ -6,25 +6,25 @@ use rpi_diag::Span;
 use std::collections::BTreeSet;
 
 /// Set of spans in the source text.
-pub(super) struct Covered {
+pub(super) struct SpanSet {
     /// Spans in ascending order of their starts. The end of each is the greatest end of all spans before it in the
     /// file.
     spans: Vec<Span>,
 }
 
-impl Covered {
-    pub(super) fn by(places: &BTreeSet<Span>) -> Self {
+impl SpanSet {
+    pub(super) fn new(places: &BTreeSet<Span>) -> Self {
         let mut spans: Vec<Span> = places.iter().copied().collect();
         for k in 1..spans.len() {
             if spans[k].file == spans[k - 1].file {
                 spans[k].end = spans[k].end.max(spans[k - 1].end);
             }
         }
-        Covered { spans }
+        SpanSet { spans }
     }
 
     /// Returns whether one of the spans contains `place`.
-    pub(super) fn contain(&self, place: Span) -> bool {
+    pub(super) fn contains(&self, place: Span) -> bool {
         let starts = |span: &Span| (span.file, span.start) <= (place.file, place.start);
         let before = self.spans.partition_point(starts);
         let last = self.spans[..before].last();
@@ -45,12 +45,12 @@ mod tests {
     #[test]
     fn what_lies_in_one_of_them_is_covered() {
         let places = [span(0, 2, 20), span(0, 4, 6), span(1, 0, 5)].into();
-        let covered = Covered::by(&places);
+        let covered = SpanSet::new(&places);
         for inside in [span(0, 2, 20), span(0, 8, 9), span(1, 3, 5)] {
-            assert!(covered.contain(inside), "{inside:?}");
+            assert!(covered.contains(inside), "{inside:?}");
         }
         for beside in [span(0, 1, 3), span(0, 19, 21), span(1, 4, 6), span(2, 0, 1)] {
-            assert!(!covered.contain(beside), "{beside:?}");
+            assert!(!covered.contains(beside), "{beside:?}");
         }
     }
 }

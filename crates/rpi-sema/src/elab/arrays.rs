@@ -2,10 +2,10 @@
 
 use crate::elab::deferred_arrays;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::primitive_family::member;
 use crate::elab::signal::{Signal, alias_of};
-use crate::elab::{At, Elab};
+use crate::elab::{Elaborator, Position};
 use rpi_diag::Span;
 use rpi_image::{PortType, Scalar, Type, Value};
 use rpi_net::prim;
@@ -15,24 +15,24 @@ use smallvec::smallvec;
 
 /// Returns the input of a port of type `ty` for the given leaves.
 pub(super) fn elab_input(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: &[Signal],
     ty: Type,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Input {
     match (ty, wire.first()) {
-        (Type::One(_), None) => Input::Open,
-        (Type::One(scalar), Some(signal)) => one_input(elab, signal, scalar, at, span),
+        (Type::Scalar(_), None) => Input::Unconnected,
+        (Type::Scalar(scalar), Some(signal)) => one_input(elab, signal, scalar, at, span),
         (Type::Array(..) | Type::Matrix(..), _) => array_input(elab, wire, ty, at, span),
     }
 }
 
 pub(super) fn one_input(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     signal: &Signal,
     scalar: Scalar,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Input {
     match signal {
@@ -41,20 +41,20 @@ pub(super) fn one_input(
         Signal::Element(port, k) => Input::Port(elab_element(elab, *port, *k, span)),
         Signal::Absent => match absent_leaves(elab, scalar, at, span) {
             Some(port) => Input::Port(port),
-            None => Input::Open,
+            None => Input::Unconnected,
         },
     }
 }
 
 /// Adds a flow that is never present.
 pub(super) fn absent_leaves(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     scalar: Scalar,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<PortRef> {
-    let prim = member(Family::SetNull, scalar)?;
-    let value = Input::constant(Value::neutral(Type::One(scalar)));
+    let prim = member(PrimitiveFamily::SetNull, scalar)?;
+    let value = Input::constant(Value::neutral(Type::Scalar(scalar)));
     let inputs = smallvec![value, Input::constant(Value::bool(true))];
     let params = crate::elab::nodes::default_params(prim);
     let node = nodes::add_node(
@@ -62,7 +62,7 @@ pub(super) fn absent_leaves(
         prim,
         inputs,
         params,
-        Types::from([Type::One(scalar)]),
+        Types::from([Type::Scalar(scalar)]),
         at.fragment,
         span,
     );
@@ -70,7 +70,12 @@ pub(super) fn absent_leaves(
 }
 
 /// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
-pub(super) fn elab_element(elab: &mut Elab<'_>, array: PortRef, k: u32, span: Span) -> PortRef {
+pub(super) fn elab_element(
+    elab: &mut Elaborator<'_>,
+    array: PortRef,
+    k: u32,
+    span: Span,
+) -> PortRef {
     if let Some(port) = elab.cache.elements.get(&(array, k)) {
         return *port;
     }
@@ -79,7 +84,8 @@ pub(super) fn elab_element(elab: &mut Elab<'_>, array: PortRef, k: u32, span: Sp
         source.fragment,
         source.outputs.get(usize::from(array.port)).copied(),
     );
-    let port = ty.and_then(|ty| extract_element(elab, array, ty, k, At::fragment(fragment), span));
+    let port = ty
+        .and_then(|ty| extract_element(elab, array, ty, k, Position::in_fragment(fragment), span));
     let port = port.unwrap_or(array);
     elab.cache.elements.insert((array, k), port);
     port
@@ -87,31 +93,37 @@ pub(super) fn elab_element(elab: &mut Elab<'_>, array: PortRef, k: u32, span: Sp
 
 /// Adds a primitive that extracts one element of an array.
 fn extract_element(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     array: PortRef,
     ty: Type,
     k: u32,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<PortRef> {
     let (prim, scalar, mut given) = match ty {
-        Type::One(_) => return None,
+        Type::Scalar(_) => return None,
         Type::Array(scalar, n) => {
-            let get = member(Family::ArrayGet, scalar)?;
+            let get = member(PrimitiveFamily::ArrayGet, scalar)?;
             (get, scalar, vec![("Size", n)])
         }
         Type::Matrix(..) => (prim!("Core::MatrixGet"), Scalar::Real, Vec::new()),
     };
-    given.extend(place(ty, k));
+    given.extend(element_params(ty, k));
     let (inputs, params) = (smallvec![Input::Port(array)], sized_params(prim, &given));
-    let outputs = Types::from([Type::One(scalar)]);
+    let outputs = Types::from([Type::Scalar(scalar)]);
     let node = nodes::add_node(elab, prim, inputs, params, outputs, at.fragment, span);
     Some(PortRef { node, port: 0 })
 }
 
 /// Returns an array as one input. If some leaves are unresolved aliases, packing is deferred to the end, because
 /// the leaves may turn out to be the elements of an existing array.
-fn array_input(elab: &mut Elab<'_>, wire: &[Signal], ty: Type, at: At, span: Span) -> Input {
+fn array_input(
+    elab: &mut Elaborator<'_>,
+    wire: &[Signal],
+    ty: Type,
+    at: Position,
+    span: Span,
+) -> Input {
     let is_open = |signal: &Signal| matches!(signal, Signal::Port(p) if alias_of(*p).is_some());
     if wire.iter().any(is_open) {
         return Input::Port(deferred_arrays::defer_array(
@@ -127,30 +139,30 @@ fn array_input(elab: &mut Elab<'_>, wire: &[Signal], ty: Type, at: At, span: Spa
 
 /// Returns an array whose leaves are resolved.
 pub(super) fn resolved_array(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: &[Signal],
     ty: Type,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Input {
     if let Some(port) = existing_array(elab, wire, ty) {
         return Input::Port(port);
     }
     if let Some(values) = wire.iter().map(constant).collect::<Option<Vec<Value>>>() {
-        let cells = values.iter().flat_map(|leaf| leaf.cells()).copied();
-        return Input::constant(Value::Cells {
+        let cells = values.iter().flat_map(|leaf| leaf.slots()).copied();
+        return Input::constant(Value::Slots {
             ty,
             cells: cells.collect(),
         });
     }
     match build_array(elab, wire, ty, at, span) {
         Some(port) => Input::Port(port),
-        None => Input::Open,
+        None => Input::Unconnected,
     }
 }
 
 /// Returns the port of type `ty` whose elements are exactly these leaves, in order.
-fn existing_array(elab: &Elab<'_>, wire: &[Signal], ty: Type) -> Option<PortRef> {
+fn existing_array(elab: &Elaborator<'_>, wire: &[Signal], ty: Type) -> Option<PortRef> {
     let Some(Signal::Element(array, 0)) = wire.first() else {
         return None;
     };
@@ -159,23 +171,23 @@ fn existing_array(elab: &Elab<'_>, wire: &[Signal], ty: Type) -> Option<PortRef>
         .all(|(k, s)| *s == Signal::Element(*array, k));
     let outputs = &elab.net.node(array.node).outputs;
     let same = outputs.get(usize::from(array.port)) == Some(&ty);
-    (in_order && same && wire.len() == elements(ty)).then_some(*array)
+    (in_order && same && wire.len() == elements_at(ty)).then_some(*array)
 }
 
 /// Creates an array and fills it element by element.
 fn build_array(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: &[Signal],
     ty: Type,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<PortRef> {
-    let Maker {
-        make,
+    let ArrayPrims {
+        create: make,
         sizes,
         set,
         scalar,
-    } = Maker::of(ty)?;
+    } = ArrayPrims::for_type(ty)?;
     let params = sized_params(make, &sizes);
     let node = nodes::add_node(
         elab,
@@ -190,7 +202,7 @@ fn build_array(
     for (k, signal) in (0..).zip(wire.iter()) {
         let value = one_input(elab, signal, scalar, at, span);
         let mut given = sizes.clone();
-        given.extend(place(ty, k));
+        given.extend(element_params(ty, k));
         let params = sized_params(set, &given);
         let inputs = smallvec![Input::Port(array), value];
         let node = nodes::add_node(
@@ -209,21 +221,21 @@ fn build_array(
 
 /// Returns the port of a signal, for inputs that accept only ports.
 pub(super) fn port_of(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     signal: &Signal,
     scalar: Scalar,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<PortRef> {
     match signal {
         Signal::Const(value) => {
-            let prim = member(Family::Value, scalar)?;
+            let prim = member(PrimitiveFamily::Value, scalar)?;
             let node = nodes::add_node(
                 elab,
                 prim,
                 Inputs::new(),
                 vec![value.clone()],
-                Types::from([Type::One(scalar)]),
+                Types::from([Type::Scalar(scalar)]),
                 at.fragment,
                 span,
             );
@@ -237,8 +249,8 @@ pub(super) fn port_of(
 }
 
 /// Primitives that create and fill an array of one type.
-struct Maker {
-    make: PrimId,
+struct ArrayPrims {
+    create: PrimId,
     /// Size parameters, by name.
     sizes: Vec<(&'static str, u32)>,
     set: PrimId,
@@ -246,18 +258,18 @@ struct Maker {
     scalar: Scalar,
 }
 
-impl Maker {
-    fn of(ty: Type) -> Option<Maker> {
+impl ArrayPrims {
+    fn for_type(ty: Type) -> Option<ArrayPrims> {
         match ty {
-            Type::One(_) => None,
-            Type::Array(scalar, n) => Some(Maker {
-                make: member(Family::Array, scalar)?,
+            Type::Scalar(_) => None,
+            Type::Array(scalar, n) => Some(ArrayPrims {
+                create: member(PrimitiveFamily::Array, scalar)?,
                 sizes: vec![("Size", n)],
-                set: member(Family::ArraySet, scalar)?,
+                set: member(PrimitiveFamily::ArraySet, scalar)?,
                 scalar,
             }),
-            Type::Matrix(rows, cols) => Some(Maker {
-                make: prim!("Core::MatrixCreate"),
+            Type::Matrix(rows, cols) => Some(ArrayPrims {
+                create: prim!("Core::MatrixCreate"),
                 sizes: vec![("Rows", rows), ("Cols", cols)],
                 set: prim!("Core::MatrixSet"),
                 scalar: Scalar::Real,
@@ -267,27 +279,27 @@ impl Maker {
 }
 
 /// Returns the parameters that select element `k`.
-fn place(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
+fn element_params(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     match ty {
-        Type::One(_) => Vec::new(),
+        Type::Scalar(_) => Vec::new(),
         Type::Array(..) => vec![("Index", k)],
         Type::Matrix(_, cols) => vec![("Row", k / cols.max(1)), ("Col", k % cols.max(1))],
     }
 }
 
 /// Returns the type of a port that takes `leaves` leaves. A matrix of unknown shape gets one row.
-pub(super) fn natural(port: PortType, leaves: usize) -> Type {
+pub(super) fn default_port_type(port: PortType, leaves: usize) -> Type {
     let n = u32::try_from(leaves).unwrap_or(u32::MAX);
     match port {
-        PortType::One(scalar) => Type::One(scalar),
+        PortType::Scalar(scalar) => Type::Scalar(scalar),
         PortType::Array(scalar) => Type::Array(scalar, n),
         PortType::Matrix => Type::Matrix(1, n),
     }
 }
 
-fn elements(ty: Type) -> usize {
+fn elements_at(ty: Type) -> usize {
     match ty {
-        Type::One(_) => 1,
+        Type::Scalar(_) => 1,
         Type::Array(_, n) => n as usize,
         Type::Matrix(rows, cols) => rows as usize * cols as usize,
     }

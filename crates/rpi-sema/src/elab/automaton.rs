@@ -13,11 +13,11 @@ use crate::elab::fragment_outputs;
 use crate::elab::guards;
 use crate::elab::nodes;
 use crate::elab::outside_flows;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
-use crate::elab::{At, Elab, Mode};
-use crate::typed::{Automaton, FlowId, Shared, Transition};
+use crate::elab::{ElabMode, Elaborator, Position};
+use crate::typed::{Automaton, FlowId, SharedFlow, Transition};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
@@ -25,51 +25,57 @@ use rpi_net::{FragmentId, Restart};
 
 /// State in the next cycle, and whether it is entered with a restart.
 #[derive(Clone)]
-struct Next {
+struct NextState {
     state: Signal,
-    afresh: Signal,
+    restart: Signal,
 }
 
 /// Transitions of one state, weak or strong.
-struct Choice<'u, 's> {
+struct StateTransitions<'u, 's> {
     transitions: &'u [Transition],
     /// Whether the automaton is in this state.
-    here: &'s Signal,
+    is_active: &'s Signal,
     automaton: Span,
 }
 
 /// Elaborates an automaton in the fragment at `at`.
 pub(super) fn elab_automaton<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     automaton: &'u Automaton,
-    at: At,
+    at: Position,
 ) {
     block::set_node_name(elab, &format!("{}state", scope.prefix));
     let span = automaton.span;
     let (memory, next) = state_registers(elab, automaton, at, span);
     let current = strong_transitions(elab, scope, automaton, &memory, at);
-    let mut chosen = stay(&current.state);
+    let mut chosen = no_transition(&current.state);
     for (k, state) in automaton.states.iter().enumerate() {
         let here = is_state(elab, &current.state, k, at, span);
         let afresh = restart_condition(elab, (automaton, k), &here, [&memory, &current], at);
         let fragment = state_fragment(elab, scope, automaton, k, &here, &afresh, at);
         scope.fragments[state.block.0 as usize] = Some(fragment);
         if !state.until.is_empty() {
-            let inner = At::fragment(fragment);
+            let inner = Position::in_fragment(fragment);
             let around = std::mem::replace(&mut scope.base, fragment);
-            let choice = Choice {
+            let choice = StateTransitions {
                 transitions: &state.until,
-                here: &here,
+                is_active: &here,
                 automaton: span,
             };
-            let weak = check_transitions(elab, scope, choice, stay(&number(k)), inner);
+            let weak = check_transitions(
+                elab,
+                scope,
+                choice,
+                no_transition(&number_literal(k)),
+                inner,
+            );
             scope.base = around;
             chosen = select_next(elab, &here, weak, chosen, at, span);
         }
     }
     call::bind_alias(elab, next[0], &chosen.state);
-    call::bind_alias(elab, next[1], &chosen.afresh);
+    call::bind_alias(elab, next[1], &chosen.restart);
     for shared in &automaton.shared {
         shared_flow(elab, scope, shared, (automaton, &current.state), at);
     }
@@ -78,16 +84,16 @@ pub(super) fn elab_automaton<'u>(
 /// Returns the state and restart flag at the start of a cycle, and the aliases to bind to their values for the next
 /// cycle.
 fn state_registers(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     automaton: &Automaton,
-    at: At,
+    at: Position,
     span: Span,
-) -> (Next, [rpi_net::PortRef; 2]) {
+) -> (NextState, [rpi_net::PortRef; 2]) {
     let next = [Scalar::Int, Scalar::Bool].map(|scalar| nodes::new_alias(elab, scalar));
     let first = nodes::first_port(elab, at.fragment, span);
     let state = elementwise::delay(
         elab,
-        Family::Pre,
+        PrimitiveFamily::Pre,
         Scalar::Int,
         &Signal::Port(next[0]),
         at,
@@ -95,16 +101,16 @@ fn state_registers(
     );
     let afresh = elementwise::delay(
         elab,
-        Family::Pre,
+        PrimitiveFamily::Pre,
         Scalar::Bool,
         &Signal::Port(next[1]),
         at,
         span,
     );
-    let initial = number(automaton.initial as usize);
+    let initial = number_literal(automaton.initial as usize);
     let state = nodes::add_family_member(
         elab,
-        Family::Conditional,
+        PrimitiveFamily::Conditional,
         Scalar::Int,
         &[first.clone(), initial, state],
         at,
@@ -113,23 +119,29 @@ fn state_registers(
     let no = Signal::Const(Value::bool(false));
     let afresh = nodes::add_family_member(
         elab,
-        Family::Conditional,
+        PrimitiveFamily::Conditional,
         Scalar::Bool,
         &[first, no, afresh],
         at,
         span,
     );
-    (Next { state, afresh }, next)
+    (
+        NextState {
+            state,
+            restart: afresh,
+        },
+        next,
+    )
 }
 
 /// Returns the state of this cycle after the strong transitions, which act before the state runs.
 fn strong_transitions<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     automaton: &'u Automaton,
-    memory: &Next,
-    at: At,
-) -> Next {
+    memory: &NextState,
+    at: Position,
+) -> NextState {
     let span = automaton.span;
     let mut current = memory.clone();
     for (k, state) in automaton.states.iter().enumerate() {
@@ -138,9 +150,9 @@ fn strong_transitions<'u>(
         }
         let here = is_state(elab, &memory.state, k, at, span);
         let inside = guard_conditions(elab, scope, &state.unless, &here, at, span);
-        let choice = Choice {
+        let choice = StateTransitions {
             transitions: &state.unless,
-            here: &here,
+            is_active: &here,
             automaton: span,
         };
         let strong = check_transitions(elab, scope, choice, memory.clone(), inside);
@@ -152,13 +164,13 @@ fn strong_transitions<'u>(
 /// Returns where the conditions of strong transitions are evaluated. A condition that can fault is guarded by its
 /// state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
 fn guard_conditions<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
     transitions: &[Transition],
     here: &Signal,
-    at: At,
+    at: Position,
     span: Span,
-) -> At {
+) -> Position {
     let mut conditions = transitions.iter().filter_map(|one| one.condition);
     match conditions.any(|one| guards::elab_can_fault(elab, scope, one)) {
         true => elementwise::with_guard(elab, here.clone(), at, span),
@@ -168,18 +180,18 @@ fn guard_conditions<'u>(
 
 /// Returns the target of the first transition whose condition holds, or `otherwise`.
 fn check_transitions<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    choice: Choice<'u, '_>,
-    otherwise: Next,
-    at: At,
-) -> Next {
+    choice: StateTransitions<'u, '_>,
+    otherwise: NextState,
+    at: Position,
+) -> NextState {
     let mut next = otherwise;
     let mut exits = Vec::new();
     for transition in choice.transitions.iter().rev() {
-        let target = Next {
-            state: number(transition.target as usize),
-            afresh: Signal::Const(Value::bool(!transition.resumes)),
+        let target = NextState {
+            state: number_literal(transition.target as usize),
+            restart: Signal::Const(Value::bool(!transition.resumes)),
         };
         let condition = match transition.condition {
             None => Signal::Const(Value::bool(true)),
@@ -193,42 +205,59 @@ fn check_transitions<'u>(
             exits.push((condition, transition.span));
         }
     }
-    coverage_points::record_transitions(elab, choice.here, exits, choice.automaton, at);
+    coverage_points::record_transitions(elab, choice.is_active, exits, choice.automaton, at);
     next
 }
 
 fn select_next(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     condition: &Signal,
-    yes: Next,
-    no: Next,
-    at: At,
+    yes: NextState,
+    no: NextState,
+    at: Position,
     span: Span,
-) -> Next {
+) -> NextState {
     let state = [condition.clone(), yes.state, no.state];
-    let state = nodes::add_family_member(elab, Family::Conditional, Scalar::Int, &state, at, span);
+    let state = nodes::add_family_member(
+        elab,
+        PrimitiveFamily::Conditional,
+        Scalar::Int,
+        &state,
+        at,
+        span,
+    );
     let known = [true, false].map(|value| Signal::Const(Value::bool(value)));
-    let afresh = match [yes.afresh, no.afresh] {
+    let afresh = match [yes.restart, no.restart] {
         branches if branches == known => condition.clone(),
         [yes, no] => {
             let afresh = [condition.clone(), yes, no];
-            nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &afresh, at, span)
+            nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Conditional,
+                Scalar::Bool,
+                &afresh,
+                at,
+                span,
+            )
         }
     };
-    Next { state, afresh }
+    NextState {
+        state,
+        restart: afresh,
+    }
 }
 
 /// Returns whether state `k` restarts if it runs in this cycle. It also restarts if it was entered with a restart
 /// earlier and left by a strong transition before it ran (M14.6).
 fn restart_condition(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     (automaton, k): (&Automaton, usize),
     here: &Signal,
-    [memory, current]: [&Next; 2],
-    at: At,
+    [memory, current]: [&NextState; 2],
+    at: Position,
 ) -> Signal {
-    if !may_owe_a_start(automaton, k) {
-        return current.afresh.clone();
+    if !can_have_pending_restart(automaton, k) {
+        return current.restart.clone();
     }
     let span = automaton.span;
     let and = prim!("Core::BooleanAnd");
@@ -236,7 +265,7 @@ fn restart_condition(
     let no = Signal::Const(Value::bool(false));
     let owed = elementwise::delay(
         elab,
-        Family::Pre,
+        PrimitiveFamily::Pre,
         Scalar::Bool,
         &Signal::Port(later),
         at,
@@ -244,35 +273,55 @@ fn restart_condition(
     );
     let first = nodes::first_port(elab, at.fragment, span);
     let owed = [first, no.clone(), owed];
-    let owed = nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &owed, at, span);
+    let owed = nodes::add_family_member(
+        elab,
+        PrimitiveFamily::Conditional,
+        Scalar::Bool,
+        &owed,
+        at,
+        span,
+    );
     let entered = is_state(elab, &memory.state, k, at, span);
-    let entered = nodes::add_simple(elab, and, &[entered, memory.afresh.clone()], at, span);
+    let entered = nodes::add_simple(elab, and, &[entered, memory.restart.clone()], at, span);
     let owed = nodes::add_simple(elab, prim!("Core::BooleanOr"), &[owed, entered], at, span);
     let rest = [here.clone(), no, owed.clone()];
-    let rest = nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &rest, at, span);
+    let rest = nodes::add_family_member(
+        elab,
+        PrimitiveFamily::Conditional,
+        Scalar::Bool,
+        &rest,
+        at,
+        span,
+    );
     call::bind_alias(elab, later, &rest);
-    let afresh = [owed, current.afresh.clone()];
+    let afresh = [owed, current.restart.clone()];
     nodes::add_simple(elab, prim!("Core::BooleanOr"), &afresh, at, span)
 }
 
-fn is_state(elab: &mut Elab<'_>, state: &Signal, k: usize, at: At, span: Span) -> Signal {
+fn is_state(
+    elab: &mut Elaborator<'_>,
+    state: &Signal,
+    k: usize,
+    at: Position,
+    span: Span,
+) -> Signal {
     nodes::add_simple(
         elab,
         prim!("Core::IntEquals"),
-        &[state.clone(), number(k)],
+        &[state.clone(), number_literal(k)],
         at,
         span,
     )
 }
 
 fn state_fragment<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
     automaton: &Automaton,
     k: usize,
     here: &Signal,
     afresh: &Signal,
-    at: At,
+    at: Position,
 ) -> FragmentId {
     let block = scope.unit.block(automaton.states[k].block);
     let path = format!("{}{}", scope.prefix, block.name);
@@ -284,11 +333,11 @@ fn state_fragment<'u>(
 
 /// Elaborates a flow defined by several states: the contribution of the active state, or the default.
 fn shared_flow<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    shared: &'u Shared,
+    shared: &'u SharedFlow,
     (automaton, state): (&'u Automaton, &Signal),
-    at: At,
+    at: Position,
 ) {
     let flow = scope.unit.flow(shared.flow);
     block::set_node_name(elab, &format!("{}{}", scope.prefix, flow.name));
@@ -297,7 +346,7 @@ fn shared_flow<'u>(
         Some(default) => with_default(elab, scope, shared, default, (automaton, state), at),
         None => first_present(elab, scope, shared, at, automaton.span),
     };
-    if elab.mode == Mode::Steps {
+    if elab.mode == ElabMode::DependencySteps {
         let path = format!("{}{}", scope.prefix, flow.name);
         block::name_leaves(elab, &path, &flow.ty, &merged, before);
     }
@@ -306,10 +355,10 @@ fn shared_flow<'u>(
 
 /// Returns the contribution of the active state. Contributions of inactive states are absent.
 fn first_present<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    shared: &'u Shared,
-    at: At,
+    shared: &'u SharedFlow,
+    at: Position,
     span: Span,
 ) -> Wire {
     let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
@@ -324,21 +373,21 @@ fn first_present<'u>(
         let pairs = so_far.iter().zip(&*wire).zip(&scalars);
         let both = pairs.map(|((a, b), scalar)| {
             let inputs = [a.clone(), b.clone()];
-            nodes::add_family_member(elab, Family::Coalesce, *scalar, &inputs, at, span)
+            nodes::add_family_member(elab, PrimitiveFamily::Coalesce, *scalar, &inputs, at, span)
         });
         merged = Some(both.collect());
     }
-    merged.unwrap_or_else(crate::elab::signal::nothing)
+    merged.unwrap_or_else(crate::elab::signal::empty_wire)
 }
 
 /// Returns the contribution of the active state if it defines the flow (it may still be absent), else the default.
 fn with_default<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    shared: &'u Shared,
+    shared: &'u SharedFlow,
     default: FlowId,
     (automaton, state): (&'u Automaton, &Signal),
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.flow(default).span;
     let scalars = leaf_scalars(&scope.unit.flow(shared.flow).ty);
@@ -356,7 +405,7 @@ fn with_default<'u>(
             let inputs = [here.clone(), own.clone(), other.clone()];
             nodes::add_family_member(
                 elab,
-                Family::Conditional,
+                PrimitiveFamily::Conditional,
                 *scalar,
                 &inputs,
                 at,
@@ -368,13 +417,13 @@ fn with_default<'u>(
     chosen
 }
 
-fn number(k: usize) -> Signal {
+fn number_literal(k: usize) -> Signal {
     Signal::Const(Value::int(k as i64))
 }
 
 /// Returns whether state `k` can be entered with a restart, left before it runs, and entered again by `continue`. Other
 /// states need no register for a pending restart.
-fn may_owe_a_start(automaton: &Automaton, k: usize) -> bool {
+fn can_have_pending_restart(automaton: &Automaton, k: usize) -> bool {
     let weak = automaton.states.iter().flat_map(|state| &state.until);
     let strong = automaton.states.iter().flat_map(|state| &state.unless);
     let enters = |one: &&Transition| one.target as usize == k;
@@ -384,9 +433,9 @@ fn may_owe_a_start(automaton: &Automaton, k: usize) -> bool {
 }
 
 /// No transition: the automaton keeps its state without a restart.
-fn stay(state: &Signal) -> Next {
-    Next {
+fn no_transition(state: &Signal) -> NextState {
+    NextState {
         state: state.clone(),
-        afresh: Signal::Const(Value::bool(false)),
+        restart: Signal::Const(Value::bool(false)),
     }
 }

@@ -14,22 +14,22 @@ use crate::elab::outside_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::subrange;
-use crate::elab::{At, Claims, Elab, Mode};
+use crate::elab::{ClaimPolicy, ElabMode, Elaborator, Position};
 use crate::ty::Ty;
 use crate::typed::Expr;
-use crate::typed::{BlockId, Equation, Place, Target, Unit};
+use crate::typed::{BlockId, Equation, Target, TargetPlace, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
 /// Returns whether an equation must keep a node of its own although nothing reads it: all its targets are named `_...`.
-fn stays(unit: &Unit, equation: &Equation) -> bool {
+fn must_keep_node(unit: &Unit, equation: &Equation) -> bool {
     equation.targets.iter().all(|target| match target.place {
-        Place::Flow { flow, .. } => unit.flow(flow).name.starts_with('_'),
+        TargetPlace::Flow { flow, .. } => unit.flow(flow).name.starts_with('_'),
         _ => false,
     })
 }
 
 /// Elaborates all blocks of a unit. A block comes after its parent.
-pub(super) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: At) {
+pub(super) fn body<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, at: Position) {
     scope.fragments[0] = Some(at.fragment);
     for block in (0..scope.unit.blocks.len())
         .filter_map(|k| u32::try_from(k).ok())
@@ -43,7 +43,7 @@ pub(super) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: At) {
                 };
                 at
             }
-            _ => At::fragment(block_fragment(elab, scope, block)),
+            _ => Position::in_fragment(block_fragment(elab, scope, block)),
         };
         elab_block_content(elab, scope, block, at);
     }
@@ -53,23 +53,23 @@ pub(super) fn body<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, at: At) {
 
 /// Returns where a contract is elaborated: in the fragment of its parent block. None if claims are switched off.
 fn contract_position<'u>(
-    elab: &Elab<'u>,
+    elab: &Elaborator<'u>,
     scope: &mut Scope<'u>,
     block: BlockId,
-    at: At,
-) -> Option<At> {
+    at: Position,
+) -> Option<Position> {
     let parent = scope.unit.block(block).parent.unwrap_or(BlockId::ROOT);
     let fragment = scope.fragment(parent)?;
     scope.fragments[block.0 as usize] = Some(fragment);
     let place = match parent {
         BlockId::ROOT => at,
-        _ => At::fragment(fragment),
+        _ => Position::in_fragment(fragment),
     };
-    (elab.claims != Claims::Off).then_some(place)
+    (elab.claim_policy != ClaimPolicy::Off).then_some(place)
 }
 
 fn block_fragment<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     block: BlockId,
 ) -> rpi_net::FragmentId {
@@ -78,7 +78,7 @@ fn block_fragment<'u>(
     }
     let content = scope.unit.block(block);
     let parent = content.parent.and_then(|parent| scope.fragment(parent));
-    let outer = At::fragment(parent.unwrap_or(net::FragmentId::ROOT));
+    let outer = Position::in_fragment(parent.unwrap_or(net::FragmentId::ROOT));
     let path = format!("{}{}", scope.prefix, content.name);
     set_node_name(elab, &path);
     let activation = match content.when {
@@ -109,7 +109,12 @@ fn block_fragment<'u>(
     fragment
 }
 
-fn elab_block_content<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, block: BlockId, at: At) {
+fn elab_block_content<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    block: BlockId,
+    at: Position,
+) {
     let unit = scope.unit;
     let content = unit.block(block);
     let around = std::mem::replace(&mut scope.base, at.fragment);
@@ -126,13 +131,18 @@ fn elab_block_content<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, block: Blo
 }
 
 /// Sets the flow after which the following nodes are named.
-pub(super) fn set_node_name(elab: &mut Elab<'_>, name: &str) {
+pub(super) fn set_node_name(elab: &mut Elaborator<'_>, name: &str) {
     name.clone_into(&mut elab.naming.name);
     elab.naming.serial = 0;
     elab.naming.top_expr = None;
 }
 
-fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u Equation, at: At) {
+fn elab_equation<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    equation: &'u Equation,
+    at: Position,
+) {
     set_node_name(elab, &scope.prefix);
     push_target_name(&mut elab.naming.name, scope.unit, equation);
     elab.naming.top_expr = Some(equation.value);
@@ -142,7 +152,9 @@ fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u E
     let wire = elementwise::expr_leaves(elab, scope, equation.value, taken, at);
     let wire = outside_flows::value_for_targets(elab, scope, equation, wire);
     let mut wire = subrange::check_targets(elab, scope, equation, wire, at);
-    if elab.mode == Mode::Steps || elab.mode == Mode::Net && stays(scope.unit, equation) {
+    if elab.mode == ElabMode::DependencySteps
+        || elab.mode == ElabMode::Net && must_keep_node(scope.unit, equation)
+    {
         wire = insert_copies(elab, &wire, scope.unit.expr(equation.value), at);
     }
     let path = std::mem::take(&mut elab.naming.name);
@@ -152,8 +164,8 @@ fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u E
     let mut first = 0;
     for target in &equation.targets {
         let count = target.ty.leaf_count();
-        if let Place::Port { device, port } = target.place {
-            let part = crate::elab::expr::part(&wire, first, count);
+        if let TargetPlace::Port { device, port } = target.place {
+            let part = crate::elab::expr::sub_wire(&wire, first, count);
             device::write(elab, scope, device, port, target, &part, at);
         }
         first += count;
@@ -161,7 +173,7 @@ fn elab_equation<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, equation: &'u E
 }
 
 /// Inserts a node for each leaf that the equation only copies from another flow.
-fn insert_copies(elab: &mut Elab<'_>, wire: &Wire, value: &Expr, at: At) -> Wire {
+fn insert_copies(elab: &mut Elaborator<'_>, wire: &Wire, value: &Expr, at: Position) -> Wire {
     let leaves = leaf_scalars(&value.ty).into_iter().zip(&**wire);
     leaves
         .map(|(scalar, signal)| match signal {
@@ -173,12 +185,18 @@ fn insert_copies(elab: &mut Elab<'_>, wire: &Wire, value: &Expr, at: At) -> Wire
         .collect()
 }
 
-fn is_of_another_flow(elab: &Elab<'_>, port: PortRef) -> bool {
+fn is_of_another_flow(elab: &Elaborator<'_>, port: PortRef) -> bool {
     alias_of(port).is_some() || elab.net.node(port.node).origin.flow.is_some()
 }
 
 /// Names the nodes that compute the leaves of an equation's target after the target.
-fn name_results(elab: &mut Elab<'_>, path: &str, equation: &Equation, wire: &Wire, before: usize) {
+fn name_results(
+    elab: &mut Elaborator<'_>,
+    path: &str,
+    equation: &Equation,
+    wire: &Wire,
+    before: usize,
+) {
     if let [Target { ty, .. }] = &equation.targets[..]
         && ty.leaf_count() == wire.len()
     {
@@ -194,9 +212,15 @@ fn name_results(elab: &mut Elab<'_>, path: &str, equation: &Equation, wire: &Wir
 }
 
 /// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
-pub(super) fn name_leaves(elab: &mut Elab<'_>, path: &str, ty: &Ty, wire: &Wire, before: usize) {
+pub(super) fn name_leaves(
+    elab: &mut Elaborator<'_>,
+    path: &str,
+    ty: &Ty,
+    wire: &Wire,
+    before: usize,
+) {
     let mut leaves = wire.iter();
-    ty.leaves(&mut |suffix, _| {
+    ty.for_each_leaf(&mut |suffix, _| {
         if let Some(Signal::Port(port)) = leaves.next() {
             name_result(elab, *port, path, suffix, before);
         }
@@ -204,7 +228,7 @@ pub(super) fn name_leaves(elab: &mut Elab<'_>, path: &str, ty: &Ty, wire: &Wire,
 }
 
 /// Names the node of a leaf, if its index is `before` or greater and it has no name yet.
-fn name_result(elab: &mut Elab<'_>, port: PortRef, path: &str, suffix: &str, before: usize) {
+fn name_result(elab: &mut Elaborator<'_>, port: PortRef, path: &str, suffix: &str, before: usize) {
     if alias_of(port).is_some() || port.node.index() < before {
         return;
     }
@@ -218,7 +242,7 @@ fn name_result(elab: &mut Elab<'_>, port: PortRef, path: &str, suffix: &str, bef
 
 /// Returns the node whose outputs are exactly the wire, in order. For a wire without leaves, the last node if it
 /// has no outputs.
-fn whole_node(elab: &Elab<'_>, wire: &Wire) -> Option<rpi_net::NodeId> {
+fn whole_node(elab: &Elaborator<'_>, wire: &Wire) -> Option<rpi_net::NodeId> {
     let node = match wire.first() {
         None => elab.net.node_ids().next_back()?,
         Some(Signal::Port(port) | Signal::Element(port, _)) if alias_of(*port).is_none() => {
@@ -234,16 +258,18 @@ fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
     let (start, targets) = (text.len(), equation.targets.iter());
     for target in targets {
         match &target.place {
-            Place::Flow { flow, at } => {
+            TargetPlace::Flow { flow, at } => {
                 let (flow, count) = (unit.flow(*flow), target.ty.leaf_count());
                 text.push_str(&flow.name);
                 if *at != 0 || count != flow.ty.leaf_count() {
-                    text.push_str(&flow.ty.path_of(*at as usize, count));
+                    text.push_str(&flow.ty.part_path(*at as usize, count));
                 }
                 return;
             }
-            Place::Port { device, port } => {
-                let ports = unit.device(*device).map(|device| &device.ports);
+            TargetPlace::Port { device, port } => {
+                let ports = unit
+                    .device_type_instance(*device)
+                    .map(|device| &device.ports);
                 if let Some(port) = ports.and_then(|ports| ports.get(*port as usize)) {
                     for part in [&unit.flow(*device).name, ".", &port.name] {
                         text.push_str(part);
@@ -251,7 +277,7 @@ fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
                     return;
                 }
             }
-            Place::Nowhere => {}
+            TargetPlace::Nowhere => {}
         }
     }
     if text.len() == start {

@@ -13,40 +13,40 @@ use crate::elab::guards;
 use crate::elab::node_budget;
 use crate::elab::outside_flows;
 use crate::elab::sampled_flows;
-use crate::elab::scope::{Scope, State};
+use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::subrange;
-use crate::elab::{At, Elab, MAX_DEPTH, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, MAX_DEPTH, NotConstantError, Position};
 use crate::typed::{Activation, Call};
 use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{Scalar, Value};
-use rpi_net::{self as net, Absent, Fragment, FragmentId, Origin, PortRef, Restart};
+use rpi_net::{self as net, AbsentPolicy, Fragment, FragmentId, Origin, PortRef, Restart};
 
 /// A call that does not run in all cycles.
-pub(super) struct Run {
+pub(super) struct ConditionalCall {
     /// Condition under which the call runs.
-    pub(super) every: Signal,
+    pub(super) condition: Signal,
     /// Results of the call when it runs, and their defaults before its first run.
     pub(super) result: Wire,
     pub(super) default: Option<Wire>,
     /// For each leaf of the results, whether it may be absent when the call runs.
-    pub(super) optional: Vec<bool>,
+    pub(super) is_optional: Vec<bool>,
 }
 
 /// Argument of a call: its wire and its span.
-pub(super) struct Arg {
+pub(super) struct CallArgument {
     wire: Wire,
     span: Span,
 }
 
 /// Elaborates a call expression according to its activation.
 pub(super) fn elab_call<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u Call,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let args = arguments(elab, scope, call, id, at);
@@ -56,7 +56,7 @@ pub(super) fn elab_call<'u>(
         Activation::Restart { every } => {
             let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
             let Some(every) = arrays::port_of(elab, &every, Scalar::Bool, at, span) else {
-                return crate::elab::signal::nothing();
+                return crate::elab::signal::empty_wire();
             };
             let activation = net::Activation::Always;
             let inner = elab_fragment(
@@ -67,7 +67,14 @@ pub(super) fn elab_call<'u>(
                 Restart::Every(every),
                 span,
             );
-            results_of(elab, scope, call, (id, &args), At::fragment(inner), path)
+            results_of(
+                elab,
+                scope,
+                call,
+                (id, &args),
+                Position::in_fragment(inner),
+                path,
+            )
         }
         Activation::Condact {
             every,
@@ -78,16 +85,23 @@ pub(super) fn elab_call<'u>(
             let restart = restart.map(|restart| [id, restart]);
             let inner = condact::condact_fragment(elab, scope, &every, restart, &path, at, span);
             elab.inlining.keeps_results = !scope.unit.is_lustre;
-            let result = results_of(elab, scope, call, (id, &args), At::fragment(inner), path);
+            let result = results_of(
+                elab,
+                scope,
+                call,
+                (id, &args),
+                Position::in_fragment(inner),
+                path,
+            );
             let result = fragment_outputs::gate_wire(elab, &result, inner, at.fragment);
             let default = default
                 .map(|one| sampled_flows::operand_wire(elab, scope, [id, one], at.unguarded()));
             let callee = &elab.units[call.unit.0 as usize];
-            let run = Run {
-                every,
+            let run = ConditionalCall {
+                condition: every,
                 result,
                 default,
-                optional: callee.optional_leaves().collect(),
+                is_optional: callee.optional_leaves().collect(),
             };
             condact::hold_results(elab, &run, id, scope, at)
         }
@@ -95,12 +109,12 @@ pub(super) fn elab_call<'u>(
 }
 
 fn arguments<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u Call,
     id: ExprId,
-    at: At,
-) -> Vec<Option<Arg>> {
+    at: Position,
+) -> Vec<Option<CallArgument>> {
     let callee = &elab.units[call.unit.0 as usize];
     let given = match guards::is_guarded(elab, call) {
         true => at,
@@ -112,7 +126,7 @@ fn arguments<'u>(
     for (port, arg) in callee.inputs.iter().zip(&call.args) {
         let count = callee.flow(*port).ty.leaf_count();
         let is_sampled = callee.flow(*port).clock.is_some();
-        args.push(arg.map(|arg| Arg {
+        args.push(arg.map(|arg| CallArgument {
             wire: match is_sampled {
                 true => elementwise::expr_leaves(elab, scope, arg, count, given),
                 false => argument(elab, scope, [id, arg], count, given),
@@ -125,11 +139,11 @@ fn arguments<'u>(
 
 /// Inlines a call at `at` and binds the deciders that it exposes.
 fn results_of<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u Call,
-    (id, args): (ExprId, &[Option<Arg>]),
-    at: At,
+    (id, args): (ExprId, &[Option<CallArgument>]),
+    at: Position,
     path: String,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
@@ -141,11 +155,11 @@ fn results_of<'u>(
 
 /// Returns an argument of a call. Its leaves are absent where the clock of the call ticks and their own does not.
 fn argument<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [id, arg]: [ExprId; 2],
     count: usize,
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = sampled_flows::operand_wire(elab, scope, [id, arg], at);
     match (&wire[..], count) {
@@ -156,7 +170,7 @@ fn argument<'u>(
 
 /// Returns the path for the nodes of an expression: the name of the flow if the expression is the flow's whole
 /// value, else a numbered name.
-fn elab_path(elab: &mut Elab<'_>, id: ExprId) -> String {
+fn elab_path(elab: &mut Elaborator<'_>, id: ExprId) -> String {
     if elab.naming.top_expr == Some(id) {
         return elab.naming.name.clone();
     }
@@ -166,9 +180,9 @@ fn elab_path(elab: &mut Elab<'_>, id: ExprId) -> String {
 
 /// Returns the activation by a condition; `Always` for the constant `true`.
 pub(super) fn elab_activation(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     condition: &Signal,
-    at: At,
+    at: Position,
     span: Span,
 ) -> net::Activation {
     if *condition == Signal::Const(Value::bool(true)) {
@@ -177,7 +191,7 @@ pub(super) fn elab_activation(
     match arrays::port_of(elab, condition, Scalar::Bool, at, span) {
         Some(condition) => net::Activation::When {
             condition,
-            absent: Absent::Inactive,
+            if_absent: AbsentPolicy::Inactive,
         },
         None => net::Activation::Always,
     }
@@ -185,7 +199,7 @@ pub(super) fn elab_activation(
 
 /// Adds a fragment to the net.
 pub(super) fn elab_fragment(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     path: &str,
     parent: FragmentId,
     activation: net::Activation,
@@ -210,10 +224,10 @@ pub(super) fn elab_fragment(
 
 /// Inlines a unit with its inputs connected and returns its outputs.
 pub(super) fn inline_unit(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     id: UnitId,
-    args: &[Option<Arg>],
-    at: At,
+    args: &[Option<CallArgument>],
+    at: Position,
     path: String,
     span: Span,
 ) -> Wire {
@@ -223,7 +237,7 @@ pub(super) fn inline_unit(
     }
     node_budget::credit_text(elab, id);
     if !node_budget::charge_call(elab, span) {
-        return crate::elab::signal::nothing();
+        return crate::elab::signal::empty_wire();
     }
     elab.inlining.call_stack.push(id);
     let outer = (
@@ -240,23 +254,23 @@ pub(super) fn inline_unit(
 }
 
 fn inline_body<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     unit: &'u Unit,
     id: UnitId,
-    args: &[Option<Arg>],
-    at: At,
+    args: &[Option<CallArgument>],
+    at: Position,
     path: String,
     span: Span,
 ) -> Wire {
-    if elab.mode == Mode::Constant && unit.kind == UnitKind::Node {
+    if elab.mode == ElabMode::Constant && unit.kind == UnitKind::Node {
         // A node runs cycle by cycle; only functions can be evaluated at compile time.
-        return elab.fail(NotConstant::Flow(span));
+        return elab.fail(NotConstantError::RunTime(span));
     }
     let keeps_results = std::mem::take(&mut elab.inlining.keeps_results);
     coverage_points::record_call(elab, unit);
     let mut scope = Scope::new(unit, id);
-    scope.called = Some(span);
-    let in_fragment = unit.kind == UnitKind::Fragment && elab.mode != Mode::Constant;
+    scope.call_span = Some(span);
+    let in_fragment = unit.kind == UnitKind::Fragment && elab.mode != ElabMode::Constant;
     scope.prefix = if in_fragment || path.is_empty() {
         String::new()
     } else {
@@ -270,7 +284,7 @@ fn inline_body<'u>(
     scope.base = at.fragment;
     connect(elab, &mut scope, args, at);
     let inner = match in_fragment {
-        true => At::fragment(fragment_of_unit(elab, &mut scope, &path, at, span)),
+        true => Position::in_fragment(fragment_of_unit(elab, &mut scope, &path, at, span)),
         false => at,
     };
     if in_fragment {
@@ -280,7 +294,7 @@ fn inline_body<'u>(
     let spans: Vec<Option<Span>> = args.iter().map(|arg| Some(arg.as_ref()?.span)).collect();
     subrange::check_inputs(elab, &mut scope, &spans, inner);
     scope.base = around;
-    if elab.mode != Mode::Constant {
+    if elab.mode != ElabMode::Constant {
         block::body(elab, &mut scope, inner);
     }
     let is_lifted = keeps_results || crate::clocks::may_be_inactive(unit);
@@ -288,14 +302,19 @@ fn inline_body<'u>(
     let leaves = outputs_of(elab, &mut scope, is_lifted, span);
     scope.base = around;
     elab.inlining.exposed_deciders = match elab.mode {
-        Mode::Constant => Vec::new(),
+        ElabMode::Constant => Vec::new(),
         _ => sampled_flows::exposed_deciders(elab, &mut scope, id, span),
     };
     fragment_outputs::gate_wire(elab, &leaves, inner.fragment, at.fragment)
 }
 
 /// Returns the leaves of a unit's outputs. If `is_lifted`, they are made readable in all cycles of the unit.
-fn outputs_of<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, is_lifted: bool, span: Span) -> Wire {
+fn outputs_of<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    is_lifted: bool,
+    span: Span,
+) -> Wire {
     let mut leaves = Vec::new();
     for output in &scope.unit.outputs {
         let mut wire = flows::elab_flow(elab, scope, *output, span);
@@ -308,10 +327,10 @@ fn outputs_of<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, is_lifted: bool, s
 }
 
 fn fragment_of_unit<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     path: &str,
-    at: At,
+    at: Position,
     span: Span,
 ) -> FragmentId {
     let root = scope.unit.block(BlockId::ROOT);
@@ -337,10 +356,10 @@ fn fragment_of_unit<'u>(
 
 /// Connects a unit's inputs to the arguments of the caller, or to their defaults.
 pub(super) fn connect<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    args: &[Option<Arg>],
-    at: At,
+    args: &[Option<CallArgument>],
+    at: Position,
 ) {
     let unit = scope.unit;
     for (flow, arg) in unit.inputs.iter().zip(args) {
@@ -349,37 +368,41 @@ pub(super) fn connect<'u>(
             (None, Some(default)) => expr::elab_expr(elab, scope, default, at),
             (None, None) => continue,
         };
-        *scope.state(*flow) = State::Known(wire);
+        *scope.state(*flow) = FlowState::Done(wire);
     }
 }
 
 /// Reports calls that are nested too deeply: infinite recursion of one instance, or a long chain of calls.
-fn report_too_deep(elab: &mut Elab<'_>, id: UnitId, span: Span) -> Wire {
+fn report_too_deep(elab: &mut Elaborator<'_>, id: UnitId, span: Span) -> Wire {
     let unit = &elab.units[id.0 as usize];
     let message = match elab.inlining.call_stack.contains(&id) {
         true => format!("`{}` is infinitely recursive", unit.name),
         false => format!("calls are nested more than {MAX_DEPTH} deep"),
     };
-    let finding = Finding::new(Code::RPI1011, message)
-        .at(span, format!("`{}` is called here", unit.name))
-        .also(unit.span, "declared here")
+    let diagnostic = Diagnostic::new(Code::RPI1011, message)
+        .primary(span, format!("`{}` is called here", unit.name))
+        .secondary(unit.span, "declared here")
         .help("end a recursion over static parameters with `with`");
-    report_failure(elab, finding, span)
+    report_failure(elab, diagnostic, span)
 }
 
 /// Reports an error that prevents the net or constant. Only the first one is kept.
-pub(super) fn report_failure(elab: &mut Elab<'_>, finding: Finding, span: Span) -> Wire {
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Fault(span, finding.message));
+pub(super) fn report_failure(
+    elab: &mut Elaborator<'_>,
+    diagnostic: Diagnostic,
+    span: Span,
+) -> Wire {
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::Fault(span, diagnostic.message));
     }
     if elab.failure.is_none() {
-        elab.findings.push(finding);
+        elab.diagnostics.push(diagnostic);
     }
-    elab.fail(NotConstant::Faulty)
+    elab.fail(NotConstantError::Reported)
 }
 
 /// Binds an alias to its signal, unless it is bound already.
-pub(super) fn bind_alias(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
+pub(super) fn bind_alias(elab: &mut Elaborator<'_>, port: PortRef, signal: &Signal) {
     if let Some(alias) = crate::elab::signal::alias_of(port) {
         elab.aliases.signals[alias].get_or_insert_with(|| signal.clone());
     }

@@ -9,12 +9,12 @@ use crate::elab::external_ports;
 use crate::elab::flows;
 use crate::elab::presence;
 use crate::elab::scope::Scope;
-use crate::elab::signal::{Signal, nothing};
-use crate::elab::{At, Elab, Mode};
+use crate::elab::signal::{Signal, empty_wire};
+use crate::elab::{ElabMode, Elaborator, Position};
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowId, Unit, UnitKind};
-use crate::typed::{Each, Kind};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{ElementwiseOp, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Value;
 use rpi_image::claim::{claim_key, read_key};
 use rpi_net::prim;
@@ -23,7 +23,7 @@ use rpi_prims::PrimId;
 
 /// Treatment of a program's claims: assertions and contracts.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
-pub enum Claims {
+pub enum ClaimPolicy {
     /// Claims are left out, together with all that only they need.
     Off,
     /// Claims are exported with the flows that they read. The run continues after a failure.
@@ -32,47 +32,54 @@ pub enum Claims {
     /// A failed claim is a fault, which ends the command.
     Fault,
     /// Claims are exported and a failure is a fault, so the host sees the cause of the fault.
-    ReportedFault,
+    ReportAndFault,
 }
 
-impl Claims {
+impl ClaimPolicy {
     fn is_reported(self) -> bool {
-        matches!(self, Claims::Report | Claims::ReportedFault)
+        matches!(self, ClaimPolicy::Report | ClaimPolicy::ReportAndFault)
     }
 
     fn is_fault(self) -> bool {
-        matches!(self, Claims::Fault | Claims::ReportedFault)
+        matches!(self, ClaimPolicy::Fault | ClaimPolicy::ReportAndFault)
     }
 }
 
 /// Elaborates a claim of a body or contract.
 pub(super) fn elab_claim<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     block: BlockId,
     claim: &'u Claim,
-    at: At,
+    at: Position,
 ) {
     let of_test = scope.unit.kind == UnitKind::Test;
     let policy = match elab.mode {
-        Mode::Constant => Claims::Fault,
-        _ if of_test => Claims::Report,
-        _ => elab.claims,
+        ElabMode::Constant => ClaimPolicy::Fault,
+        _ if of_test => ClaimPolicy::Report,
+        _ => elab.claim_policy,
     };
     elab.has_claims = true;
-    if policy == Claims::Off {
+    if policy == ClaimPolicy::Off {
         return;
     }
     let label = claim.label.as_ref().map_or("claim", |label| label.as_str());
     block::set_node_name(elab, &format!("{}{label}", scope.prefix));
     let condition = expr::elab_condition(elab, scope, claim.condition, at);
     // In a fragment or a test, a claim that is always false may state that the code is never reached.
-    let everywhere = at == At::ROOT && !of_test;
-    if elab.mode == Mode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
-        elab.findings.extend(always_false_error(elab, scope, claim));
+    let everywhere = at == Position::ROOT && !of_test;
+    if elab.mode == ElabMode::Net && everywhere && condition == Signal::Const(Value::bool(false)) {
+        elab.diagnostics
+            .extend(always_false_error(elab, scope, claim));
     }
     if policy.is_fault() {
-        presence::assert(elab, check(scope, claim), &condition, at, claim.span);
+        presence::assert(
+            elab,
+            fault_primitive(scope, claim),
+            &condition,
+            at,
+            claim.span,
+        );
     }
     if policy.is_reported() {
         export_claim(elab, scope, (block, claim), &condition, at);
@@ -81,11 +88,11 @@ pub(super) fn elab_claim<'u>(
 
 /// Exports whether a claim holds, and the flows that it reads.
 fn export_claim<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     (block, claim): (BlockId, &'u Claim),
     condition: &Signal,
-    at: At,
+    at: Position,
 ) {
     let fragment = fragment_around(scope, block);
     let key = claim_key(elab.net.claims.len() + 1);
@@ -93,7 +100,7 @@ fn export_claim<'u>(
     let port = external_ports::export_port(elab, &key, &condition, &Ty::Bool, at, claim.span);
     elab.kept_exports.extend(port);
     let mut parts = Vec::new();
-    parts_of(scope, claim.condition, &mut parts);
+    tuple_elements(scope, claim.condition, &mut parts);
     let reads = parts
         .iter()
         .flat_map(|part| export_part(elab, scope, part, &key))
@@ -104,53 +111,58 @@ fn export_claim<'u>(
         path: format!("{}{fragment}", scope.prefix)
             .trim_end_matches('.')
             .to_owned(),
-        of: match fragment.as_str() {
+        subject: match fragment.as_str() {
             "" => scope.unit.name.to_string(),
             name => name.to_owned(),
         },
         mode: claim.mode.as_ref().map(ToString::to_string),
         label: claim.label.as_ref().map(ToString::to_string),
         span: claim.span,
-        looks_back: looks_back(scope, claim.condition),
+        reads_past: reads_past(scope, claim.condition),
         is_strict: !scope.unit.is_lustre,
         reads,
     });
 }
 
 /// Returns an error for a claim that is false in every cycle, by itself or because of the arguments of this call.
-fn always_false_error(elab: &Elab<'_>, scope: &Scope<'_>, claim: &Claim) -> Option<Finding> {
-    let of_its_own = || crate::elab::constant(elab.units, scope.unit, claim.condition).is_ok();
-    match (scope.called.filter(|_| !of_its_own()), claim.kind) {
-        (None, _) => Some(never(claim)),
-        (Some(call), ClaimKind::Assume) => Some(broken_by(call, claim, &scope.unit.name)),
+fn always_false_error(
+    elab: &Elaborator<'_>,
+    scope: &Scope<'_>,
+    claim: &Claim,
+) -> Option<Diagnostic> {
+    let of_its_own =
+        || crate::elab::evaluate_constant(elab.units, scope.unit, claim.condition).is_ok();
+    match (scope.call_span.filter(|_| !of_its_own()), claim.kind) {
+        (None, _) => Some(always_false(claim)),
+        (Some(call), ClaimKind::Assume) => Some(violated_assumption(call, claim, &scope.unit.name)),
         // A guarantee only has to hold where the assumptions hold.
         (Some(_), ClaimKind::Guarantee) => None,
-        (Some(call), _) => Some(never(claim).also(call, "false for this call")),
+        (Some(call), _) => Some(always_false(claim).secondary(call, "false for this call")),
     }
 }
 
 /// Exports the leaves of one part that a claim reads.
 fn export_part<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    part: &Part,
+    part: &ReadPart,
     claim: &str,
 ) -> Vec<ClaimRead> {
     let expr = scope.unit.expr(part.expr);
     let wire = match part.flow {
         Some(flow) => flows::elab_flow(elab, scope, flow, expr.span),
         // The expression has been elaborated with the claim.
-        None => scope.recall(part.expr, None).unwrap_or_else(nothing),
+        None => scope.cached(part.expr, None).unwrap_or_else(empty_wire),
     };
     let mut leaves: Vec<(String, Ty)> = Vec::new();
     let ty = part.flow.map_or(&expr.ty, |flow| &scope.unit.flow(flow).ty);
-    ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", part.name), ty.clone())));
+    ty.for_each_leaf(&mut |path, ty| leaves.push((format!("{}{path}", part.name), ty.clone())));
     let leaves = leaves.into_iter().zip(wire.iter()).skip(part.first);
     let mut reads = Vec::new();
     for ((name, ty), signal) in leaves.take(part.count) {
         let key = read_key(claim, &name);
-        let port = external_ports::export_port(elab, &key, signal, &ty, At::ROOT, expr.span);
-        let ty = crate::check::outside_type(&ty).0;
+        let port = external_ports::export_port(elab, &key, signal, &ty, Position::ROOT, expr.span);
+        let ty = crate::check::external_type(&ty).0;
         elab.kept_exports.extend(port);
         reads.push(ClaimRead {
             values: match &ty {
@@ -158,7 +170,7 @@ fn export_part<'u>(
                 _ => Vec::new(),
             },
             unit: match &ty {
-                Ty::Real(dim) if !dim.is_plain() => format!("[{dim}]"),
+                Ty::Real(dim) if !dim.is_dimensionless() => format!("[{dim}]"),
                 _ => String::new(),
             },
             name,
@@ -171,7 +183,7 @@ fn export_part<'u>(
 /// Returns the primitive that ends the command if the claim fails. Assertions and the assumptions of the program as a
 /// whole use `Rpi::Assume`: they hold by the author's word. The assumptions of a callee bind its caller and use
 /// `Rpi::Assert`, as all other claims do.
-fn check(scope: &Scope<'_>, claim: &Claim) -> PrimId {
+fn fault_primitive(scope: &Scope<'_>, claim: &Claim) -> PrimId {
     match claim.kind {
         ClaimKind::Assert => prim!("Rpi::Assume"),
         ClaimKind::Assume if scope.prefix.is_empty() => prim!("Rpi::Assume"),
@@ -180,27 +192,27 @@ fn check(scope: &Scope<'_>, claim: &Claim) -> PrimId {
 }
 
 /// Error for an assumption that is false in every cycle of a call.
-fn broken_by(call: Span, claim: &Claim, of: &str) -> Finding {
-    Finding::new(
+fn violated_assumption(call: Span, claim: &Claim, of: &str) -> Diagnostic {
+    Diagnostic::new(
         Code::RPI3102,
         format!("this call breaks an assumption of `{of}`"),
     )
-    .at(call, "for all inputs")
-    .also(claim.span, "false in every cycle of the call")
+    .primary(call, "for all inputs")
+    .secondary(claim.span, "false in every cycle of the call")
     .help("pass other values, or correct the assumption if it is too strong")
 }
 
 /// Error for a claim that is false for all inputs.
-fn never(claim: &Claim) -> Finding {
+fn always_false(claim: &Claim) -> Diagnostic {
     let what = match claim.kind {
         ClaimKind::Assert => "this assertion can never hold",
         ClaimKind::Check => "this property can never hold",
         ClaimKind::Assume => "no caller can satisfy this assumption",
         ClaimKind::Guarantee => "this guarantee can never hold",
-        ClaimKind::Modes => "no mode of this contract can ever apply",
+        ClaimKind::ModeCompleteness => "no mode of this contract can ever apply",
     };
-    Finding::new(Code::RPI3102, what)
-        .at(claim.span, "false in every cycle")
+    Diagnostic::new(Code::RPI3102, what)
+        .primary(claim.span, "false in every cycle")
         .help("correct the condition, or delete it")
 }
 
@@ -218,16 +230,19 @@ fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
 }
 
 /// Returns whether an expression reads earlier cycles, directly or possibly through a call.
-fn looks_back(scope: &Scope<'_>, id: ExprId) -> bool {
+fn reads_past(scope: &Scope<'_>, id: ExprId) -> bool {
     let kind = &scope.unit.expr(id).kind;
-    let mut found = matches!(kind, Kind::Each(Each::Pre, _) | Kind::Call(_));
-    kind.operands(&mut |operand| found = found || looks_back(scope, operand));
+    let mut found = matches!(
+        kind,
+        TypedExprKind::Each(ElementwiseOp::Pre, _) | TypedExprKind::Call(_)
+    );
+    kind.operands(&mut |operand| found = found || reads_past(scope, operand));
     found
 }
 
 /// Range of leaves of a flow, of a device port or of a predeclared flow, as read by a claim.
 #[derive(PartialEq)]
-struct Part {
+struct ReadPart {
     /// Name as written in the claim.
     name: String,
     flow: Option<FlowId>,
@@ -237,29 +252,29 @@ struct Part {
     count: usize,
 }
 
-impl Part {
-    fn is(&self, other: &Part) -> bool {
+impl ReadPart {
+    fn is_same(&self, other: &ReadPart) -> bool {
         (&self.name, self.first, self.count) == (&other.name, other.first, other.count)
     }
 }
 
 /// Collects the parts that an expression reads, in text order without duplicates.
-fn parts_of(scope: &Scope<'_>, id: ExprId, parts: &mut Vec<Part>) {
-    match part(scope, id) {
-        Some(part) if parts.iter().any(|known| known.is(&part)) => {}
+fn tuple_elements(scope: &Scope<'_>, id: ExprId, parts: &mut Vec<ReadPart>) {
+    match read_part(scope, id) {
+        Some(part) if parts.iter().any(|known| known.is_same(&part)) => {}
         Some(part) => parts.push(part),
         None => {
             let kind = &scope.unit.expr(id).kind;
-            kind.operands(&mut |operand| parts_of(scope, operand, parts));
+            kind.operands(&mut |operand| tuple_elements(scope, operand, parts));
         }
     }
 }
 
 /// Returns the leaves read by `flow`, `flow.part`, `device.port` or a predeclared flow; none for any other expression.
-fn part(scope: &Scope<'_>, id: ExprId) -> Option<Part> {
+fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
     let unit = scope.unit;
     let expr = unit.expr(id);
-    let whole = |name: String, flow: Option<FlowId>| Part {
+    let whole = |name: String, flow: Option<FlowId>| ReadPart {
         name,
         flow,
         expr: id,
@@ -267,24 +282,27 @@ fn part(scope: &Scope<'_>, id: ExprId) -> Option<Part> {
         count: expr.ty.leaf_count(),
     };
     match &expr.kind {
-        Kind::Flow(flow) => Some(whole(flow_name(unit, *flow), Some(*flow))),
-        Kind::Part { base, at } => part(scope, *base).map(|part| Part {
+        TypedExprKind::Flow(flow) => Some(whole(flow_name(unit, *flow), Some(*flow))),
+        TypedExprKind::Part { base, at } => read_part(scope, *base).map(|part| ReadPart {
             first: part.first + *at as usize,
             count: expr.ty.leaf_count(),
             ..part
         }),
-        Kind::Sensor { device, port } => {
-            let Kind::Flow(device) = unit.expr(*device).kind else {
+        TypedExprKind::Sensor { device, port } => {
+            let TypedExprKind::Flow(device) = unit.expr(*device).kind else {
                 return None;
             };
-            let port = unit.device(device)?.ports.get(*port as usize)?;
+            let port = unit
+                .device_type_instance(device)?
+                .ports
+                .get(*port as usize)?;
             Some(whole(
                 format!("{}.{}", unit.flow(device).name, port.name),
                 None,
             ))
         }
-        Kind::Prim(call) => {
-            let name = crate::check::predeclared_name(call.prim.desc().name)?;
+        TypedExprKind::Prim(call) => {
+            let name = crate::check::predeclared_flow_of_prim(call.prim.desc().name)?;
             Some(whole(name.to_owned(), None))
         }
         _ => None,

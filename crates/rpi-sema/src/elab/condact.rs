@@ -2,27 +2,27 @@
 
 use crate::elab::arrays;
 use crate::elab::call;
-use crate::elab::call::Run;
+use crate::elab::call::ConditionalCall;
 use crate::elab::elementwise;
 use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
-use crate::elab::{At, Elab};
+use crate::elab::{Elaborator, Position};
 use crate::typed::ExprId;
 use rpi_diag::Span;
 use rpi_image::Scalar;
 use rpi_net::{FragmentId, Restart};
 
 pub(super) fn condact_fragment<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     every: &Signal,
     restart: Option<[ExprId; 2]>,
     path: &str,
-    at: At,
+    at: Position,
     span: Span,
 ) -> FragmentId {
     let at = at.unguarded();
@@ -35,11 +35,11 @@ pub(super) fn condact_fragment<'u>(
 
 /// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
 pub(super) fn hold_results<'u>(
-    elab: &mut Elab<'u>,
-    run: &Run,
+    elab: &mut Elaborator<'u>,
+    run: &ConditionalCall,
     id: ExprId,
     scope: &Scope<'u>,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
@@ -51,20 +51,20 @@ pub(super) fn hold_results<'u>(
 }
 
 fn hold_leaf(
-    elab: &mut Elab<'_>,
-    run: &Run,
+    elab: &mut Elaborator<'_>,
+    run: &ConditionalCall,
     k: usize,
     scalar: Scalar,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     let signal = run.result[k].clone();
     let default = run.default.as_ref().and_then(|wire| wire.get(k)).cloned();
-    let is_optional = run.optional.get(k).copied().unwrap_or_default();
+    let is_optional = run.is_optional.get(k).copied().unwrap_or_default();
     if let (Some(default @ Signal::Const(_)), false) = (&default, is_optional) {
         return nodes::add_family_member(
             elab,
-            Family::Hold,
+            PrimitiveFamily::Hold,
             scalar,
             &[signal, default.clone()],
             at,
@@ -74,8 +74,8 @@ fn hold_leaf(
     let result = nodes::new_alias(elab, scalar);
     let alias = Signal::Port(result);
     let pre = match default.is_none() || is_optional {
-        true => Family::OptionalPre,
-        false => Family::Pre,
+        true => PrimitiveFamily::OptionalPre,
+        false => PrimitiveFamily::Pre,
     };
     let before = elementwise::delay(elab, pre, scalar, &alias, at, span);
     let before = match default {
@@ -83,18 +83,37 @@ fn hold_leaf(
         Some(default) => {
             let first = nodes::first_port(elab, at.fragment, span);
             let inputs = [first, default, before];
-            nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span)
+            nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Conditional,
+                scalar,
+                &inputs,
+                at,
+                span,
+            )
         }
     };
     let held = match is_optional {
         // A run whose result is absent is remembered as absent, too.
         true => {
-            let inputs = [run.every.clone(), signal, before];
-            nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span)
+            let inputs = [run.condition.clone(), signal, before];
+            nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Conditional,
+                scalar,
+                &inputs,
+                at,
+                span,
+            )
         }
-        false => {
-            nodes::add_family_member(elab, Family::Coalesce, scalar, &[signal, before], at, span)
-        }
+        false => nodes::add_family_member(
+            elab,
+            PrimitiveFamily::Coalesce,
+            scalar,
+            &[signal, before],
+            at,
+            span,
+        ),
     };
     call::bind_alias(elab, result, &held);
     held

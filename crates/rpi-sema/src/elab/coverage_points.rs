@@ -2,31 +2,31 @@
 
 use crate::elab::arrays;
 use crate::elab::signal::Signal;
-use crate::elab::{At, Elab};
-use crate::hash::Map;
+use crate::elab::{Elaborator, Position};
+use crate::hash::FastMap;
 use crate::typed::Unit;
 use rpi_diag::Span;
 use rpi_image::Scalar;
-use rpi_net::{Choice, Exit, Exits, FragmentId, Net, Side};
+use rpi_net::{Decision, DecisionBranch, FragmentId, Net, StateTransitions, Transition};
 
 /// Makes the names of fragments and nodes unique within their parent. A test finds them in the image by name, and
 /// repeated calls or several automata in one body produce equal names.
-pub(super) fn tell_apart(net: &mut Net) {
-    let mut known = Known::default();
+pub(super) fn make_names_unique(net: &mut Net) {
+    let mut known = UsedNames::default();
     for fragment in net.fragments.iter_mut().skip(1) {
         let parent = fragment.parent.unwrap_or(FragmentId::ROOT);
-        own_name(&mut fragment.name, parent, &mut known);
+        make_unique(&mut fragment.name, parent, &mut known);
     }
     known.clear();
     for node in &mut net.nodes {
-        own_name(&mut node.name, node.fragment, &mut known);
+        make_unique(&mut node.name, node.fragment, &mut known);
     }
 }
 
 /// Names in use within each fragment, each with the last number appended to it.
-type Known = Map<(FragmentId, String), usize>;
+type UsedNames = FastMap<(FragmentId, String), usize>;
 
-fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
+fn make_unique(name: &mut String, inside: FragmentId, known: &mut UsedNames) {
     let plain = (inside, name.clone());
     let mut number = known.get(&plain).copied().unwrap_or(0);
     while known.contains_key(&(inside, name.clone())) {
@@ -38,50 +38,61 @@ fn own_name(name: &mut String, inside: FragmentId, known: &mut Known) {
 }
 
 /// Records that a unit is called.
-pub(super) fn record_call(elab: &mut Elab<'_>, unit: &Unit) {
+pub(super) fn record_call(elab: &mut Elaborator<'_>, unit: &Unit) {
     if elab.records_coverage {
-        elab.net.landmarks.called.push(unit.span);
+        elab.net.coverage_points.called_units.push(unit.span);
     }
 }
 
 /// Records a choice and returns its branches, the one for `true` first.
 pub(super) fn record_choice(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     condition: &Signal,
-    at: At,
+    at: Position,
     span: Span,
-) -> [Option<Side>; 2] {
+) -> [Option<DecisionBranch>; 2] {
     if !elab.records_coverage {
-        return [at.side; 2];
+        return [at.branch; 2];
     }
     let condition = arrays::one_input(elab, condition, Scalar::Bool, at, span);
-    let choices = &mut elab.net.landmarks.choices;
+    let choices = &mut elab.net.coverage_points.decisions;
     let choice = choices.len() as u32;
-    choices.push(Choice {
+    choices.push(Decision {
         condition,
         fragment: at.fragment,
-        side: at.side,
+        branch: at.branch,
         span,
     });
-    [true, false].map(|taken_if| Some(Side { choice, taken_if }))
+    [true, false].map(|taken_if| {
+        Some(DecisionBranch {
+            decision: choice,
+            outcome: taken_if,
+        })
+    })
 }
 
 /// Records the transitions out of a state. `exits` has the last transition first.
 pub(super) fn record_transitions(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     here: &Signal,
     exits: Vec<(Signal, Span)>,
     automaton: Span,
-    at: At,
+    at: Position,
 ) {
     if !elab.records_coverage {
         return;
     }
     let here = arrays::one_input(elab, here, Scalar::Bool, at, automaton);
-    let exit = |(condition, span): (Signal, Span)| Exit {
+    let exit = |(condition, span): (Signal, Span)| Transition {
         condition: arrays::one_input(elab, &condition, Scalar::Bool, at, span),
         span,
     };
     let transitions = exits.into_iter().rev().map(exit).collect();
-    elab.net.landmarks.exits.push(Exits { here, transitions });
+    elab.net
+        .coverage_points
+        .state_transitions
+        .push(StateTransitions {
+            is_active: here,
+            transitions,
+        });
 }

@@ -6,31 +6,31 @@
 use crate::elab::arrays;
 use crate::elab::nodes;
 use crate::elab::signal::{Signal, Wire, alias_of};
-use crate::elab::{At, Elab};
+use crate::elab::{Elaborator, Position};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Input, PortRef};
 
 /// Array that is packed at the end of the elaboration.
-pub(super) struct Promise {
+pub(super) struct DeferredArray {
     alias: PortRef,
     wire: Wire,
     ty: Type,
-    at: At,
+    at: Position,
     span: Span,
 }
 
 /// Defers an array of these leaves and returns the alias of the whole array.
 pub(super) fn defer_array(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: Wire,
     ty: Type,
-    at: At,
+    at: Position,
     span: Span,
 ) -> PortRef {
     // The alias refers to a whole array, so its type as a leaf is never used.
     let alias = nodes::new_alias(elab, Scalar::Bool);
-    elab.aliases.deferred_arrays.push(Promise {
+    elab.aliases.deferred_arrays.push(DeferredArray {
         alias,
         wire,
         ty,
@@ -41,7 +41,7 @@ pub(super) fn defer_array(
 }
 
 /// Returns the type of a deferred array.
-pub(super) fn deferred_type(elab: &Elab<'_>, alias: PortRef) -> Option<Type> {
+pub(super) fn deferred_type(elab: &Elaborator<'_>, alias: PortRef) -> Option<Type> {
     let at = elab
         .aliases
         .deferred_arrays
@@ -50,7 +50,7 @@ pub(super) fn deferred_type(elab: &Elab<'_>, alias: PortRef) -> Option<Type> {
 }
 
 /// Packs all deferred arrays. The aliases of their leaves must be resolved.
-pub(super) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
+pub(super) fn pack_deferred_arrays(elab: &mut Elaborator<'_>) {
     for promise in std::mem::take(&mut elab.aliases.deferred_arrays) {
         let leaf = |signal: &Signal| resolved_leaf(elab, signal);
         let wire: Wire = promise.wire.iter().map(leaf).collect();
@@ -59,13 +59,13 @@ pub(super) fn pack_deferred_arrays(elab: &mut Elab<'_>) {
             elab.aliases.signals[alias] = match input {
                 Input::Port(port) => Some(Signal::Port(port)),
                 Input::Const(value) => Some(Signal::Const(*value)),
-                Input::Open => None,
+                Input::Unconnected => None,
             };
         }
     }
 }
 
-fn resolved_leaf(elab: &Elab<'_>, signal: &Signal) -> Signal {
+fn resolved_leaf(elab: &Elaborator<'_>, signal: &Signal) -> Signal {
     let alias = match signal {
         Signal::Port(port) => alias_of(*port),
         _ => None,

@@ -5,12 +5,12 @@ use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::flows;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::primitive_family::member;
 use crate::elab::scope::Scope;
-use crate::elab::signal::{Signal, Wire, nothing};
+use crate::elab::signal::{Signal, Wire, empty_wire};
 use crate::elab::subrange;
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::ty::{DevicePortTy, DeviceTy, Ty};
 use crate::typed::{ExprId, FlowId, Target};
 use rpi_diag::Span;
@@ -21,29 +21,29 @@ use rpi_prims::PrimId;
 /// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
 /// of activations.
 pub(super) fn sensor<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     device: ExprId,
     port: u32,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Flow(span));
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::RunTime(span));
     }
     let unit = scope.unit;
     let Ty::Device(ty) = &unit.expr(device).ty else {
-        return nothing();
+        return empty_wire();
     };
     let name = expr::elab_expr(elab, scope, device, at);
     let name = name.first().cloned().unwrap_or(Signal::Absent);
     let (Some(name), Some(port)) = (device_name(elab, &name), ty.ports.get(port as usize)) else {
-        return nothing();
+        return empty_wire();
     };
     let family = if port.optional {
-        Family::Sample
+        PrimitiveFamily::Sample
     } else {
-        Family::Read
+        PrimitiveFamily::Read
     };
     let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
     let count = scalars.len();
@@ -66,14 +66,14 @@ pub(super) fn sensor<'u>(
 
 /// Adds the subrange checks of a port that is read for the first time.
 fn check_sensor_subranges(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     leaves: Vec<Signal>,
     ty: &Ty,
     of: (&str, &str),
     span: Span,
 ) -> Wire {
     let count = leaves.len();
-    let wire = subrange::check_leaves(elab, leaves.into(), ty, 0..count, (At::ROOT, span));
+    let wire = subrange::check_leaves(elab, leaves.into(), ty, 0..count, (Position::ROOT, span));
     for (k, signal) in (0..).zip(wire.iter()) {
         if let Signal::Port(port) = signal {
             let key = (of.0.to_owned(), of.1.to_owned(), k);
@@ -84,8 +84,8 @@ fn check_sensor_subranges(
 }
 
 fn read(
-    elab: &mut Elab<'_>,
-    family: Family,
+    elab: &mut Elaborator<'_>,
+    family: PrimitiveFamily,
     scalar: Scalar,
     key: (String, String, u32),
     span: Span,
@@ -99,7 +99,7 @@ fn read(
         prim,
         Inputs::new(),
         params,
-        rpi_net::Types::from([Type::One(scalar)]),
+        rpi_net::Types::from([Type::Scalar(scalar)]),
         FragmentId::ROOT,
         span,
     );
@@ -110,7 +110,7 @@ fn read(
     Signal::Port(port)
 }
 
-fn device_name(elab: &Elab<'_>, signal: &Signal) -> Option<String> {
+fn device_name(elab: &Elaborator<'_>, signal: &Signal) -> Option<String> {
     elementwise::constant_value(elab, signal)?
         .as_str()
         .map(str::to_owned)
@@ -118,16 +118,16 @@ fn device_name(elab: &Elab<'_>, signal: &Signal) -> Option<String> {
 
 /// Elaborates a write of a set-point to an actuator port, leaf by leaf.
 pub(super) fn write<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     device: FlowId,
     port: u32,
     target: &Target,
     wire: &Wire,
-    at: At,
+    at: Position,
 ) {
     let unit = scope.unit;
-    let Some(ty): Option<&DeviceTy> = unit.device(device).map(|ty| &**ty) else {
+    let Some(ty): Option<&DeviceTy> = unit.device_type_instance(device).map(|ty| &**ty) else {
         return;
     };
     let name = flows::elab_flow(elab, scope, device, target.span);
@@ -137,17 +137,22 @@ pub(super) fn write<'u>(
     };
     record_alternatives(elab, &name, ty, port);
     for (k, (scalar, signal)) in (0..).zip(leaf_scalars(&target.ty).into_iter().zip(wire.iter())) {
-        let Some(prim) = member(Family::Write, scalar) else {
+        let Some(prim) = member(PrimitiveFamily::Write, scalar) else {
             continue;
         };
         let params = port_params(prim, &name, &port.name, k);
-        let inputs = vec![Some(crate::elab::signal::single(signal.clone()))];
+        let inputs = vec![Some(crate::elab::signal::single_wire(signal.clone()))];
         nodes::add_prim(elab, prim, inputs, params, at, target.span);
     }
 }
 
 /// Records the ports of a device that exclude each other with a written port.
-fn record_alternatives(elab: &mut Elab<'_>, device: &str, ty: &DeviceTy, port: &DevicePortTy) {
+fn record_alternatives(
+    elab: &mut Elaborator<'_>,
+    device: &str,
+    ty: &DeviceTy,
+    port: &DevicePortTy,
+) {
     let same = |other: &&DevicePortTy| other.is_actuator && other.actuator == port.actuator;
     let group = Alternatives {
         device: device.to_owned(),

@@ -7,15 +7,15 @@ use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::guards;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::primitive_family::member;
 use crate::elab::sampled_flows;
-use crate::elab::sampled_flows::LeafPlaces;
+use crate::elab::sampled_flows::LeafPositions;
 use crate::elab::scope::Scope;
 use crate::elab::short_circuit;
 use crate::elab::signal::{Signal, Wire};
-use crate::elab::{At, Elab, Mode, NotConstant};
-use crate::typed::{Each, Kind};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 use crate::typed::{ExprId, Unit};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
@@ -24,21 +24,21 @@ use rpi_net::{FragmentId, Input, PortRef, Types};
 use smallvec::smallvec;
 
 pub(super) fn elementwise<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    each: Each,
+    each: ElementwiseOp,
     operands: &'u [ExprId],
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let unit = scope.unit;
     let (ty, span) = (&unit.expr(id).ty, unit.expr(id).span);
     match (each, operands) {
-        (Each::If, [condition, yes, no]) => {
+        (ElementwiseOp::If, [condition, yes, no]) => {
             conditional(elab, scope, *condition, [*yes, *no], id, at)
         }
-        (Each::Pre, [x]) => elab_pre(elab, scope, *x, id, at),
-        (Each::Last, [x]) => match defining_fragment(elab, scope, *x, at.fragment) {
+        (ElementwiseOp::Pre, [x]) => elab_pre(elab, scope, *x, id, at),
+        (ElementwiseOp::Last, [x]) => match defining_fragment(elab, scope, *x, at.fragment) {
             None => elab_pre(elab, scope, *x, id, at),
             Some(level) => {
                 if level != at.fragment {
@@ -46,14 +46,16 @@ pub(super) fn elementwise<'u>(
                     elab.net.outer_delays.insert(span);
                 }
                 let around = std::mem::replace(&mut scope.base, level);
-                let wire = elab_pre(elab, scope, *x, id, At::fragment(level));
+                let wire = elab_pre(elab, scope, *x, id, Position::in_fragment(level));
                 scope.base = around;
                 wire
             }
         },
-        (Each::Arrow, [a, b]) => arrow(elab, scope, *a, *b, id, at),
-        (Each::Coalesce, [a, b]) => short_circuit::coalesce_operands(elab, scope, [id, *a, *b], at),
-        (Each::Hold, [x, init]) => {
+        (ElementwiseOp::Arrow, [a, b]) => arrow(elab, scope, *a, *b, id, at),
+        (ElementwiseOp::Coalesce, [a, b]) => {
+            short_circuit::coalesce_operands(elab, scope, [id, *a, *b], at)
+        }
+        (ElementwiseOp::Hold, [x, init]) => {
             let (at, scalars) = (at.unguarded(), leaf_scalars(ty));
             let x = sampled_flows::read_leaves(elab, scope, [id, *x], scalars.len(), at);
             let init = sampled_flows::read_leaves(elab, scope, [id, *init], scalars.len(), at);
@@ -64,7 +66,7 @@ pub(super) fn elementwise<'u>(
                     let inputs = [x.clone(), init.clone()];
                     nodes::add_family_member(
                         elab,
-                        Family::Hold,
+                        PrimitiveFamily::Hold,
                         scalar,
                         &inputs,
                         places.at(k),
@@ -73,24 +75,24 @@ pub(super) fn elementwise<'u>(
                 })
                 .collect()
         }
-        _ => crate::elab::signal::nothing(),
+        _ => crate::elab::signal::empty_wire(),
     }
 }
 
 /// Elaborates `if c then x else y`. Operations in a branch that can fault are guarded by the condition.
 fn conditional<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     condition: ExprId,
     [yes, no]: [ExprId; 2],
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
     let count = scalars.len();
     let places = sampled_flows::leaf_places(elab, scope, id, at);
-    if let LeafPlaces::Each(_) = places {
+    if let LeafPositions::PerLeaf(_) = places {
         return conditional_per_leaf(elab, scope, condition, [yes, no], id, &places);
     }
     let condition = expr::elab_operand(elab, scope, [id, condition], at);
@@ -98,16 +100,16 @@ fn conditional<'u>(
     if let Signal::Const(value) = &condition
         && drops_branch(elab, scope, id, value)
     {
-        let [in_yes, in_no] = sides.map(|side| At { side, ..at });
+        let [in_yes, in_no] = sides.map(|side| Position { branch: side, ..at });
         return match value.as_bool() == Some(true) {
             true => sampled_flows::read_leaves(elab, scope, [id, yes], count, in_yes),
             false => sampled_flows::read_leaves(elab, scope, [id, no], count, in_no),
         };
     }
     let guards = elab_guards(elab, scope, &condition, [yes, no], at, span);
-    let [in_yes, in_no] = [0, 1].map(|k| At {
+    let [in_yes, in_no] = [0, 1].map(|k| Position {
         guard: guards[k],
-        side: sides[k],
+        branch: sides[k],
         ..at
     });
     let [yes, no] = [(yes, in_yes), (no, in_no)].map(|(branch, there)| {
@@ -123,7 +125,7 @@ fn conditional<'u>(
         let inputs = [condition.clone(), yes.clone(), no.clone()];
         leaves.push(nodes::add_family_member(
             elab,
-            Family::Conditional,
+            PrimitiveFamily::Conditional,
             scalar,
             &inputs,
             at,
@@ -136,16 +138,16 @@ fn conditional<'u>(
 /// Elaborates `if c then x else y` on a value whose leaves have different clocks: each leaf is selected on its own
 /// clock.
 fn conditional_per_leaf<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     condition: ExprId,
     branches: [ExprId; 2],
     id: ExprId,
-    places: &LeafPlaces,
+    places: &LeafPositions,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
-    let base = At::fragment(scope.base);
+    let base = Position::in_fragment(scope.base);
     let decided = sampled_flows::position_of(elab, scope, condition, base);
     let plain = expr::elab_expr(elab, scope, condition, decided);
     let guards = match plain.first() {
@@ -154,10 +156,10 @@ fn conditional_per_leaf<'u>(
     };
     let [yes, no] = [0, 1].map(|k| {
         let guard = guards[k];
-        let at = At { guard, ..decided };
+        let at = Position { guard, ..decided };
         sampled_flows::read_leaves(elab, scope, [id, branches[k]], scalars.len(), at)
     });
-    let clocks = sampled_flows::facts_of(elab, scope).map(|facts| facts.clocks.row(id));
+    let clocks = sampled_flows::facts_of(elab, scope).map(|facts| facts.clocks.expr_clocks(id));
     let mut leaves = Vec::with_capacity(scalars.len());
     for (k, scalar) in scalars.into_iter().enumerate() {
         let (Some(yes), Some(no)) = (yes.get(k), no.get(k)) else {
@@ -169,7 +171,7 @@ fn conditional_per_leaf<'u>(
         let inputs = [here, yes.clone(), no.clone()];
         leaves.push(nodes::add_family_member(
             elab,
-            Family::Conditional,
+            PrimitiveFamily::Conditional,
             scalar,
             &inputs,
             places.at(k),
@@ -182,26 +184,31 @@ fn conditional_per_leaf<'u>(
 /// Returns whether a constant condition drops a branch. Dependencies follow the source, with one version for each
 /// choice of static arguments. Under a condition without static parameters both branches count (M5.4), and state in
 /// them keeps running, which may fault (M6.6).
-fn drops_branch<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId, value: &Value) -> bool {
+fn drops_branch<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &Scope<'u>,
+    id: ExprId,
+    value: &Value,
+) -> bool {
     let unit = scope.unit;
-    let Kind::Each(_, operands) = &unit.expr(id).kind else {
+    let TypedExprKind::Each(_, operands) = &unit.expr(id).kind else {
         return true;
     };
-    let is_of_instance = unit.chosen.binary_search(&operands[0]).is_ok();
+    let is_of_instance = unit.static_conditions.binary_search(&operands[0]).is_ok();
     let left_out = operands[if value.as_bool() == Some(true) { 2 } else { 1 }];
     is_of_instance
-        || elab.mode == Mode::Constant
+        || elab.mode == ElabMode::Constant
         || !guards::contains_state(elab, scope, left_out)
             && expr::drops_dead_code(elab, reads_flows(unit, left_out))
 }
 
 /// Returns the guard of each branch that can fault; for other branches the guard of `at`.
 fn elab_guards<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
     condition: &Signal,
     branches: [ExprId; 2],
-    at: At,
+    at: Position,
     span: Span,
 ) -> [Option<PortRef>; 2] {
     let mut guards = [at.guard; 2];
@@ -225,7 +232,12 @@ fn elab_guards<'u>(
 }
 
 /// Returns the position `at` with the additional guard `condition`.
-pub(super) fn with_guard(elab: &mut Elab<'_>, condition: Signal, at: At, span: Span) -> At {
+pub(super) fn with_guard(
+    elab: &mut Elaborator<'_>,
+    condition: Signal,
+    at: Position,
+    span: Span,
+) -> Position {
     let here = match at.guard {
         Some(outer) => nodes::add_simple(
             elab,
@@ -236,27 +248,33 @@ pub(super) fn with_guard(elab: &mut Elab<'_>, condition: Signal, at: At, span: S
         ),
         None => condition,
     };
-    At {
+    Position {
         guard: arrays::port_of(elab, &here, Scalar::Bool, at, span),
         ..at
     }
 }
 
 /// Elaborates `pre x`. The optional delay is used for leaves of x that can be absent.
-fn elab_pre<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, x: ExprId, id: ExprId, at: At) -> Wire {
+fn elab_pre<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    x: ExprId,
+    id: ExprId,
+    at: Position,
+) -> Wire {
     let absence = elab_absence(elab, scope, x);
     delay_leaves(elab, scope, x, id, at, |leaf| absence.leaf(leaf))
 }
 
 /// Returns the fragment in which the flow read by `x` is defined, if it encloses the reader.
 fn defining_fragment<'u>(
-    elab: &Elab<'u>,
+    elab: &Elaborator<'u>,
     scope: &Scope<'u>,
     x: ExprId,
     reader: FragmentId,
 ) -> Option<FragmentId> {
     let kind = &scope.unit.expr(x).kind;
-    let &Kind::Flow(flow) = kind else {
+    let &TypedExprKind::Flow(flow) = kind else {
         let mut inner = None;
         kind.operands(&mut |operand| inner = inner.or(Some(operand)));
         return defining_fragment(elab, scope, inner?, reader);
@@ -266,21 +284,21 @@ fn defining_fragment<'u>(
     let is_below = |id: &FragmentId| {
         fragments().any(|(of, own)| of.parent == Some(block) && *own == Some(*id))
     };
-    let below = elab.net.enclosing(reader).find(is_below)?;
+    let below = elab.net.ancestors(reader).find(is_below)?;
     elab.net.fragment(below).parent
 }
 
 fn delay_leaves<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     x: ExprId,
     id: ExprId,
-    at: At,
+    at: Position,
     optional: impl Fn(usize) -> bool,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Flow(span));
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::RunTime(span));
     }
     let scalars = leaf_scalars(&scope.unit.expr(id).ty);
     let wire = expr::elab_expr(elab, scope, x, at.unguarded());
@@ -288,9 +306,9 @@ fn delay_leaves<'u>(
     let mut leaves = Vec::with_capacity(scalars.len());
     for (k, (scalar, signal)) in scalars.into_iter().zip(wire.iter()).enumerate() {
         let family = if optional(k) {
-            Family::OptionalPre
+            PrimitiveFamily::OptionalPre
         } else {
-            Family::Pre
+            PrimitiveFamily::Pre
         };
         leaves.push(delay(elab, family, scalar, signal, places.at(k), span));
     }
@@ -299,11 +317,11 @@ fn delay_leaves<'u>(
 
 /// Adds one delay node.
 pub(super) fn delay(
-    elab: &mut Elab<'_>,
-    family: Family,
+    elab: &mut Elaborator<'_>,
+    family: PrimitiveFamily,
     scalar: Scalar,
     signal: &Signal,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     let Some(prim) = member(family, scalar) else {
@@ -311,14 +329,14 @@ pub(super) fn delay(
     };
     let input = match arrays::port_of(elab, signal, scalar, at, span) {
         Some(port) => Input::Port(port),
-        None => Input::Open,
+        None => Input::Unconnected,
     };
     let node = nodes::add_node(
         elab,
         prim,
         smallvec![input],
         Vec::new(),
-        Types::from([Type::One(scalar)]),
+        Types::from([Type::Scalar(scalar)]),
         at.fragment,
         span,
     );
@@ -328,26 +346,27 @@ pub(super) fn delay(
 /// Elaborates `a -> b`. Operations that can fault are guarded by the first cycle or its negation. `none -> pre x`
 /// becomes a delay that starts absent.
 fn arrow<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     a: ExprId,
     b: ExprId,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let unit = scope.unit;
     let span = unit.expr(id).span;
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Flow(span));
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::RunTime(span));
     }
-    if let (Kind::None, Kind::Each(Each::Pre, operands)) = (&unit.expr(a).kind, &unit.expr(b).kind)
+    if let (TypedExprKind::None, TypedExprKind::Each(ElementwiseOp::Pre, operands)) =
+        (&unit.expr(a).kind, &unit.expr(b).kind)
     {
         return delay_leaves(elab, scope, operands[0], b, at, |_| true);
     }
     let scalars = leaf_scalars(&unit.expr(id).ty);
     let first = nodes::first_port(elab, at.fragment, span);
     let guards = elab_guards(elab, scope, &first, [a, b], at, span);
-    let [in_a, in_b] = guards.map(|guard| At { guard, ..at });
+    let [in_a, in_b] = guards.map(|guard| Position { guard, ..at });
     let a = sampled_flows::read_leaves(elab, scope, [id, a], scalars.len(), in_a);
     let b = sampled_flows::read_leaves(elab, scope, [id, b], scalars.len(), in_b);
     let places = sampled_flows::leaf_places(elab, scope, id, at);
@@ -364,7 +383,14 @@ fn arrow<'u>(
         ];
         leaves.push(match a == b {
             true => a.clone(),
-            false => nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span),
+            false => nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Conditional,
+                scalar,
+                &inputs,
+                at,
+                span,
+            ),
         });
     }
     leaves.into()
@@ -372,7 +398,7 @@ fn arrow<'u>(
 
 /// Returns which leaves of an expression can be absent.
 pub(super) fn elab_absence<'u>(
-    elab: &Elab<'u>,
+    elab: &Elaborator<'u>,
     scope: &Scope<'u>,
     id: ExprId,
 ) -> crate::facts::Absence {
@@ -381,7 +407,7 @@ pub(super) fn elab_absence<'u>(
 }
 
 /// Returns the constant value of a signal, following one alias.
-pub(super) fn constant_value(elab: &Elab<'_>, signal: &Signal) -> Option<Value> {
+pub(super) fn constant_value(elab: &Elaborator<'_>, signal: &Signal) -> Option<Value> {
     match signal {
         Signal::Const(value) => Some(value.clone()),
         Signal::Port(port) => {
@@ -397,11 +423,11 @@ pub(super) fn constant_value(elab: &Elab<'_>, signal: &Signal) -> Option<Value> 
 
 /// Returns the wire of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
 pub(super) fn expr_leaves<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
     count: usize,
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = expr::elab_expr(elab, scope, id, at);
     match (&wire[..], count) {
@@ -412,11 +438,11 @@ pub(super) fn expr_leaves<'u>(
 
 /// Returns whether an expression reads flows in the current cycle, that is outside a delay.
 pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
-    let mut parts = unit.parts(id);
+    let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {
-            Kind::Flow(_) => return true,
-            Kind::Each(Each::Pre | Each::Last, _) => {}
+            TypedExprKind::Flow(_) => return true,
+            TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, _) => {}
             _ => parts.enter(id),
         }
     }

@@ -8,21 +8,21 @@ use crate::elab::external_ports;
 use crate::elab::node_budget;
 use crate::elab::nodes;
 use crate::elab::resolve_aliases;
-use crate::elab::scope::{Scope, State};
-use crate::elab::signal::{Signal, single};
+use crate::elab::scope::{FlowState, Scope};
+use crate::elab::signal::{Signal, single_wire};
 use crate::elab::subrange;
 use crate::elab::time;
-use crate::elab::{At, Claims, Elab, Mode, Operand};
+use crate::elab::{ClaimPolicy, ElabMode, Elaborator, LazyOperand, Position};
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
-use rpi_diag::Finding;
+use rpi_diag::Diagnostic;
 use rpi_image::{Scalar, Value};
-use rpi_net::{Driver, ExportPort, Input, Net, Origin, ResultKind, ResultPort};
-use rpi_syntax::ast::EndKind;
+use rpi_net::{ExportPort, Input, Net, Origin, ResultKind, ResultPort, Termination};
+use rpi_syntax::ast::CommandEndKind;
 
 /// Index of the output of an input primitive that holds the time of the last write, absent before the first.
-pub(super) const UPDATED: u8 = 1;
+pub(super) const UPDATED_PORT: u8 = 1;
 
 /// Value of a parameter when a command is loaded.
 #[derive(Clone, PartialEq, Debug)]
@@ -48,7 +48,7 @@ pub struct PortShape {
 
 /// Local flow that is neither input nor output but can be observed.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Local {
+pub struct ObservableFlow {
     /// Name and type of the flow.
     pub shape: PortShape,
     /// Port that holds the value.
@@ -57,7 +57,7 @@ pub struct Local {
 
 /// Net of an entry point with its external interface.
 #[derive(Clone, Debug)]
-pub struct Elaborated {
+pub struct ElaboratedUnit {
     /// Elaborated net.
     pub net: Net,
     /// Inputs, leaf by leaf.
@@ -67,14 +67,14 @@ pub struct Elaborated {
     /// Whether the unit contains claims, even if they were left out.
     pub has_claims: bool,
     /// Local flows of the unit, leaf by leaf, if requested.
-    pub locals: Vec<Local>,
+    pub locals: Vec<ObservableFlow>,
     /// Diagnostics of the elaboration.
-    pub findings: Vec<Finding>,
+    pub diagnostics: Vec<Diagnostic>,
     /// Operands with state that are not always needed, inner ones first.
-    pub operands: Vec<Operand>,
+    pub stateful_operands: Vec<LazyOperand>,
     /// Whether a branch was left out only because a constant rules it out. A dependency cycle may lead through that
     /// branch.
-    pub leaves_out: bool,
+    pub dropped_code: bool,
 }
 
 /// Elaborates the net of a unit. `args` are the values of its parameters in order; missing ones are unknown.
@@ -84,60 +84,70 @@ pub fn elaborate(
     facts: &[Facts],
     id: UnitId,
     args: &[Argument],
-    claims: Claims,
-) -> Elaborated {
-    Job::new(units, facts, id, args, claims).run(Mode::Net)
+    claims: ClaimPolicy,
+) -> ElaboratedUnit {
+    Elaboration::new(units, facts, id, args, claims).run(ElabMode::Net)
 }
 
 /// Elaborates a unit with a node for every equation, so that a dependency cycle in the net names each step.
 #[must_use]
-pub fn elaborate_steps(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> Net {
-    let job = Job::new(units, facts, id, args, Claims::Report);
-    job.run(Mode::Steps).net
+pub fn elaborate_dependency_steps(
+    units: &[Unit],
+    facts: &[Facts],
+    id: UnitId,
+    args: &[Argument],
+) -> Net {
+    let job = Elaboration::new(units, facts, id, args, ClaimPolicy::Report);
+    job.run(ElabMode::DependencySteps).net
 }
 
 /// Returns whether the whole source, including branches ruled out by constants, has a dependency cycle within one
 /// cycle.
 #[must_use]
-pub fn hides_ring(units: &[Unit], facts: &[Facts], id: UnitId, args: &[Argument]) -> bool {
-    let job = Job::new(units, facts, id, args, Claims::Report);
-    rpi_net::passes::has_ring(&job.run(Mode::Whole).net)
+pub fn has_hidden_dependency_cycle(
+    units: &[Unit],
+    facts: &[Facts],
+    id: UnitId,
+    args: &[Argument],
+) -> bool {
+    let job = Elaboration::new(units, facts, id, args, ClaimPolicy::Report);
+    rpi_net::passes::has_dependency_cycle(&job.run(ElabMode::Dependencies).net)
 }
 
 /// Elaborates the net of a node that runs on its own, outside any command. `locals` requests that local flows can be
 /// observed.
 #[must_use]
-pub fn elaborate_alone(
+pub fn elaborate_node(
     units: &[Unit],
     facts: &[Facts],
     id: UnitId,
-    claims: Claims,
+    claims: ClaimPolicy,
     locals: bool,
-) -> Elaborated {
-    let job = Job::new(units, facts, id, &[], claims);
-    Job { locals, ..job }.run(Mode::Net)
+) -> ElaboratedUnit {
+    let job = Elaboration::new(units, facts, id, &[], claims);
+    Elaboration { locals, ..job }.run(ElabMode::Net)
 }
 
 /// Parameters of one elaboration.
-struct Job<'u, 'a> {
+struct Elaboration<'u, 'a> {
     units: &'u [Unit],
     facts: &'u [Facts],
     id: UnitId,
     args: &'a [Argument],
-    claims: Claims,
+    claims: ClaimPolicy,
     /// Whether local flows can be observed.
     locals: bool,
 }
 
-impl<'u, 'a> Job<'u, 'a> {
+impl<'u, 'a> Elaboration<'u, 'a> {
     fn new(
         units: &'u [Unit],
         facts: &'u [Facts],
         id: UnitId,
         args: &'a [Argument],
-        claims: Claims,
+        claims: ClaimPolicy,
     ) -> Self {
-        Job {
+        Elaboration {
             units,
             facts,
             id,
@@ -148,9 +158,9 @@ impl<'u, 'a> Job<'u, 'a> {
     }
 
     /// Runs the elaboration.
-    fn run(&self, mode: Mode) -> Elaborated {
-        let mut elab = Elab::new(self.units, self.facts, mode);
-        elab.claims = self.claims;
+    fn run(&self, mode: ElabMode) -> ElaboratedUnit {
+        let mut elab = Elaborator::new(self.units, self.facts, mode);
+        elab.claim_policy = self.claims;
         node_budget::credit_text(&mut elab, self.id);
         let unit = &self.units[self.id.0 as usize];
         elab.records_coverage = unit.kind == UnitKind::Test;
@@ -162,7 +172,7 @@ impl<'u, 'a> Job<'u, 'a> {
         let mut scope = Scope::new(unit, self.id);
         let unknown = elab_parameters(&mut elab, &mut scope, self.args);
         let inputs = external_ports::unit_inputs(&mut elab, &mut scope);
-        block::body(&mut elab, &mut scope, At::ROOT);
+        block::body(&mut elab, &mut scope, Position::ROOT);
         let outputs = external_ports::unit_outputs(&mut elab, &mut scope);
         external_ports::exports(&mut elab, &mut scope);
         driver(&mut elab, &mut scope);
@@ -176,27 +186,29 @@ impl<'u, 'a> Job<'u, 'a> {
         }
         resolve_aliases::resolve_aliases(&mut elab);
         if elab.records_coverage {
-            crate::elab::coverage_points::tell_apart(&mut elab.net);
+            crate::elab::coverage_points::make_names_unique(&mut elab.net);
         }
         let ports = elab.kept_exports.split_off(claims);
         let locals = locals.into_iter().zip(ports);
         elab.net.exports.append(&mut elab.kept_exports);
-        Elaborated {
+        ElaboratedUnit {
             net: elab.net,
             inputs,
             outputs,
             has_claims: elab.has_claims,
-            locals: locals.map(|(shape, port)| Local { shape, port }).collect(),
-            findings: elab.findings,
-            operands: elab.lazy_operands,
-            leaves_out: elab.leaves_out_code,
+            locals: locals
+                .map(|(shape, port)| ObservableFlow { shape, port })
+                .collect(),
+            diagnostics: elab.diagnostics,
+            stateful_operands: elab.lazy_operands,
+            dropped_code: elab.leaves_out_code,
         }
     }
 }
 
 /// Reserves memory for the nodes of a large unit. Most expressions need at most one node, and a state needs a few
 /// more.
-fn reserve_nodes(elab: &mut Elab<'_>, unit: &Unit) {
+fn reserve_nodes(elab: &mut Elaborator<'_>, unit: &Unit) {
     const LARGE: usize = 10_000;
     const OF_A_STATE: usize = 4;
     let blocks = unit.blocks.len();
@@ -211,7 +223,7 @@ fn reserve_nodes(elab: &mut Elab<'_>, unit: &Unit) {
 
 /// Connects the parameters. Unknown ones become aliases of neutral values, which are returned and bound at the end.
 fn elab_parameters<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     args: &[Argument],
 ) -> Vec<(rpi_net::PortRef, Value)> {
@@ -225,10 +237,12 @@ fn elab_parameters<'u>(
         let declared = unit.flow(*flow);
         let wire = match (args.get(k), declared.default, &declared.ty) {
             (Some(Argument::Value(leaves)), ..) => {
-                time::constants(elab, leaves, &declared.ty, At::ROOT, declared.span)
+                time::constants(elab, leaves, &declared.ty, Position::ROOT, declared.span)
             }
-            (_, _, Ty::Device(_)) => single(Signal::Const(Value::Str(declared.name.to_string()))),
-            (_, Some(default), _) => expr::elab_expr(elab, scope, default, At::ROOT),
+            (_, _, Ty::Device(_)) => {
+                single_wire(Signal::Const(Value::Str(declared.name.to_string())))
+            }
+            (_, Some(default), _) => expr::elab_expr(elab, scope, default, Position::ROOT),
             _ => {
                 let mut leaves = Vec::new();
                 for scalar in crate::elab::expr::leaf_scalars(&declared.ty) {
@@ -250,13 +264,13 @@ fn elab_parameters<'u>(
                 leaves.into()
             }
         };
-        *scope.state(*flow) = State::Known(wire);
+        *scope.state(*flow) = FlowState::Done(wire);
         subrange::check_external_input(elab, scope, *flow);
     }
     unknown
 }
 
-fn driver<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+fn driver<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     let unit = scope.unit;
     let ends = &unit.block(BlockId::ROOT).ends;
     let endless = unit.kind == UnitKind::Test && ends.is_empty();
@@ -267,20 +281,20 @@ fn driver<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
     let mut results = Vec::new();
     for end in ends {
         block::set_node_name(elab, &end.result);
-        let signal = expr::elab_condition(elab, scope, end.condition, At::ROOT);
+        let signal = expr::elab_condition(elab, scope, end.condition, Position::ROOT);
         let condition = match signal {
             Signal::Const(value) => Input::constant(value),
-            other => match arrays::port_of(elab, &other, Scalar::Bool, At::ROOT, end.span) {
+            other => match arrays::port_of(elab, &other, Scalar::Bool, Position::ROOT, end.span) {
                 Some(port) => Input::Port(port),
-                None => Input::Open,
+                None => Input::Unconnected,
             },
         };
         results.push(ResultPort {
             name: end.result.to_string(),
             kind: match end.kind {
-                EndKind::Finish => ResultKind::Finish,
-                EndKind::Yield => ResultKind::Yield,
-                EndKind::Fail => ResultKind::Fail,
+                CommandEndKind::Finish => ResultKind::Finish,
+                CommandEndKind::Yield => ResultKind::Yield,
+                CommandEndKind::Fail => ResultKind::Fail,
             },
             condition,
             origin: Origin {
@@ -289,7 +303,7 @@ fn driver<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
             },
         });
     }
-    elab.net.driver = Driver::Results(results);
+    elab.net.termination = Termination::Results(results);
 }
 
 /// Returns the parameters of a unit, in the order in which [`elaborate`] takes arguments.

@@ -12,67 +12,67 @@ use crate::elab::nodes;
 use crate::elab::outside_flows;
 use crate::elab::presence;
 use crate::elab::prim_calls;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
-use crate::elab::signal::{Signal, Wire, nothing};
+use crate::elab::signal::{Signal, Wire, empty_wire};
 use crate::elab::subrange;
 use crate::elab::time;
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::typed::ExprId;
-use crate::typed::{Activation, Kind};
-use rpi_diag::{Finding, Span};
+use crate::typed::{Activation, TypedExprKind};
+use rpi_diag::{Diagnostic, Span};
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use smallvec::SmallVec;
 
 /// Greatest depth of nested calls that is elaborated recursively from the outside in.
-const NESTED: usize = 30;
+const MAX_RECURSIVE_CALLS: usize = 30;
 
 /// Returns the first argument of a call, or the base of a part.
 fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     match &scope.unit.expr(id).kind {
-        Kind::Call(call) if matches!(call.activation, Activation::Always) => {
+        TypedExprKind::Call(call) if matches!(call.activation, Activation::Always) => {
             call.args.first().copied().flatten()
         }
-        Kind::Prim(call) => call.inputs.first().copied().flatten(),
-        Kind::Part { base, .. } => Some(*base),
+        TypedExprKind::Prim(call) => call.inputs.first().copied().flatten(),
+        TypedExprKind::Part { base, .. } => Some(*base),
         _ => None,
     }
 }
 
 /// Returns the wire of an expression, elaborating it on first use.
 pub(super) fn elab_expr<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
-    if let Some(wire) = scope.recall(id, at.guard) {
+    if let Some(wire) = scope.cached(id, at.guard) {
         return wire;
     }
-    if elab.budget.is_used_up {
-        return nothing();
+    if elab.budget.is_exhausted {
+        return empty_wire();
     }
     let at = sampled_flows::position_of(elab, scope, id, at);
     innermost_first(elab, scope, id, at);
     let wire = elaborate_expr(elab, scope, id, at);
     node_budget::charge_leaves(elab, wire.len(), scope.unit.expr(id).span);
     let guard = at.guard.filter(|_| guards::elab_can_fault(elab, scope, id));
-    scope.remember(id, &wire, guard);
+    scope.cache(id, &wire, guard);
     wire
 }
 
 /// Elaborates deeply nested first operands from the inside out. An array iterator is a nest of one call per
 /// element, and each level of recursion costs stack.
-fn innermost_first<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at: At) {
+fn innermost_first<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, id: ExprId, at: Position) {
     let mut chain = Vec::new();
     let mut next = first_operand(scope, id);
-    while let Some(inner) = next.filter(|inner| !scope.is_known(*inner)) {
+    while let Some(inner) = next.filter(|inner| !scope.check_known_at_load(*inner)) {
         chain.push(inner);
         next = first_operand(scope, inner);
     }
-    if chain.len() > NESTED {
+    if chain.len() > MAX_RECURSIVE_CALLS {
         for inner in chain.into_iter().rev() {
             elab_expr(elab, scope, inner, at);
         }
@@ -80,47 +80,56 @@ fn innermost_first<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, a
 }
 
 /// Reports an internal error: an invalid expression without a diagnostic.
-fn unreported_error(elab: &mut Elab<'_>, span: Span) -> Wire {
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Faulty);
+fn unreported_error(elab: &mut Elaborator<'_>, span: Span) -> Wire {
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::Reported);
     }
     let message = "internal error: an invalid expression was not reported";
-    call::report_failure(elab, Finding::of_compiler(message, span), span)
+    call::report_failure(elab, Diagnostic::internal_error(message, span), span)
 }
 
-fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at: At) -> Wire {
+fn elaborate_expr<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    id: ExprId,
+    at: Position,
+) -> Wire {
     let unit = scope.unit;
     let expr = unit.expr(id);
     let span = expr.span;
     match &expr.kind {
-        Kind::Fault => unreported_error(elab, span),
-        Kind::Const(leaves) => time::constants(elab, leaves, &expr.ty, at, span),
-        Kind::Literal(leaf) => {
+        TypedExprKind::Error => unreported_error(elab, span),
+        TypedExprKind::Const(leaves) => time::constants(elab, leaves, &expr.ty, at, span),
+        TypedExprKind::Literal(leaf) => {
             time::constants(elab, std::slice::from_ref(leaf), &expr.ty, at, span)
         }
-        Kind::None => (0..expr.ty.leaf_count().max(1))
+        TypedExprKind::None => (0..expr.ty.leaf_count().max(1))
             .map(|_| Signal::Absent)
             .collect(),
-        Kind::Outside => external_ports::open_value(elab, scope, id, at),
-        Kind::Flow(flow) => {
+        TypedExprKind::Arbitrary => external_ports::open_value(elab, scope, id, at),
+        TypedExprKind::Flow(flow) => {
             let facts = sampled_flows::facts_of(elab, scope);
-            let outside = facts.is_some_and(|facts| facts.clocks.is_outside(id));
+            let outside = facts.is_some_and(|facts| facts.clocks.reads_inactive_block(id));
             fragment_outputs::read_flow(elab, scope, (*flow, outside), at, span)
         }
-        Kind::Sensor { device, port } => device::sensor(elab, scope, *device, *port, at, span),
-        Kind::Part { base, at: offset } => {
-            let wire = elab_expr(elab, scope, *base, at);
-            part(&wire, *offset as usize, expr.ty.leaf_count())
+        TypedExprKind::Sensor { device, port } => {
+            device::sensor(elab, scope, *device, *port, at, span)
         }
-        Kind::Slice { base, from, step } => slice(elab, scope, *base, *from, *step, id, at),
-        Kind::Select { base, index } => select(elab, scope, *base, *index, id, at),
-        Kind::Build(parts) => build(elab, scope, parts, &expr.ty, at),
-        Kind::Repeat(element) => {
+        TypedExprKind::Part { base, at: offset } => {
+            let wire = elab_expr(elab, scope, *base, at);
+            sub_wire(&wire, *offset as usize, expr.ty.leaf_count())
+        }
+        TypedExprKind::Slice { base, from, step } => {
+            slice(elab, scope, *base, *from, *step, id, at)
+        }
+        TypedExprKind::Select { base, index } => select(elab, scope, *base, *index, id, at),
+        TypedExprKind::Build(parts) => build(elab, scope, parts, &expr.ty, at),
+        TypedExprKind::Repeat(element) => {
             let wire = elab_expr(elab, scope, *element, at);
             let count = expr.ty.leaf_count();
             wire.iter().cloned().cycle().take(count).collect()
         }
-        Kind::Replace {
+        TypedExprKind::Replace {
             base,
             at: offset,
             value,
@@ -132,28 +141,34 @@ fn elaborate_expr<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, id: ExprId, at
             }
             subrange::check_replaced(elab, scope, wire.into(), [id, *value], *offset, at)
         }
-        Kind::Each(each, operands) => {
+        TypedExprKind::Each(each, operands) => {
             elementwise::elementwise(elab, scope, *each, operands, id, at)
         }
-        Kind::Equal { operands, negated } => {
-            presence::equal(elab, scope, id, *operands, *negated, at)
+        TypedExprKind::Equal { operands, negated } => {
+            presence::equality(elab, scope, id, *operands, *negated, at)
         }
-        Kind::Present(operand) => presence::present(elab, scope, [id, *operand], at, span),
-        Kind::Prim(call) => prim_calls::prim_call(elab, scope, call, id, at),
-        Kind::Call(call) => call::elab_call(elab, scope, call, id, at),
-        Kind::When { value, .. } => outside_flows::sampled_value(elab, scope, [id, *value], at),
-        Kind::Merge { on, cases } => sampled_flows::merge(elab, scope, *on, cases, id, at),
-        Kind::Current(operand) => sampled_flows::elab_current(elab, scope, [id, *operand], at),
+        TypedExprKind::Present(operand) => presence::present(elab, scope, [id, *operand], at, span),
+        TypedExprKind::Prim(call) => prim_calls::prim_call(elab, scope, call, id, at),
+        TypedExprKind::Call(call) => call::elab_call(elab, scope, call, id, at),
+        TypedExprKind::When { value, .. } => {
+            outside_flows::sampled_value(elab, scope, [id, *value], at)
+        }
+        TypedExprKind::Merge { on, cases } => {
+            sampled_flows::merge_expr(elab, scope, *on, cases, id, at)
+        }
+        TypedExprKind::Current(operand) => {
+            sampled_flows::elab_current(elab, scope, [id, *operand], at)
+        }
     }
 }
 
 /// Elaborates a struct, array or tuple from its parts.
 fn build<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     parts: &[ExprId],
     ty: &crate::ty::Ty,
-    at: At,
+    at: Position,
 ) -> Wire {
     let mut signals = Vec::with_capacity(parts.len());
     for (k, part) in parts.iter().enumerate() {
@@ -167,10 +182,10 @@ fn build<'u>(
 
 /// Returns the condition of a block as one signal, defined in all cycles of the block.
 pub(super) fn elab_condition<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Signal {
     let wire = sampled_flows::read_at(elab, scope, id, ClockId::BASE, at);
     wire.first().cloned().unwrap_or(Signal::Absent)
@@ -178,28 +193,28 @@ pub(super) fn elab_condition<'u>(
 
 /// Returns an operand as one signal.
 pub(super) fn elab_operand<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     pair: [ExprId; 2],
-    at: At,
+    at: Position,
 ) -> Signal {
     let wire = sampled_flows::operand_wire(elab, scope, pair, at);
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
 fn slice<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     base: ExprId,
     from: u32,
     step: i32,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = elab_expr(elab, scope, base, at);
     let total = scope.unit.expr(id).ty.leaf_count();
     let crate::ty::Ty::Array(element, _) = &scope.unit.expr(base).ty else {
-        return nothing();
+        return empty_wire();
     };
     let size = element.leaf_count().max(1);
     let mut leaves = Vec::with_capacity(total);
@@ -219,12 +234,12 @@ fn slice<'u>(
 
 /// Elaborates an element at a computed index: a chain of conditionals with a bounds check.
 fn select<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     base: ExprId,
     index: ExprId,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let wire = sampled_flows::operand_wire(elab, scope, [id, base], at);
@@ -251,13 +266,20 @@ fn select<'u>(
         {
             let (n, slot) = leaf;
             let inputs = [here.clone(), wire[k * size + n].clone(), slot.clone()];
-            *slot = nodes::add_family_member(elab, Family::Conditional, *scalar, &inputs, at, span);
+            *slot = nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Conditional,
+                *scalar,
+                &inputs,
+                at,
+                span,
+            );
         }
     }
     chosen.into()
 }
 
-fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: Span) {
+fn check_index(elab: &mut Elaborator<'_>, index: &Signal, count: usize, at: Position, span: Span) {
     if let Signal::Const(value) = index
         && let Some(k) = value.as_int()
         && !(0..count as i64).contains(&k)
@@ -265,7 +287,7 @@ fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: 
     {
         let text = format!(
             "index {k} is out of bounds: the array has {}, counted from 0",
-            rpi_diag::counted(count, "element")
+            rpi_diag::with_noun(count, "element")
         );
         return nodes::report_certain_fault(elab, text, span);
     }
@@ -289,17 +311,17 @@ fn check_index(elab: &mut Elab<'_>, index: &Signal, count: usize, at: At, span: 
 }
 
 /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
-pub(super) fn drops_dead_code(elab: &mut Elab<'_>, reads: bool) -> bool {
+pub(super) fn drops_dead_code(elab: &mut Elaborator<'_>, reads: bool) -> bool {
     elab.leaves_out_code |= reads;
-    !reads || matches!(elab.mode, Mode::Net | Mode::Constant)
+    !reads || matches!(elab.mode, ElabMode::Net | ElabMode::Constant)
 }
 
 /// Returns `count` leaves of a wire starting at `at`.
-pub(super) fn part(wire: &Wire, at: usize, count: usize) -> Wire {
+pub(super) fn sub_wire(wire: &Wire, at: usize, count: usize) -> Wire {
     match wire.get(at..at.saturating_add(count)) {
         Some(leaves) if leaves.len() == wire.len() => wire.clone(),
         Some(leaves) => leaves.into(),
-        None => nothing(),
+        None => empty_wire(),
     }
 }
 
@@ -309,32 +331,36 @@ pub(super) type Scalars = SmallVec<[Scalar; 4]>;
 /// Returns the machine types of a type's leaves.
 pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
     let mut scalars = Scalars::new();
-    ty.leaves(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
+    ty.for_each_leaf(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));
     scalars
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::elab::{Claims, elaborate_alone};
+    use crate::elab::{ClaimPolicy, elaborate_node};
     use crate::program::{Program, Source};
     use crate::typed::UnitId;
     use rpi_diag::{Code, FileId};
-    use rpi_syntax::{Mode, parse};
+    use rpi_syntax::{Dialect, parse};
 
     #[test]
     fn a_fault_that_was_not_told_is_one_of_the_compiler() {
         let text = "node N (x: int) returns (y: int) let y = z + x; tel";
-        let file = parse(FileId(0), text, Mode::Rpi).file;
+        let file = parse(FileId(0), text, Dialect::Rpi).file;
         let (program, _) = Program::collect(&[Source {
             name: "Test".into(),
-            mode: Mode::Rpi,
+            mode: Dialect::Rpi,
             files: vec![&file],
             implicit: false,
         }]);
         let units = crate::check(&program).units;
-        let facts = crate::facts::find(&units, &[true]).0;
-        let made = elaborate_alone(&units, &facts, UnitId(0), Claims::Report, false);
-        let codes: Vec<Code> = made.findings.iter().map(|finding| finding.code).collect();
+        let facts = crate::facts::analyse(&units, &[true]).0;
+        let made = elaborate_node(&units, &facts, UnitId(0), ClaimPolicy::Report, false);
+        let codes: Vec<Code> = made
+            .diagnostics
+            .iter()
+            .map(|diagnostic| diagnostic.code)
+            .collect();
         assert_eq!(codes, [Code::RPI9901]);
     }
 }

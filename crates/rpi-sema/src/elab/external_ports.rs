@@ -5,27 +5,27 @@ use crate::elab::arrays;
 use crate::elab::block;
 use crate::elab::elementwise;
 use crate::elab::entry_point::PortShape;
-use crate::elab::entry_point::UPDATED;
+use crate::elab::entry_point::UPDATED_PORT;
 use crate::elab::expr;
 use crate::elab::flows;
 use crate::elab::fragment_outputs;
 use crate::elab::nodes;
 use crate::elab::outside_flows;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::sampled_flows;
-use crate::elab::scope::{Scope, State};
+use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::subrange;
 use crate::elab::time;
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::ty::Ty;
-use crate::typed::{BlockId, ExprId, FlowId, FlowRole, Optional};
+use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, FlowRole};
 use rpi_image::{Scalar, Value};
-use rpi_net::{ExportPort, Given, Origin};
+use rpi_net::{CommandInput, ExportPort, Origin};
 
 /// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
 /// by key.
-pub(super) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
     for flow in unit
@@ -37,28 +37,29 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
         block::set_node_name(elab, &declared.name);
         let default = declared
             .default
-            .map(|id| expr::elab_expr(elab, scope, id, At::ROOT));
-        let optional = declared.optional == Optional::Declared(true);
+            .map(|id| expr::elab_expr(elab, scope, id, Position::ROOT));
+        let optional = declared.optional == FlowPresence::Declared(true);
         let mut leaves: Vec<(String, Ty)> = Vec::new();
-        declared
-            .ty
-            .leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+        declared.ty.for_each_leaf(&mut |path, ty| {
+            leaves.push((format!("{}{path}", declared.name), ty.clone()))
+        });
         let mut wire = Vec::with_capacity(leaves.len());
         for (k, (key, ty)) in leaves.into_iter().enumerate() {
-            let (seen, scalar) = crate::check::outside_type(&ty);
+            let (seen, scalar) = crate::check::external_type(&ty);
             let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
             let default = default.map(|signal| {
-                time::convert_to_seconds(elab, &signal, &ty, At::ROOT, declared.span)
+                time::convert_to_seconds(elab, &signal, &ty, Position::ROOT, declared.span)
             });
             let value = match (ty == Ty::Duration, declared.default) {
-                (true, Some(id)) => crate::elab::constant(elab.units, unit, id)
+                (true, Some(id)) => crate::elab::evaluate_constant(elab.units, unit, id)
                     .ok()
                     .and_then(|leaves| leaves.get(k).cloned()),
                 _ => default
                     .as_ref()
                     .and_then(|signal| elementwise::constant_value(elab, signal)),
             };
-            let given = external_input_at(elab, (&key, value), scalar, At::ROOT, declared.span);
+            let given =
+                external_input_at(elab, (&key, value), scalar, Position::ROOT, declared.span);
             let given = match optional {
                 true => or_default(elab, &given, scalar, default.as_ref(), declared.span),
                 false => given,
@@ -67,19 +68,19 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
                 elab,
                 given,
                 &ty,
-                At::ROOT,
+                Position::ROOT,
                 declared.span,
             ));
             let ty = seen;
-            if declared.role == FlowRole::Given {
-                elab.net.given.push(Given {
+            if declared.role == FlowRole::TakenOver {
+                elab.net.command_inputs.push(CommandInput {
                     key: key.clone(),
-                    is_needed: declared.default.is_none() && !optional,
+                    is_required: declared.default.is_none() && !optional,
                 });
             }
             shapes.push(PortShape { key, ty, optional });
         }
-        *scope.state(*flow) = State::Known(wire.into());
+        *scope.state(*flow) = FlowState::Done(wire.into());
         subrange::check_external_input(elab, scope, *flow);
     }
     shapes
@@ -87,7 +88,7 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
 
 /// Returns the signal of an optional input: its default, or absent, until it is set.
 fn or_default(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     given: &Signal,
     scalar: Scalar,
     default: Option<&Signal>,
@@ -97,33 +98,46 @@ fn or_default(
         return given.clone();
     };
     let updated = Signal::Port(rpi_net::PortRef {
-        port: UPDATED,
+        port: UPDATED_PORT,
         ..*value
     });
     let is_open = nodes::add_family_member(
         elab,
-        Family::IsNull,
+        PrimitiveFamily::IsNull,
         Scalar::Time,
         &[updated],
-        At::ROOT,
+        Position::ROOT,
         span,
     );
     let otherwise = default.cloned().unwrap_or(Signal::Absent);
     let inputs = [is_open, otherwise, given.clone()];
-    nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, At::ROOT, span)
+    nodes::add_family_member(
+        elab,
+        PrimitiveFamily::Conditional,
+        scalar,
+        &inputs,
+        Position::ROOT,
+        span,
+    )
 }
 
 /// Elaborates a value that the program leaves open as an external input.
-pub(super) fn open_value<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId, at: At) -> Wire {
+pub(super) fn open_value<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &Scope<'u>,
+    id: ExprId,
+    at: Position,
+) -> Wire {
     let expr = scope.unit.expr(id);
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Flow(expr.span));
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::RunTime(expr.span));
     }
     elab.naming.serial += 1;
     let name = format!("{}#any{}", elab.naming.name, elab.naming.serial - 1);
     let mut leaves: Vec<(String, Ty)> = Vec::new();
     let mut leaf = |path: String, ty: &Ty| leaves.push((format!("{name}{path}"), ty.clone()));
-    expr.ty.leaves(&mut |path, ty| leaf(path.to_owned(), ty));
+    expr.ty
+        .for_each_leaf(&mut |path, ty| leaf(path.to_owned(), ty));
     let leaves = leaves.into_iter();
     let signals = leaves.map(|(key, ty)| {
         let given = external_input_at(
@@ -139,23 +153,23 @@ pub(super) fn open_value<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId,
 }
 
 pub(super) fn external_input(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     key: &str,
     scalar: Scalar,
     span: rpi_diag::Span,
 ) -> Signal {
-    external_input_at(elab, (key, None), scalar, At::ROOT, span)
+    external_input_at(elab, (key, None), scalar, Position::ROOT, span)
 }
 
 /// Adds an external input with a key and an optional initial value.
 fn external_input_at(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     (key, default): (&str, Option<Value>),
     scalar: Scalar,
-    at: At,
+    at: Position,
     span: rpi_diag::Span,
 ) -> Signal {
-    let Some(prim) = crate::elab::primitive_family::member(Family::Input, scalar) else {
+    let Some(prim) = crate::elab::primitive_family::member(PrimitiveFamily::Input, scalar) else {
         return Signal::Absent;
     };
     let value = |param: &rpi_image::Param| match param.name {
@@ -174,7 +188,7 @@ fn external_input_at(
 }
 
 /// Exports the outputs of a node on its own.
-pub(super) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+pub(super) fn unit_outputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
     for flow in &unit.outputs {
@@ -183,13 +197,13 @@ pub(super) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Ve
         block::set_node_name(elab, &declared.name);
         let wire = outside_flows::off_clock_absent(elab, scope, *flow, &wire, declared.span);
         let mut leaves: Vec<(String, Ty)> = Vec::new();
-        declared
-            .ty
-            .leaves(&mut |path, ty| leaves.push((format!("{}{path}", declared.name), ty.clone())));
+        declared.ty.for_each_leaf(&mut |path, ty| {
+            leaves.push((format!("{}{path}", declared.name), ty.clone()))
+        });
         for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
             elab_export(elab, &key, signal, &ty, declared.span);
-            let optional = declared.optional != Optional::Declared(false);
-            let ty = crate::check::outside_type(&ty).0;
+            let optional = declared.optional != FlowPresence::Declared(false);
+            let ty = crate::check::external_type(&ty).0;
             shapes.push(PortShape { key, ty, optional });
         }
     }
@@ -197,24 +211,24 @@ pub(super) fn unit_outputs<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Ve
 }
 
 pub(super) fn elab_export(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     key: &str,
     signal: &Signal,
     ty: &Ty,
     span: rpi_diag::Span,
 ) {
-    let port = export_port(elab, key, signal, ty, At::ROOT, span);
+    let port = export_port(elab, key, signal, ty, Position::ROOT, span);
     elab.net.exports.extend(port);
 }
 
 /// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
 /// active.
 pub(super) fn export_port(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     key: &str,
     signal: &Signal,
     ty: &Ty,
-    at: At,
+    at: Position,
     span: rpi_diag::Span,
 ) -> Option<ExportPort> {
     let signal = time::convert_to_seconds(elab, signal, ty, at, span);
@@ -230,7 +244,7 @@ pub(super) fn export_port(
 }
 
 /// Exports the local flows, qualified by the names of their blocks.
-pub(super) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
+pub(super) fn elab_locals<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
     for id in (0..).map(FlowId).take(unit.flows.len()) {
@@ -241,22 +255,23 @@ pub(super) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
         }
         let is_inner = declared.block != BlockId::ROOT;
         let wire =
-            fragment_outputs::read_flow(elab, scope, (id, is_inner), At::ROOT, declared.span);
+            fragment_outputs::read_flow(elab, scope, (id, is_inner), Position::ROOT, declared.span);
         let wire = match is_inner {
             true => wire,
             false => outside_flows::off_clock_absent(elab, scope, id, &wire, declared.span),
         };
-        let name = unit.path_of(id);
+        let name = unit.flow_path(id);
         block::set_node_name(elab, &name);
         let mut leaves: Vec<(String, Ty)> = Vec::new();
         declared
             .ty
-            .leaves(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
+            .for_each_leaf(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
         for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
-            if let Some(port) = export_port(elab, &key, signal, &ty, At::ROOT, declared.span) {
+            if let Some(port) = export_port(elab, &key, signal, &ty, Position::ROOT, declared.span)
+            {
                 elab.kept_exports.push(port);
-                let optional = declared.optional != Optional::Declared(false);
-                let ty = crate::check::outside_type(&ty).0;
+                let optional = declared.optional != FlowPresence::Declared(false);
+                let ty = crate::check::external_type(&ty).0;
                 shapes.push(PortShape { key, ty, optional });
             }
         }
@@ -264,7 +279,7 @@ pub(super) fn elab_locals<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) -> Vec
     shapes
 }
 
-pub(super) fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+pub(super) fn exports<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     let unit = scope.unit;
     for (k, block) in unit.blocks.iter().enumerate() {
         let fragment = scope.fragments[k].unwrap_or(rpi_net::FragmentId::ROOT);
@@ -275,13 +290,15 @@ pub(super) fn exports<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
                 scope,
                 export.value,
                 ClockId::BASE,
-                At::fragment(fragment),
+                Position::in_fragment(fragment),
             );
             scope.base = rpi_net::FragmentId::ROOT;
             block::set_node_name(elab, &export.key);
             let mut leaves: Vec<(String, Ty)> = Vec::new();
             let ty = &unit.expr(export.value).ty;
-            ty.leaves(&mut |path, ty| leaves.push((format!("{}{path}", export.key), ty.clone())));
+            ty.for_each_leaf(&mut |path, ty| {
+                leaves.push((format!("{}{path}", export.key), ty.clone()))
+            });
             for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
                 elab_export(elab, &key, signal, &ty, export.span);
             }

@@ -5,40 +5,40 @@ use crate::elab::expr::leaf_scalars;
 use crate::elab::node_budget;
 use crate::elab::nodes;
 use crate::elab::sampled_flows;
-use crate::elab::scope::{Scope, State};
-use crate::elab::signal::{Signal, Wire, alias_of, nothing};
+use crate::elab::scope::{FlowState, Scope};
+use crate::elab::signal::{Signal, Wire, alias_of, empty_wire};
 use crate::elab::subrange;
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::ty::Ty;
-use crate::typed::{Equation, FlowId, FlowRole, Place, Target};
+use crate::typed::{Equation, FlowId, FlowRole, Target, TargetPlace};
 use rpi_diag::Span;
 use rpi_net::PortRef;
 
 /// Returns the wire of a flow; aliases if its equation has not been elaborated yet.
 pub(super) fn elab_flow<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
     span: Span,
 ) -> Wire {
     match scope.state(flow) {
-        State::Known(wire) => return wire.clone(),
-        State::Busy => return elab.fail(NotConstant::Flow(span)),
-        State::Open => {}
+        FlowState::Done(wire) => return wire.clone(),
+        FlowState::InProgress => return elab.fail(NotConstantError::RunTime(span)),
+        FlowState::Unvisited => {}
     }
     match elab.mode {
-        Mode::Net | Mode::Whole | Mode::Steps => {
+        ElabMode::Net | ElabMode::Dependencies | ElabMode::DependencySteps => {
             let wire = alias_wire(elab, &scope.unit.flow(flow).ty, span);
-            *scope.state(flow) = State::Known(wire.clone());
+            *scope.state(flow) = FlowState::Done(wire.clone());
             wire
         }
-        Mode::Constant => constant_flow(elab, scope, flow, span),
+        ElabMode::Constant => constant_flow(elab, scope, flow, span),
     }
 }
 
-pub(super) fn alias_wire(elab: &mut Elab<'_>, ty: &Ty, span: Span) -> Wire {
+pub(super) fn alias_wire(elab: &mut Elaborator<'_>, ty: &Ty, span: Span) -> Wire {
     if !node_budget::charge_leaves(elab, ty.leaf_count(), span) {
-        return nothing();
+        return empty_wire();
     }
     let scalars = leaf_scalars(ty);
     scalars
@@ -48,7 +48,12 @@ pub(super) fn alias_wire(elab: &mut Elab<'_>, ty: &Ty, span: Span) -> Wire {
 }
 
 /// Evaluates a flow of a function on demand.
-fn constant_flow<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, flow: FlowId, span: Span) -> Wire {
+fn constant_flow<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    flow: FlowId,
+    span: Span,
+) -> Wire {
     let role = scope.unit.flow(flow).role;
     let unit = scope.unit;
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
@@ -56,21 +61,21 @@ fn constant_flow<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, flow: FlowId, s
     let found = equations.into_iter().find(|equation| defines(equation));
     let Some(equation) = found.filter(|_| !matches!(role, FlowRole::Input | FlowRole::Param))
     else {
-        return elab.fail(NotConstant::Flow(span));
+        return elab.fail(NotConstantError::RunTime(span));
     };
-    *scope.state(flow) = State::Busy;
-    let wire = expr::elab_expr(elab, scope, equation.value, At::ROOT);
-    let wire = subrange::check_targets(elab, scope, equation, wire, At::ROOT);
+    *scope.state(flow) = FlowState::InProgress;
+    let wire = expr::elab_expr(elab, scope, equation.value, Position::ROOT);
+    let wire = subrange::check_targets(elab, scope, equation, wire, Position::ROOT);
     define_all(elab, scope, equation, &wire);
     match scope.state(flow) {
-        State::Known(wire) => wire.clone(),
-        _ => elab.fail(NotConstant::Flow(span)),
+        FlowState::Done(wire) => wire.clone(),
+        _ => elab.fail(NotConstantError::RunTime(span)),
     }
 }
 
 /// Defines the targets of an equation by the leaves of its value.
 pub(super) fn define_all<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     equation: &Equation,
     wire: &Wire,
@@ -83,7 +88,7 @@ pub(super) fn define_all<'u>(
             true => wire.clone(),
             false => wire[at.min(end)..end].into(),
         };
-        if let Place::Flow { flow, at: offset } = target.place {
+        if let TargetPlace::Flow { flow, at: offset } = target.place {
             define(elab, scope, flow, offset as usize, &part);
         }
         at += count;
@@ -92,7 +97,7 @@ pub(super) fn define_all<'u>(
 
 /// Defines leaves of a flow, from `at` on, by their signals.
 pub(super) fn define<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
     at: usize,
@@ -101,32 +106,33 @@ pub(super) fn define<'u>(
     let whole = scope.unit.flow(flow).ty.leaf_count();
     if part.len() == whole
         && at == 0
-        && let state @ (State::Open | State::Busy) = scope.state(flow)
+        && let state @ (FlowState::Unvisited | FlowState::InProgress) = scope.state(flow)
     {
-        *state = State::Known(part.clone());
+        *state = FlowState::Done(part.clone());
         return;
     }
     let wire = elab_flow(elab, scope, flow, scope.unit.flow(flow).span);
-    let has_clocks = sampled_flows::facts_of(elab, scope).is_some_and(|facts| facts.clocks.any());
+    let has_clocks =
+        sampled_flows::facts_of(elab, scope).is_some_and(|facts| facts.clocks.has_samplings());
     for (k, signal) in part.iter().enumerate() {
         if let Some(Signal::Port(port)) = wire.get(at + k) {
-            bind(elab, *port, signal);
+            bind_statics(elab, *port, signal);
             if let (Signal::Port(name), true) = (signal, has_clocks) {
                 elab.aliases.names_before.entry(*name).or_insert(*port);
             }
         }
     }
     if part.len() == whole {
-        *scope.state(flow) = State::Known(part.clone());
+        *scope.state(flow) = FlowState::Done(part.clone());
     }
 }
 
-fn bind(elab: &mut Elab<'_>, port: PortRef, signal: &Signal) {
+fn bind_statics(elab: &mut Elaborator<'_>, port: PortRef, signal: &Signal) {
     if let Some(alias) = alias_of(port) {
         elab.aliases.signals[alias].get_or_insert_with(|| signal.clone());
     }
 }
 
 fn is_whole(target: &Target, flow: FlowId) -> bool {
-    matches!(target.place, Place::Flow { flow: f, at: 0 } if f == flow)
+    matches!(target.place, TargetPlace::Flow { flow: f, at: 0 } if f == flow)
 }

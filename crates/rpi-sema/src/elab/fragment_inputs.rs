@@ -7,53 +7,53 @@
 
 use crate::elab::fragment_outputs;
 use crate::elab::nodes;
-use crate::elab::scope::{Scope, State};
+use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, Wire, alias_of};
-use crate::elab::{Elab, Mode};
+use crate::elab::{ElabMode, Elaborator};
 use crate::typed::BlockId;
 use rpi_diag::Span;
 use rpi_net::FragmentId;
 
 /// Passes the inputs of a called fragment through entry aliases.
 pub(super) fn add_input_entries<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     fragment: FragmentId,
 ) {
     for port in &scope.unit.inputs {
-        if let State::Known(wire) = scope.state(*port).clone() {
+        if let FlowState::Done(wire) = scope.state(*port).clone() {
             let wire = entry_wire(elab, &wire, fragment);
-            *scope.state(*port) = State::Known(wire);
+            *scope.state(*port) = FlowState::Done(wire);
         }
     }
 }
 
 /// Returns a flow of an enclosing block as read in a block in place.
 pub(super) fn read_inside<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
     block: BlockId,
     wire: Wire,
     reader: FragmentId,
 ) -> Wire {
-    if elab.in_place.is_empty() || elab.mode == Mode::Constant {
+    if elab.in_place.is_empty() || elab.mode == ElabMode::Constant {
         return wire;
     }
     let Some(around) = scope.fragment(block).filter(|around| *around != reader) else {
         return wire;
     };
     // A flow shared by states lies beside its reader, not around it.
-    if !elab.net.enclosing(reader).any(|f| f == around) {
+    if !elab.net.ancestors(reader).any(|f| f == around) {
         return wire;
     }
-    let between = elab.net.enclosing(reader).take_while(|f| *f != around);
+    let between = elab.net.ancestors(reader).take_while(|f| *f != around);
     match between.filter(|f| elab.in_place.contains(f)).last() {
         Some(fragment) => entry_wire(elab, &wire, fragment),
         None => wire,
     }
 }
 
-fn entry_wire(elab: &mut Elab<'_>, wire: &Wire, fragment: FragmentId) -> Wire {
+fn entry_wire(elab: &mut Elaborator<'_>, wire: &Wire, fragment: FragmentId) -> Wire {
     let mut leaf = |signal: &Signal| match signal {
         Signal::Port(port) => match alias_of(*port) {
             Some(known) => new_entry(elab, known, signal, fragment),
@@ -65,7 +65,12 @@ fn entry_wire(elab: &mut Elab<'_>, wire: &Wire, fragment: FragmentId) -> Wire {
 }
 
 /// Creates an entry alias for an alias that may turn out to refer to an output of the fragment.
-fn new_entry(elab: &mut Elab<'_>, known: usize, signal: &Signal, fragment: FragmentId) -> Signal {
+fn new_entry(
+    elab: &mut Elaborator<'_>,
+    known: usize,
+    signal: &Signal,
+    fragment: FragmentId,
+) -> Signal {
     let port = nodes::new_alias(elab, elab.aliases.types[known]);
     if let Some(alias) = alias_of(port) {
         elab.aliases.signals[alias] = Some(signal.clone());
@@ -76,7 +81,7 @@ fn new_entry(elab: &mut Elab<'_>, known: usize, signal: &Signal, fragment: Fragm
 
 /// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
 /// the signal.
-pub(super) fn resolve_entry(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
+pub(super) fn resolve_entry(elab: &mut Elaborator<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&fragment) = elab.aliases.entries.get(&alias) else {
         return signal;
     };

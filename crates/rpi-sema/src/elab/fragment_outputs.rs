@@ -12,14 +12,14 @@ use crate::elab::nodes;
 use crate::elab::outside_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, alias_of};
-use crate::elab::{At, Elab, Mode};
+use crate::elab::{ElabMode, Elaborator, Position};
 use crate::typed::{BlockId, FlowId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Activation, FragmentId, PortRef};
 
 /// Leaf that is read outside a block whose fragment does not exist yet.
-pub(super) struct Leaving {
+pub(super) struct PendingGate {
     alias: usize,
     block: BlockId,
     reader: FragmentId,
@@ -28,10 +28,10 @@ pub(super) struct Leaving {
 /// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
 /// optional flow.
 pub(super) fn read_flow<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     (flow, is_outside): (FlowId, bool),
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     let wire = match is_outside {
@@ -39,7 +39,7 @@ pub(super) fn read_flow<'u>(
         false => flows::elab_flow(elab, scope, flow, span),
     };
     let wire = flow_for_reader(elab, scope, flow, wire, at);
-    if elab.mode == Mode::Steps {
+    if elab.mode == ElabMode::DependencySteps {
         return insert_reads(elab, scope, flow, &wire, at, span);
     }
     wire
@@ -47,11 +47,11 @@ pub(super) fn read_flow<'u>(
 
 /// Adds a node for each leaf that is read, at the position of the reader.
 fn insert_reads<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
     flow: FlowId,
     wire: &Wire,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     let scalars = leaf_scalars(&scope.unit.flow(flow).ty).into_iter();
@@ -63,15 +63,15 @@ fn insert_reads<'u>(
 }
 
 fn flow_for_reader<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
     wire: Wire,
-    at: At,
+    at: Position,
 ) -> Wire {
     let block = scope.unit.flow(flow).block;
     let wire = fragment_inputs::read_inside(elab, scope, block, wire, at.fragment);
-    if elab.mode == Mode::Constant || block == BlockId::ROOT {
+    if elab.mode == ElabMode::Constant || block == BlockId::ROOT {
         return wire;
     }
     if let Some(from) = scope.fragment(block) {
@@ -80,7 +80,7 @@ fn flow_for_reader<'u>(
     let mut leaf = |signal: &Signal| match new_gate(elab, signal) {
         None => signal.clone(),
         Some((alias, outside)) => {
-            scope.leaving.push(Leaving {
+            scope.pending_gates.push(PendingGate {
                 alias,
                 block,
                 reader: at.fragment,
@@ -93,12 +93,12 @@ fn flow_for_reader<'u>(
 
 /// Returns the leaves of fragment `from` for a reader in fragment `reader`.
 pub(super) fn gate_wire(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: &Wire,
     from: FragmentId,
     reader: FragmentId,
 ) -> Wire {
-    if elab.mode == Mode::Constant || !is_gated(elab, from, reader) {
+    if elab.mode == ElabMode::Constant || !is_gated(elab, from, reader) {
         return wire.clone();
     }
     let mut leaf = |signal: &Signal| match new_gate(elab, signal) {
@@ -112,8 +112,8 @@ pub(super) fn gate_wire(
 }
 
 /// Assigns the pending leaves to their fragments, which all exist now.
-pub(super) fn assign_pending_gates<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
-    for leaf in std::mem::take(&mut scope.leaving) {
+pub(super) fn assign_pending_gates<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
+    for leaf in std::mem::take(&mut scope.pending_gates) {
         let from = scope.fragment(leaf.block);
         if let Some(from) = from.filter(|from| is_gated(elab, *from, leaf.reader)) {
             elab.aliases.gates.insert(leaf.alias, from);
@@ -122,10 +122,10 @@ pub(super) fn assign_pending_gates<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u
 }
 
 /// Creates a gate alias for a leaf that may turn out not to be computed in its fragment.
-fn new_gate(elab: &mut Elab<'_>, signal: &Signal) -> Option<(usize, Signal)> {
+fn new_gate(elab: &mut Elaborator<'_>, signal: &Signal) -> Option<(usize, Signal)> {
     let scalar = match signal {
         Signal::Const(value) => match value.ty()? {
-            Type::One(scalar) => scalar,
+            Type::Scalar(scalar) => scalar,
             _ => return None,
         },
         Signal::Port(port) => match alias_of(*port) {
@@ -141,22 +141,28 @@ fn new_gate(elab: &mut Elab<'_>, signal: &Signal) -> Option<(usize, Signal)> {
 }
 
 /// Returns whether fragment `from` may be inactive while fragment `reader` is active.
-fn is_gated(elab: &Elab<'_>, from: FragmentId, reader: FragmentId) -> bool {
-    let inside = elab.net.enclosing(from);
-    let mut inside = inside.take_while(|f| elab.net.enclosing(reader).all(|r| r != *f));
+fn is_gated(elab: &Elaborator<'_>, from: FragmentId, reader: FragmentId) -> bool {
+    let inside = elab.net.ancestors(from);
+    let mut inside = inside.take_while(|f| elab.net.ancestors(reader).all(|r| r != *f));
     inside.any(|f| matches!(elab.net.fragment(f).activation, Activation::When { .. }))
 }
 
 /// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
 /// elsewhere.
-pub(super) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: Signal) -> Signal {
+pub(super) fn resolve_gate(elab: &mut Elaborator<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&from) = elab.aliases.gates.get(&alias) else {
         return signal;
     };
     let scalar = elab.aliases.types[alias];
     match signal {
         Signal::Const(_) => {
-            let port = arrays::port_of(elab, &signal, scalar, At::fragment(from), Span::NONE);
+            let port = arrays::port_of(
+                elab,
+                &signal,
+                scalar,
+                Position::in_fragment(from),
+                Span::NONE,
+            );
             port.map_or(signal, Signal::Port)
         }
         Signal::Port(port) if !is_computed_in(elab, port, from) => {
@@ -166,20 +172,20 @@ pub(super) fn resolve_gate(elab: &mut Elab<'_>, alias: usize, signal: Signal) ->
     }
 }
 
-pub(super) fn is_computed_in(elab: &Elab<'_>, port: PortRef, fragment: FragmentId) -> bool {
+pub(super) fn is_computed_in(elab: &Elaborator<'_>, port: PortRef, fragment: FragmentId) -> bool {
     let maker = elab.net.node(port.node).fragment;
-    elab.net.enclosing(maker).any(|f| f == fragment)
+    elab.net.ancestors(maker).any(|f| f == fragment)
 }
 
 /// Returns the machine type of a port with one leaf.
-fn scalar_of(elab: &Elab<'_>, port: PortRef) -> Option<Scalar> {
+fn scalar_of(elab: &Elaborator<'_>, port: PortRef) -> Option<Scalar> {
     match elab
         .net
         .node(port.node)
         .outputs
         .get(usize::from(port.port))?
     {
-        Type::One(scalar) => Some(*scalar),
+        Type::Scalar(scalar) => Some(*scalar),
         _ => None,
     }
 }

@@ -4,17 +4,17 @@
 //! Calls of functions and of stateless nodes are guarded as a whole. State in an operand runs in all cycles, as in
 //! Lustre, and so do the faults of the operations that feed it.
 
-use crate::elab::Elab;
+use crate::elab::Elaborator;
 use crate::elab::scope::Scope;
-use crate::hash::Set;
-use crate::typed::{Activation, Call, Each, Expr, Kind, PrimCall};
+use crate::hash::FastSet;
+use crate::typed::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedExprKind};
 use crate::typed::{Block, BlockId, Equation, ExprId, Unit, UnitId, UnitKind};
 use rpi_image::Role;
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
 /// Primitives that can fault, with their guarded variants.
-const TWINS: &[(&str, &str)] = &[
+const GUARDED_VARIANTS: &[(&str, &str)] = &[
     ("Core::IntAdd", "Rpi::GuardedIntAdd"),
     ("Rpi::IntSubtract", "Rpi::GuardedIntSubtract"),
     ("Core::IntMultiply", "Rpi::GuardedIntMultiply"),
@@ -28,27 +28,27 @@ const TWINS: &[(&str, &str)] = &[
 ];
 
 /// Returns the guarded variant of a primitive.
-pub(super) fn twin(prim: PrimId) -> Option<PrimId> {
+pub(super) fn guarded_variant(prim: PrimId) -> Option<PrimId> {
     let desc = prim.desc();
-    let row = TWINS
+    let row = GUARDED_VARIANTS
         .iter()
         .find(|row| desc.may_fault && row.0 == desc.name)?;
-    PrimId::of(row.1)
+    PrimId::from_name(row.1)
 }
 
 /// Properties of an expression including its operands.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Within {
+pub(super) struct ExprProperties {
     /// Whether the expression contains an operation that can fault and can be guarded.
     can_fault: bool,
     /// Whether the expression contains state, which runs in all cycles.
-    goes_on: bool,
+    has_state: bool,
 }
 
 /// Properties of a unit and of its expressions.
-pub(super) struct WithinUnit {
+pub(super) struct UnitProperties {
     /// Properties of each expression of the unit.
-    exprs: Vec<Within>,
+    exprs: Vec<ExprProperties>,
     /// Whether the unit can fault, or has a claim.
     can_fault: bool,
     /// Whether calls of the unit can be guarded as a whole: it has no state, neither in its body nor in a contract.
@@ -56,22 +56,22 @@ pub(super) struct WithinUnit {
 }
 
 /// Returns whether an expression contains an operation that can fault and can be guarded.
-pub(super) fn elab_can_fault<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId) -> bool {
+pub(super) fn elab_can_fault<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, id: ExprId) -> bool {
     expr_properties(elab, scope, id).can_fault
 }
 
 /// Returns whether an expression contains state, which runs in all cycles.
-pub(super) fn contains_state<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId) -> bool {
-    expr_properties(elab, scope, id).goes_on
+pub(super) fn contains_state<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, id: ExprId) -> bool {
+    expr_properties(elab, scope, id).has_state
 }
 
 /// Returns whether a call is guarded as a whole.
-pub(super) fn is_guarded(elab: &mut Elab<'_>, call: &Call) -> bool {
+pub(super) fn is_guarded(elab: &mut Elaborator<'_>, call: &Call) -> bool {
     matches!(call.activation, Activation::Always) && is_stateless_expr(elab, call.unit)
 }
 
 /// Returns whether a unit has no state.
-pub(super) fn is_stateless_expr(elab: &mut Elab<'_>, unit: UnitId) -> bool {
+pub(super) fn is_stateless_expr(elab: &mut Elaborator<'_>, unit: UnitId) -> bool {
     match elab.units[unit.0 as usize].kind {
         UnitKind::Function => true,
         UnitKind::Node => unit_properties(elab, unit).is_stateless,
@@ -80,18 +80,18 @@ pub(super) fn is_stateless_expr(elab: &mut Elab<'_>, unit: UnitId) -> bool {
 }
 
 /// Returns the properties of an expression. A constant outside any unit has no state and no faults at run time.
-fn expr_properties<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, id: ExprId) -> Within {
+fn expr_properties<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, id: ExprId) -> ExprProperties {
     match scope.id {
         Some(unit) => unit_properties(elab, unit).exprs[id.0 as usize],
-        None => Within::default(),
+        None => ExprProperties::default(),
     }
 }
 
 /// Computes the properties of a unit after those of its callees. Iterative, because a chain of calls may exceed the
 /// stack.
-fn unit_properties(elab: &mut Elab<'_>, id: UnitId) -> Rc<WithinUnit> {
+fn unit_properties(elab: &mut Elaborator<'_>, id: UnitId) -> Rc<UnitProperties> {
     let mut open = vec![id];
-    let mut entered: Set<UnitId> = Set::default();
+    let mut entered: FastSet<UnitId> = FastSet::default();
     while let Some(unit) = open.last().copied() {
         if elab.cache.unit_properties.contains_key(&unit) {
             open.pop();
@@ -107,7 +107,7 @@ fn unit_properties(elab: &mut Elab<'_>, id: UnitId) -> Rc<WithinUnit> {
     elab.cache.unit_properties[&id].clone()
 }
 
-fn compute_unit_properties(elab: &Elab<'_>, unit: &Unit) -> WithinUnit {
+fn compute_unit_properties(elab: &Elaborator<'_>, unit: &Unit) -> UnitProperties {
     let exprs = compute_expr_properties(elab, unit);
     let can_fault = |equation: &Equation| {
         let mut targets = equation.targets.iter();
@@ -122,12 +122,12 @@ fn compute_unit_properties(elab: &Elab<'_>, unit: &Unit) -> WithinUnit {
         UnitKind::Function => true,
         UnitKind::Node => {
             let mut blocks = (0..).map(BlockId).zip(&unit.blocks);
-            blocks.all(|(id, block)| is_plain(id, block))
-                && exprs.iter().all(|within| !within.goes_on)
+            blocks.all(|(id, block)| has_no_fragment(id, block))
+                && exprs.iter().all(|within| !within.has_state)
         }
         _ => false,
     };
-    WithinUnit {
+    UnitProperties {
         exprs,
         can_fault,
         is_stateless,
@@ -135,15 +135,15 @@ fn compute_unit_properties(elab: &Elab<'_>, unit: &Unit) -> WithinUnit {
 }
 
 /// Computes the properties of all expressions of a unit. Operands precede their expressions in the table.
-fn compute_expr_properties(elab: &Elab<'_>, unit: &Unit) -> Vec<Within> {
-    let mut all: Vec<Within> = Vec::with_capacity(unit.exprs.len());
+fn compute_expr_properties(elab: &Elaborator<'_>, unit: &Unit) -> Vec<ExprProperties> {
+    let mut all: Vec<ExprProperties> = Vec::with_capacity(unit.exprs.len());
     for expr in &unit.exprs {
         let mut within = own_properties(elab, expr);
-        if !within.goes_on {
+        if !within.has_state {
             expr.kind.operands(&mut |operand| {
                 let operand = all[operand.0 as usize];
                 within.can_fault |= operand.can_fault;
-                within.goes_on |= operand.goes_on;
+                within.has_state |= operand.has_state;
             });
         }
         all.push(within);
@@ -152,41 +152,46 @@ fn compute_expr_properties(elab: &Elab<'_>, unit: &Unit) -> Vec<Within> {
 }
 
 /// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
-fn own_properties(elab: &Elab<'_>, expr: &Expr) -> Within {
+fn own_properties(elab: &Elaborator<'_>, expr: &Expr) -> ExprProperties {
     let kind = &expr.kind;
-    let called =
-        match kind {
-            Kind::Call(call) => elab.cache.unit_properties.get(&call.unit).filter(|called| {
+    let called = match kind {
+        TypedExprKind::Call(call) => {
+            elab.cache.unit_properties.get(&call.unit).filter(|called| {
                 called.is_stateless && matches!(call.activation, Activation::Always)
-            }),
-            _ => None,
-        };
+            })
+        }
+        _ => None,
+    };
     let goes_on = match kind {
-        Kind::Each(Each::Pre | Each::Last | Each::Hold, _) | Kind::Current(_) => true,
-        Kind::Prim(call) => has_state(call),
+        TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold, _)
+        | TypedExprKind::Current(_) => true,
+        TypedExprKind::Prim(call) => has_state(call),
         // A callee without properties is part of a recursion, which is reported elsewhere.
-        Kind::Call(_) => called.is_none(),
+        TypedExprKind::Call(_) => called.is_none(),
         _ => false,
     };
     let can_fault = match kind {
-        Kind::Select { .. } => true,
-        Kind::Build(_) | Kind::Replace { .. } => expr.ty.has_subrange(true),
-        Kind::Prim(call) => call.prim.desc().may_fault && !goes_on,
-        Kind::Call(_) => called.is_some_and(|called| called.can_fault),
+        TypedExprKind::Select { .. } => true,
+        TypedExprKind::Build(_) | TypedExprKind::Replace { .. } => expr.ty.has_subrange(true),
+        TypedExprKind::Prim(call) => call.prim.desc().may_fault && !goes_on,
+        TypedExprKind::Call(_) => called.is_some_and(|called| called.can_fault),
         _ => false,
     };
-    Within { can_fault, goes_on }
+    ExprProperties {
+        can_fault,
+        has_state: goes_on,
+    }
 }
 
 /// Returns whether a primitive has state. Access to a device counts as state.
 pub(super) fn has_state(call: &PrimCall) -> bool {
     let desc = call.prim.desc();
-    !matches!(desc.state, rpi_image::State::None)
+    !matches!(desc.state, rpi_image::StateSize::None)
         || matches!(desc.role, Role::Delay | Role::Actuator(_) | Role::Export)
 }
 
 /// Returns whether a block has no fragment of its own: the body or a contract, without automata, exports and condition.
-fn is_plain(id: BlockId, block: &Block) -> bool {
+fn has_no_fragment(id: BlockId, block: &Block) -> bool {
     let is_inside = id != BlockId::ROOT && !block.is_contract;
     !is_inside && block.automata.is_empty() && block.exports.is_empty() && block.when.is_none()
 }
@@ -194,7 +199,7 @@ fn is_plain(id: BlockId, block: &Block) -> bool {
 /// Iterates over the calls in a unit.
 fn calls(unit: &Unit) -> impl Iterator<Item = &Call> {
     unit.exprs.iter().filter_map(|expr| match &expr.kind {
-        Kind::Call(call) => Some(&**call),
+        TypedExprKind::Call(call) => Some(&**call),
         _ => None,
     })
 }

@@ -52,43 +52,47 @@ mod subrange;
 mod time;
 
 pub use crate::elab::entry_point::{
-    Argument, Elaborated, Local, PortShape, elaborate, elaborate_alone, elaborate_steps,
-    hides_ring, parameters,
+    Argument, ElaboratedUnit, ObservableFlow, PortShape, elaborate, elaborate_dependency_steps,
+    elaborate_node, has_hidden_dependency_cycle, parameters,
 };
-pub use crate::elab::size_budget::{MAX_STEPS, MAX_TASKS_IN_A_ROW, Room, task_too_large};
-pub use claims::Claims;
+pub use crate::elab::size_budget::{MAX_STEPS, MAX_TASK_DEPTH, SizeBudget, task_too_large};
+pub use claims::ClaimPolicy;
 
-pub use crate::elab::short_circuit::Operand;
+pub use crate::elab::short_circuit::LazyOperand;
 use crate::facts::Facts;
-use crate::hash::{Map, Set};
+use crate::hash::{FastMap, FastSet};
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
-use rpi_diag::{Finding, Span};
+use rpi_diag::{Diagnostic, Span};
 use rpi_image::Scalar;
-use rpi_net::{FragmentId, Net, PortRef, Side};
+use rpi_net::{DecisionBranch, FragmentId, Net, PortRef};
 use rpi_prims::PrimId;
-use scope::{Scope, State};
+use scope::{FlowState, Scope};
 use signal::{Signal, Wire};
 use std::rc::Rc;
 
 /// Reason why an expression has no value at compile time.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) enum NotConstant {
+pub(crate) enum NotConstantError {
     /// The expression has an error that has been reported.
-    Faulty,
+    Reported,
     /// The expression depends on a value that is known only at run time.
-    Flow(Span),
+    RunTime(Span),
     /// The evaluation faults; with the place and the message.
     Fault(Span, String),
 }
 
 /// Evaluates a constant expression of a unit and returns its leaves.
-pub(crate) fn constant(units: &[Unit], unit: &Unit, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+pub(crate) fn evaluate_constant(
+    units: &[Unit],
+    unit: &Unit,
+    id: ExprId,
+) -> Result<Rc<[Leaf]>, NotConstantError> {
     constant_with(units, unit, id, &[])
 }
 
 /// Evaluates an expression that depends only on the unit's parameters. `args` are the values of the first parameters.
 #[must_use]
-pub fn argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
+pub fn evaluate_argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
     match constant_with(units, unit, id, args) {
         Ok(leaves) => Argument::Value(leaves.to_vec()),
         Err(_) => Argument::Unknown,
@@ -100,97 +104,97 @@ fn constant_with(
     unit: &Unit,
     id: ExprId,
     args: &[Argument],
-) -> Result<Rc<[Leaf]>, NotConstant> {
-    let mut elab = Elab::new(units, &[], Mode::Constant);
+) -> Result<Rc<[Leaf]>, NotConstantError> {
+    let mut elab = Elaborator::new(units, &[], ElabMode::Constant);
     let mut scope = Scope::constant(unit);
     let given = (!args.is_empty()).then(|| parameters(unit));
     for (flow, arg) in given.into_iter().flatten().zip(args) {
         let known: Wire = match (arg, unit.flow(flow).default) {
             (Argument::Value(leaves), _) => leaves.iter().cloned().map(Signal::Const).collect(),
             (Argument::Default, Some(default)) => {
-                expr::elab_expr(&mut elab, &mut scope, default, At::ROOT)
+                expr::elab_expr(&mut elab, &mut scope, default, Position::ROOT)
             }
             _ => continue,
         };
-        *scope.state(flow) = State::Known(known);
+        *scope.state(flow) = FlowState::Done(known);
     }
-    let wire = expr::elab_expr(&mut elab, &mut scope, id, At::ROOT);
+    let wire = expr::elab_expr(&mut elab, &mut scope, id, Position::ROOT);
     if let Some(failure) = elab.failure.take() {
         return Err(failure);
     }
     let leaf = |signal: &Signal| match signal {
         Signal::Const(value) => Ok(value.clone()),
-        _ => Err(NotConstant::Flow(unit.expr(id).span)),
+        _ => Err(NotConstantError::RunTime(unit.expr(id).span)),
     };
     wire.iter().map(leaf).collect()
 }
 
 /// Purpose of an elaboration.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Mode {
+enum ElabMode {
     /// Net to be run.
     Net,
     /// Net of the whole source, with branches that a constant never chooses, for the dependency analysis (M5).
-    Whole,
+    Dependencies,
     /// Like [`Mode::Whole`], with a node for every equation, including mere copies. Messages about dependency cycles
     /// are drawn from this net.
-    Steps,
+    DependencySteps,
     /// Evaluation of a constant.
     Constant,
 }
 
 /// Position at which an expression is evaluated.
 #[derive(Clone, Copy, PartialEq, Debug)]
-struct At {
+struct Position {
     /// Fragment of the expression.
     fragment: FragmentId,
     /// Condition under which the enclosing branch of an `if` is chosen. Operations that can fault are guarded by it.
     guard: Option<PortRef>,
     /// Enclosing branch, if coverage points are recorded.
-    side: Option<Side>,
+    branch: Option<DecisionBranch>,
 }
 
-impl At {
-    const ROOT: At = At::fragment(FragmentId::ROOT);
+impl Position {
+    const ROOT: Position = Position::in_fragment(FragmentId::ROOT);
 
-    const fn fragment(fragment: FragmentId) -> At {
-        At {
+    const fn in_fragment(fragment: FragmentId) -> Position {
+        Position {
             fragment,
             guard: None,
-            side: None,
+            branch: None,
         }
     }
 
-    fn unguarded(self) -> At {
-        At::fragment(self.fragment)
+    fn unguarded(self) -> Position {
+        Position::in_fragment(self.fragment)
     }
 }
 
 /// State of the elaboration of one net or constant.
-struct Elab<'u> {
+struct Elaborator<'u> {
     units: &'u [Unit],
     facts: &'u [Facts],
-    mode: Mode,
+    mode: ElabMode,
     net: Net,
     aliases: Aliases,
     cache: Cache,
     inlining: Inlining,
     naming: Naming,
     /// Fragments of blocks in place.
-    in_place: Set<FragmentId>,
+    in_place: FastSet<FragmentId>,
     /// First reason why the constant cannot be evaluated.
-    failure: Option<NotConstant>,
+    failure: Option<NotConstantError>,
     /// Remaining budget for expanded code.
-    budget: node_budget::Allowance,
-    findings: Vec<Finding>,
+    budget: node_budget::NodeBudget,
+    diagnostics: Vec<Diagnostic>,
     /// Whether any claim was found.
     has_claims: bool,
     /// Operands with state that are not always needed.
-    lazy_operands: Vec<Operand>,
+    lazy_operands: Vec<LazyOperand>,
     /// Whether code was left out only because a constant rules it out.
     leaves_out_code: bool,
     /// Treatment of claims.
-    claims: Claims,
+    claim_policy: ClaimPolicy,
     /// Whether coverage points are recorded.
     records_coverage: bool,
     /// Exported ports that keep flows alive that nothing in the net reads.
@@ -207,31 +211,31 @@ struct Aliases {
     in_progress: Vec<bool>,
     /// For each gate alias, the fragment that it leads out of. Outside, its constants are present only while the
     /// fragment is active.
-    gates: Map<usize, FragmentId>,
+    gates: FastMap<usize, FragmentId>,
     /// For each entry alias, the fragment that it leads into. To its surroundings this fragment is one vertex.
-    entries: Map<usize, FragmentId>,
+    entries: FastMap<usize, FragmentId>,
     /// For each flow, the alias by which it was known before its equation was reached. Filled only where clocks are
     /// used.
-    names_before: Map<PortRef, PortRef>,
+    names_before: FastMap<PortRef, PortRef>,
     /// Arrays whose leaves are not known yet, in the order of their aliases.
-    deferred_arrays: Vec<deferred_arrays::Promise>,
+    deferred_arrays: Vec<deferred_arrays::DeferredArray>,
 }
 
 /// Ports and fragments that are made once and used again.
 #[derive(Default)]
 struct Cache {
     /// Port of `first` in each fragment.
-    firsts: Map<FragmentId, PortRef>,
+    firsts: FastMap<FragmentId, PortRef>,
     /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
-    cycle_inputs: Map<(FragmentId, PrimId), signal::Wire>,
+    cycle_inputs: FastMap<(FragmentId, PrimId), signal::Wire>,
     /// Fragments of clocks.
-    clock_fragments: Map<sampled_flows::ClockKey, FragmentId>,
+    clock_fragments: FastMap<sampled_flows::ClockKey, FragmentId>,
     /// Elements that have been extracted from array ports.
-    elements: Map<(PortRef, u32), PortRef>,
+    elements: FastMap<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
-    sensors: Map<(String, String, u32), PortRef>,
+    sensors: FastMap<(String, String, u32), PortRef>,
     /// Properties of units.
-    unit_properties: Map<UnitId, Rc<guards::WithinUnit>>,
+    unit_properties: FastMap<UnitId, Rc<guards::UnitProperties>>,
 }
 
 /// Calls that are being inlined.
@@ -261,9 +265,9 @@ struct Naming {
 /// Greatest depth of nested calls. Each level of inlining costs stack.
 pub(crate) const MAX_DEPTH: usize = 400;
 
-impl<'u> Elab<'u> {
-    fn new(units: &'u [Unit], facts: &'u [Facts], mode: Mode) -> Self {
-        Elab {
+impl<'u> Elaborator<'u> {
+    fn new(units: &'u [Unit], facts: &'u [Facts], mode: ElabMode) -> Self {
+        Elaborator {
             units,
             facts,
             mode,
@@ -272,22 +276,22 @@ impl<'u> Elab<'u> {
             cache: Cache::default(),
             inlining: Inlining::default(),
             naming: Naming::default(),
-            in_place: Set::default(),
+            in_place: FastSet::default(),
             failure: None,
-            budget: node_budget::Allowance::new(),
-            findings: Vec::new(),
+            budget: node_budget::NodeBudget::new(),
+            diagnostics: Vec::new(),
             has_claims: false,
             lazy_operands: Vec::new(),
             leaves_out_code: false,
-            claims: Claims::default(),
+            claim_policy: ClaimPolicy::default(),
             records_coverage: false,
             kept_exports: Vec::new(),
         }
     }
 
     /// Records why a constant cannot be evaluated. Only the first reason is kept.
-    fn fail(&mut self, reason: NotConstant) -> Wire {
+    fn fail(&mut self, reason: NotConstantError) -> Wire {
         self.failure.get_or_insert(reason);
-        signal::nothing()
+        signal::empty_wire()
     }
 }

@@ -4,71 +4,71 @@
 //! Counted are expanded calls, nodes with their names, and leaves of values. The text of each unit raises the limit
 //! once per net, however often the unit is called.
 
-use crate::elab::{Elab, NotConstant};
-use crate::hash::Set;
+use crate::elab::{Elaborator, NotConstantError};
+use crate::hash::FastSet;
 use crate::typed::{Unit, UnitId};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 
 /// Nodes allowed for every net, in addition to what its text allows.
-const FREE: usize = 200_000;
+const BASE_BUDGET: usize = 200_000;
 
 /// Nodes allowed for each byte of an equation.
-const PER_BYTE: usize = 2;
+const NODES_PER_BYTE: usize = 2;
 
 /// Number of leaves of a value that cost as much as one node.
-const LEAVES: usize = 8;
+const LEAVES_PER_NODE: usize = 8;
 
 /// Number of bytes of a node's name that cost as much as the node.
-const LETTERS: usize = 256;
+const NAME_BYTES_PER_NODE: usize = 256;
 
 /// Remaining budget of a net or constant.
-pub(super) struct Allowance {
-    left: usize,
+pub(super) struct NodeBudget {
+    remaining: usize,
     /// Units whose text has been counted.
-    paid: Set<UnitId>,
-    pub(super) is_used_up: bool,
+    counted_units: FastSet<UnitId>,
+    pub(super) is_exhausted: bool,
 }
 
-impl Allowance {
-    pub(super) fn new() -> Allowance {
-        Allowance {
-            left: FREE,
-            paid: Set::default(),
-            is_used_up: false,
+impl NodeBudget {
+    pub(super) fn new() -> NodeBudget {
+        NodeBudget {
+            remaining: BASE_BUDGET,
+            counted_units: FastSet::default(),
+            is_exhausted: false,
         }
     }
 
     fn spend(&mut self, cost: usize) -> bool {
-        self.is_used_up |= self.left < cost;
-        self.left = self.left.saturating_sub(cost);
-        !self.is_used_up
+        self.is_exhausted |= self.remaining < cost;
+        self.remaining = self.remaining.saturating_sub(cost);
+        !self.is_exhausted
     }
 }
 
 /// Adds the text of a unit to the budget, the first time the unit is expanded.
-pub(super) fn credit_text(elab: &mut Elab<'_>, id: UnitId) {
-    if elab.budget.paid.insert(id) {
-        elab.budget.left += PER_BYTE * length(&elab.units[id.0 as usize]);
+pub(super) fn credit_text(elab: &mut Elaborator<'_>, id: UnitId) {
+    if elab.budget.counted_units.insert(id) {
+        elab.budget.remaining += NODES_PER_BYTE * length(&elab.units[id.0 as usize]);
     }
 }
 
 /// Returns whether one more call can be expanded. Reports the first excess.
-pub(super) fn charge_call(elab: &mut Elab<'_>, span: Span) -> bool {
+pub(super) fn charge_call(elab: &mut Elaborator<'_>, span: Span) -> bool {
     charge(elab, 1, span)
 }
 
 /// Returns whether one more node of this name can be added. Reports the first excess.
-pub(super) fn charge_node(elab: &mut Elab<'_>, name: &str, span: Span) -> bool {
-    charge(elab, 1 + name.len() / LETTERS, span)
+pub(super) fn charge_node(elab: &mut Elaborator<'_>, name: &str, span: Span) -> bool {
+    charge(elab, 1 + name.len() / NAME_BYTES_PER_NODE, span)
 }
 
 /// Returns whether a value with this many leaves can be built. Reports the first excess.
-pub(super) fn charge_leaves(elab: &mut Elab<'_>, leaves: usize, span: Span) -> bool {
-    charge(elab, leaves / LEAVES, span)
+pub(super) fn charge_leaves(elab: &mut Elaborator<'_>, leaves: usize, span: Span) -> bool {
+    charge(elab, leaves / LEAVES_PER_NODE, span)
 }
 
-fn charge(elab: &mut Elab<'_>, cost: usize, span: Span) -> bool {
-    let was_used_up = elab.budget.is_used_up;
+fn charge(elab: &mut Elaborator<'_>, cost: usize, span: Span) -> bool {
+    let was_used_up = elab.budget.is_exhausted;
     let may = elab.budget.spend(cost);
     if !may && !was_used_up {
         report_too_large(elab, span);
@@ -76,15 +76,16 @@ fn charge(elab: &mut Elab<'_>, cost: usize, span: Span) -> bool {
     may
 }
 
-fn report_too_large(elab: &mut Elab<'_>, span: Span) {
+fn report_too_large(elab: &mut Elaborator<'_>, span: Span) {
     let message = "program is too large after all calls are expanded";
-    if elab.mode == crate::elab::Mode::Constant {
-        elab.fail(NotConstant::Fault(span, message.to_owned()));
+    if elab.mode == crate::elab::ElabMode::Constant {
+        elab.fail(NotConstantError::Fault(span, message.to_owned()));
         return;
     }
-    let finding = Finding::new(Code::RPI1011, message).at(span, "the limit is exceeded here");
-    elab.findings.push(finding.help("each call and each array element is a separate copy: name values that are used twice, or shorten arrays"));
-    elab.fail(NotConstant::Faulty);
+    let diagnostic =
+        Diagnostic::new(Code::RPI1011, message).primary(span, "the limit is exceeded here");
+    elab.diagnostics.push(diagnostic.help("each call and each array element is a separate copy: name values that are used twice, or shorten arrays"));
+    elab.fail(NotConstantError::Reported);
 }
 
 /// Returns the total length of a unit's equations in bytes.

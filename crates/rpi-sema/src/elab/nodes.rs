@@ -1,16 +1,16 @@
 //! Adds nodes to the net. A node whose result is known is folded instead.
 
 use crate::elab::arrays;
-use crate::elab::arrays::natural;
+use crate::elab::arrays::default_port_type;
 use crate::elab::deferred_arrays;
 use crate::elab::node_budget;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::primitive_family::member;
-use crate::elab::signal::{Given, Signal, Wire, alias, alias_of, single};
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::signal::{PrimInputs, Signal, Wire, alias_of, resolve_alias, single_wire};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding, Span};
-use rpi_image::{InPort, Need, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_image::{Fallback, InPort, PortDefault, PortType, Scalar, ShapeArgs, Type, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, Input, Inputs, Node, NodeId, Origin, PortRef, Types};
 use rpi_prims::{FaultCode, PrimId, fold};
@@ -19,15 +19,15 @@ use smallvec::smallvec;
 /// Adds a primitive with its inputs connected (`None` if open) and all its parameters. Returns the leaves of its
 /// outputs.
 pub(super) fn add_prim(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     prim: PrimId,
     inputs: Vec<Option<Wire>>,
     params: Vec<Value>,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     let shaped = |(port, wire): (&InPort, Option<Wire>)| {
-        wire.map(|wire| (natural(port.ty, wire.len()), wire))
+        wire.map(|wire| (default_port_type(port.ty, wire.len()), wire))
     };
     let inputs = prim.desc().inputs.iter().zip(inputs).map(shaped).collect();
     add_prim_typed(elab, prim, inputs, params, at, span)
@@ -35,18 +35,18 @@ pub(super) fn add_prim(
 
 /// Like [`prim`](Self::prim), for inputs whose types are known including sizes.
 pub(super) fn add_prim_typed(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     prim: PrimId,
-    inputs: Given,
+    inputs: PrimInputs,
     params: Vec<Value>,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     let mut connected = Inputs::with_capacity(inputs.len());
     for (port, given) in prim.desc().inputs.iter().zip(inputs) {
         let input = match given {
             Some((ty, wire)) => arrays::elab_input(elab, &wire, ty, at, span),
-            None => open(port.need, port.ty),
+            None => unconnected_input(port.fallback, port.ty),
         };
         connected.push(input);
     }
@@ -55,11 +55,11 @@ pub(super) fn add_prim_typed(
 
 /// Adds a primitive whose inputs are ports or constants. Returns its folded result if that is constant.
 fn add_connected(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     prim: PrimId,
     connected: Inputs,
     params: Vec<Value>,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     let Some(outputs) = out_types(elab, prim, &connected, &params) else {
@@ -68,8 +68,8 @@ fn add_connected(
     if let Some(known) = try_fold(elab, prim, &connected, &params, &outputs, at, span) {
         return known;
     }
-    if elab.mode == Mode::Constant {
-        return elab.fail(NotConstant::Flow(span));
+    if elab.mode == ElabMode::Constant {
+        return elab.fail(NotConstantError::RunTime(span));
     }
     let node = add_node(elab, prim, connected, params, outputs, at.fragment, span);
     out_wire(elab, node)
@@ -77,15 +77,15 @@ fn add_connected(
 
 /// Adds a primitive with inputs of one leaf and one output.
 pub(super) fn add_simple(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     prim: PrimId,
     inputs: &[Signal],
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     let mut connected = Inputs::with_capacity(inputs.len());
     for (port, signal) in prim.desc().inputs.iter().zip(inputs) {
-        let ty = natural(port.ty, 1);
+        let ty = default_port_type(port.ty, 1);
         connected.push(arrays::elab_input(
             elab,
             std::slice::from_ref(signal),
@@ -100,11 +100,11 @@ pub(super) fn add_simple(
 
 /// Adds the member of a family for a value type.
 pub(super) fn add_family_member(
-    elab: &mut Elab<'_>,
-    family: Family,
+    elab: &mut Elaborator<'_>,
+    family: PrimitiveFamily,
     scalar: Scalar,
     inputs: &[Signal],
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     match member(family, scalar) {
@@ -115,25 +115,25 @@ pub(super) fn add_family_member(
 
 /// Adds a node that copies its input. Returns the port itself if its type has no such primitive.
 pub(super) fn add_copy(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     port: PortRef,
     scalar: Scalar,
     fragment: FragmentId,
     span: Span,
 ) -> Signal {
-    let Some(prim) = member(Family::Conditional, scalar) else {
+    let Some(prim) = member(PrimitiveFamily::Conditional, scalar) else {
         return Signal::Port(port);
     };
     let always = Input::constant(Value::bool(true));
     let inputs = smallvec![always, Input::Port(port), Input::Port(port)];
-    let outputs = Types::from([Type::One(scalar)]);
+    let outputs = Types::from([Type::Scalar(scalar)]);
     let node = add_node(elab, prim, inputs, Vec::new(), outputs, fragment, span);
     Signal::Port(PortRef { node, port: 0 })
 }
 
 /// Adds a node.
 pub(super) fn add_node(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     prim: PrimId,
     inputs: Inputs,
     params: Vec<Value>,
@@ -159,16 +159,16 @@ pub(super) fn add_node(
 }
 
 /// Returns the leaves of a node's outputs.
-pub(super) fn out_wire(elab: &Elab<'_>, node: NodeId) -> Wire {
+pub(super) fn out_wire(elab: &Elaborator<'_>, node: NodeId) -> Wire {
     let outputs = &elab.net.node(node).outputs;
-    if let [Type::One(_)] = outputs[..] {
-        return single(Signal::Port(PortRef { node, port: 0 }));
+    if let [Type::Scalar(_)] = outputs[..] {
+        return single_wire(Signal::Port(PortRef { node, port: 0 }));
     }
     let mut wire = Vec::new();
     for (port, ty) in (0..).zip(outputs) {
         let port = PortRef { node, port };
         match ty {
-            Type::One(_) => wire.push(Signal::Port(port)),
+            Type::Scalar(_) => wire.push(Signal::Port(port)),
             Type::Array(_, n) => wire.extend((0..*n).map(|k| Signal::Element(port, k))),
             Type::Matrix(rows, cols) => {
                 wire.extend((0..rows * cols).map(|k| Signal::Element(port, k)));
@@ -178,10 +178,15 @@ pub(super) fn out_wire(elab: &Elab<'_>, node: NodeId) -> Wire {
     wire.into()
 }
 
-fn out_types(elab: &Elab<'_>, prim: PrimId, inputs: &[Input], params: &[Value]) -> Option<Types> {
+fn out_types(
+    elab: &Elaborator<'_>,
+    prim: PrimId,
+    inputs: &[Input],
+    params: &[Value],
+) -> Option<Types> {
     let desc = prim.desc();
     let simple = desc.outputs.iter().map(|port| match port.ty {
-        PortType::One(scalar) => Some(Type::One(scalar)),
+        PortType::Scalar(scalar) => Some(Type::Scalar(scalar)),
         _ => None,
     });
     if let Some(types) = simple.collect::<Option<Types>>() {
@@ -197,9 +202,9 @@ fn out_types(elab: &Elab<'_>, prim: PrimId, inputs: &[Input], params: &[Value]) 
         .collect()
 }
 
-fn input_type(elab: &Elab<'_>, input: &Input) -> Option<Type> {
+fn input_type(elab: &Elaborator<'_>, input: &Input) -> Option<Type> {
     match input {
-        Input::Open => None,
+        Input::Unconnected => None,
         Input::Const(value) => value.ty(),
         Input::Port(port) if alias_of(*port).is_some() => {
             deferred_arrays::deferred_type(elab, *port)
@@ -213,27 +218,27 @@ fn input_type(elab: &Elab<'_>, input: &Input) -> Option<Type> {
     }
 }
 
-fn report_unknown_size(elab: &mut Elab<'_>, prim: PrimId, span: Span) -> Wire {
-    let finding = Finding::new(
+fn report_unknown_size(elab: &mut Elaborator<'_>, prim: PrimId, span: Span) -> Wire {
+    let diagnostic = Diagnostic::new(
         Code::RPI2009,
         format!("size mismatch in the arguments of `{}`", prim.desc().name),
     )
-    .at(
+    .primary(
         span,
         "cannot infer the size of the result from these arguments",
     );
-    elab.findings.push(finding);
-    elab.fail(NotConstant::Faulty)
+    elab.diagnostics.push(diagnostic);
+    elab.fail(NotConstantError::Reported)
 }
 
 /// Returns the folded result if all inputs are constant and the primitive can be folded.
 fn try_fold(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     prim: PrimId,
     inputs: &[Input],
     params: &[Value],
     outputs: &[Type],
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<Wire> {
     let constant = |input: &Input| matches!(input, Input::Const(_));
@@ -255,45 +260,51 @@ fn try_fold(
 }
 
 /// Reports a fault that occurs in every cycle. Under a guard it may never be reached, so it is not reported.
-fn report_constant_fault(elab: &mut Elab<'_>, fault: FaultCode, at: At, span: Span) {
+fn report_constant_fault(elab: &mut Elaborator<'_>, fault: FaultCode, at: Position, span: Span) {
     if at.guard.is_some() {
         return;
     }
     report_certain_fault(elab, fault_text(fault).to_owned(), span);
 }
 
-pub(super) fn report_certain_fault(elab: &mut Elab<'_>, what: String, span: Span) {
+pub(super) fn report_certain_fault(elab: &mut Elaborator<'_>, what: String, span: Span) {
     match elab.mode {
-        Mode::Constant => {
-            elab.fail(NotConstant::Fault(span, what));
+        ElabMode::Constant => {
+            elab.fail(NotConstantError::Fault(span, what));
         }
-        Mode::Net | Mode::Whole | Mode::Steps => elab
-            .findings
-            .push(Finding::new(Code::RPI2010, what).at(span, "in every cycle")),
+        ElabMode::Net | ElabMode::Dependencies | ElabMode::DependencySteps => elab
+            .diagnostics
+            .push(Diagnostic::new(Code::RPI2010, what).primary(span, "in every cycle")),
     }
 }
 
 /// Reserves memory for `more` aliases.
-pub(super) fn reserve_aliases(elab: &mut Elab<'_>, more: usize) {
+pub(super) fn reserve_aliases(elab: &mut Elaborator<'_>, more: usize) {
     elab.aliases.signals.reserve(more);
     elab.aliases.types.reserve(more);
     elab.aliases.in_progress.reserve(more);
 }
 
 /// Creates an alias for a flow of a machine type.
-pub(super) fn new_alias(elab: &mut Elab<'_>, scalar: Scalar) -> PortRef {
+pub(super) fn new_alias(elab: &mut Elaborator<'_>, scalar: Scalar) -> PortRef {
     elab.aliases.signals.push(None);
     elab.aliases.types.push(scalar);
     elab.aliases.in_progress.push(false);
-    alias(elab.aliases.signals.len() - 1)
+    resolve_alias(elab.aliases.signals.len() - 1)
 }
 
 /// Returns the signal `first` of a fragment.
-pub(super) fn first_port(elab: &mut Elab<'_>, fragment: FragmentId, span: Span) -> Signal {
+pub(super) fn first_port(elab: &mut Elaborator<'_>, fragment: FragmentId, span: Span) -> Signal {
     if let Some(port) = elab.cache.firsts.get(&fragment) {
         return Signal::Port(*port);
     }
-    let signal = add_simple(elab, prim!("Rpi::First"), &[], At::fragment(fragment), span);
+    let signal = add_simple(
+        elab,
+        prim!("Rpi::First"),
+        &[],
+        Position::in_fragment(fragment),
+        span,
+    );
     if let Signal::Port(port) = signal {
         elab.cache.firsts.insert(fragment, port);
     }
@@ -321,38 +332,38 @@ pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
 }
 
 /// Returns the input of an unconnected port: its default, or open.
-fn open(need: Need, ty: PortType) -> Input {
-    let PortType::One(scalar) = ty else {
-        return Input::Open;
+fn unconnected_input(need: Fallback, ty: PortType) -> Input {
+    let PortType::Scalar(scalar) = ty else {
+        return Input::Unconnected;
     };
     match need {
-        Need::Param(_, default) => default_input(default, scalar),
-        Need::Params(parts, make) => {
+        Fallback::Param(_, default) => default_input(default, scalar),
+        Fallback::ComposedOfParams(parts, make) => {
             let reals: Vec<f64> = parts.iter().map(|(_, default)| *default).collect();
             Input::constant(make(&reals))
         }
-        Need::Required | Need::Absent => Input::Open,
+        Fallback::Required | Fallback::AbsentValue => Input::Unconnected,
     }
 }
 
 fn default_input(default: PortDefault, scalar: Scalar) -> Input {
     default
-        .value(Type::One(scalar))
-        .map_or(Input::Open, Input::constant)
+        .value(Type::Scalar(scalar))
+        .map_or(Input::Unconnected, Input::constant)
 }
 
 /// Splits a value into its leaves, the elements of an array.
 pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
     let (scalar, count) = match value.ty() {
-        None | Some(Type::One(_)) => return vec![value.clone()],
+        None | Some(Type::Scalar(_)) => return vec![value.clone()],
         Some(Type::Array(scalar, n)) => (scalar, n),
         Some(Type::Matrix(rows, cols)) => (Scalar::Real, rows * cols),
     };
-    let element = |cells: &[u64]| Value::Cells {
-        ty: Type::One(scalar),
+    let element = |cells: &[u64]| Value::Slots {
+        ty: Type::Scalar(scalar),
         cells: cells.into(),
     };
-    let chunks = value.cells().chunks(scalar.cells() as usize);
+    let chunks = value.slots().chunks(scalar.slots() as usize);
     chunks.take(count as usize).map(element).collect()
 }
 

@@ -1,25 +1,25 @@
 //! Flows that are read outside of the block or clock that defines them.
 
-use crate::clocks::{ClockId, Row, Tick};
+use crate::clocks::{ClockId, LeafClocks, Sampling};
 use crate::elab::block;
 use crate::elab::call;
 use crate::elab::expr;
 use crate::elab::flows;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
-use crate::elab::{At, Elab};
+use crate::elab::{Elaborator, Position};
 use crate::facts::Facts;
-use crate::typed::{Equation, ExprId, FlowId, Place};
+use crate::typed::{Equation, ExprId, FlowId, TargetPlace};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 
 /// Returns a flow for a reader in all cycles of its block: absent where the flow's clock does not tick.
 pub(super) fn off_clock_absent<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
     wire: &Wire,
@@ -29,14 +29,14 @@ pub(super) fn off_clock_absent<'u>(
         return wire.clone();
     };
     let scalars = crate::elab::expr::leaf_scalars(&scope.unit.flow(flow).ty);
-    let row = facts.clocks.flow(flow);
+    let row = facts.clocks.flow_clocks(flow);
     let clocks = |k: usize| (row.leaf(k), ClockId::BASE);
     on_reader_clock(elab, scope, (wire, &scalars), clocks, span)
 }
 
 /// Returns the value of an equation on the clocks of its targets.
 pub(super) fn value_for_targets<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     equation: &'u Equation,
     wire: Wire,
@@ -48,8 +48,8 @@ pub(super) fn value_for_targets<'u>(
     let mut wanted = Vec::with_capacity(wire.len());
     for target in &equation.targets {
         let row = match target.place {
-            Place::Flow { flow, at } => (clocks.flow(flow), at as usize),
-            _ => (Row::All(ClockId::BASE), 0),
+            TargetPlace::Flow { flow, at } => (clocks.flow_clocks(flow), at as usize),
+            _ => (LeafClocks::Uniform(ClockId::BASE), 0),
         };
         let leaves = 0..target.ty.leaf_count();
         wanted.extend(leaves.map(|k| row.0.leaf(row.1 + k)));
@@ -64,7 +64,7 @@ pub(super) fn value_for_targets<'u>(
 /// Returns leaves of a value, each with its clock and its reader's clock as given by `clocks`. A leaf on a slower
 /// clock becomes absent where that clock does not tick.
 pub(super) fn on_reader_clock<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     (wire, scalars): (&Wire, &[Scalar]),
     clocks: impl Fn(usize) -> (ClockId, ClockId),
@@ -88,17 +88,23 @@ pub(super) fn on_reader_clock<'u>(
             continue;
         }
         let pair = clocks(k);
-        let at = At::fragment(sampled_flows::clock_fragment(elab, scope, pair.1));
+        let at = Position::in_fragment(sampled_flows::clock_fragment(elab, scope, pair.1));
         let known = off.take().filter(|(known, _)| *known == pair);
         let known = match known {
             Some((_, known)) => known,
-            None => inactive_condition(elab, scope, facts.clocks.beyond(pair.0, pair.1), at, span),
+            None => inactive_condition(
+                elab,
+                scope,
+                facts.clocks.samplings_beyond(pair.0, pair.1),
+                at,
+                span,
+            ),
         };
         let scalar = scalars.get(k).copied().unwrap_or(Scalar::Bool);
         let inputs = [signal.clone(), known.clone()];
         leaves.push(nodes::add_family_member(
             elab,
-            Family::SetNull,
+            PrimitiveFamily::SetNull,
             scalar,
             &inputs,
             at,
@@ -112,10 +118,10 @@ pub(super) fn on_reader_clock<'u>(
 /// Returns the operand of `when` where its clock meets that of the decider. Leaves on other clocks are optional
 /// there.
 pub(super) fn sampled_value<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [id, value]: [ExprId; 2],
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = expr::elab_expr(elab, scope, value, at);
     let Some(facts) = sampled_flows::clocked_facts(elab, scope) else {
@@ -125,7 +131,7 @@ pub(super) fn sampled_value<'u>(
     let scalars = crate::elab::expr::leaf_scalars(&expr.ty);
     let mut leaves = Vec::with_capacity(wire.len());
     for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
-        let (common, beyond) = facts.clocks.beyond_sampled(value, k, id);
+        let (common, beyond) = facts.clocks.split_operand_samplings(value, k, id);
         if beyond.is_empty() {
             leaves.push(signal.clone());
             continue;
@@ -134,12 +140,12 @@ pub(super) fn sampled_value<'u>(
         for tick in common {
             fragment = sampled_flows::sampling_fragment(elab, scope, *tick, fragment);
         }
-        let at = At::fragment(fragment);
+        let at = Position::in_fragment(fragment);
         let off = inactive_condition(elab, scope, beyond, at, expr.span);
         let inputs = [signal.clone(), off];
         leaves.push(nodes::add_family_member(
             elab,
-            Family::SetNull,
+            PrimitiveFamily::SetNull,
             scalar,
             &inputs,
             at,
@@ -151,10 +157,10 @@ pub(super) fn sampled_value<'u>(
 
 /// Returns the condition that at least one of these nested samplings does not tick.
 fn inactive_condition<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    path: &[Tick],
-    at: At,
+    path: &[Sampling],
+    at: Position,
     span: Span,
 ) -> Signal {
     let mut active = Signal::Const(Value::bool(true));
@@ -162,8 +168,14 @@ fn inactive_condition<'u>(
         let ticks = sampled_flows::tick_condition(elab, scope, *tick, at, span);
         let no = Signal::Const(Value::bool(false));
         let inputs = [ticks, active, no];
-        active =
-            nodes::add_family_member(elab, Family::Conditional, Scalar::Bool, &inputs, at, span);
+        active = nodes::add_family_member(
+            elab,
+            PrimitiveFamily::Conditional,
+            Scalar::Bool,
+            &inputs,
+            at,
+            span,
+        );
     }
     nodes::add_simple(elab, prim!("Core::BooleanNot"), &[active], at, span)
 }
@@ -171,28 +183,29 @@ fn inactive_condition<'u>(
 /// Returns a flow for readers outside its block: defined in all cycles of the block, absent where its clock does
 /// not tick. The aliases are bound at the end, when the fragment of the block exists.
 pub(super) fn flow_outside_block<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
     span: Span,
 ) -> Wire {
     let facts = sampled_flows::clocked_facts(elab, scope);
-    let is_base = |facts: &Facts| facts.clocks.flow(flow) == Row::All(ClockId::BASE);
+    let is_base =
+        |facts: &Facts| facts.clocks.flow_clocks(flow) == LeafClocks::Uniform(ClockId::BASE);
     if facts.is_none_or(is_base) {
         return flows::elab_flow(elab, scope, flow, span);
     }
-    if let Some((_, known)) = scope.outside.iter().find(|(known, _)| *known == flow) {
+    if let Some((_, known)) = scope.outside_reads.iter().find(|(known, _)| *known == flow) {
         return known.clone();
     }
     let wire = flows::alias_wire(elab, &scope.unit.flow(flow).ty, span);
-    scope.outside.push((flow, wire.clone()));
+    scope.outside_reads.push((flow, wire.clone()));
     wire
 }
 
 /// Binds the aliases of flows that are read outside their blocks.
-pub(super) fn bind_outside_flows<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>) {
+pub(super) fn bind_outside_flows<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     let around = scope.base;
-    for (flow, aliases) in std::mem::take(&mut scope.outside) {
+    for (flow, aliases) in std::mem::take(&mut scope.outside_reads) {
         let declared = scope.unit.flow(flow);
         let Some(fragment) = scope.fragment(declared.block) else {
             continue;

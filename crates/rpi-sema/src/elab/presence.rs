@@ -2,20 +2,25 @@
 
 use crate::elab::expr;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
-use crate::elab::signal::{Signal, Wire, single};
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::signal::{Signal, Wire, single_wire};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::typed::ExprId;
-use crate::typed::{Kind, PrimCall};
+use crate::typed::{PrimCall, TypedExprKind};
 use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
 /// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
-pub(super) fn imply_guard(elab: &mut Elab<'_>, condition: &Signal, at: At, span: Span) -> Signal {
+pub(super) fn imply_guard(
+    elab: &mut Elaborator<'_>,
+    condition: &Signal,
+    at: Position,
+    span: Span,
+) -> Signal {
     match at.guard {
         Some(guard) => nodes::add_simple(
             elab,
@@ -29,15 +34,21 @@ pub(super) fn imply_guard(elab: &mut Elab<'_>, condition: &Signal, at: At, span:
 }
 
 /// Adds a check that ends the command with a fault in a cycle in which the condition is false.
-pub(super) fn assert(elab: &mut Elab<'_>, check: PrimId, condition: &Signal, at: At, span: Span) {
+pub(super) fn assert(
+    elab: &mut Elaborator<'_>,
+    check: PrimId,
+    condition: &Signal,
+    at: Position,
+    span: Span,
+) {
     if *condition == Signal::Const(Value::bool(true)) {
         return;
     }
     let condition = imply_guard(elab, condition, at, span);
-    if elab.mode != Mode::Constant {
+    if elab.mode != ElabMode::Constant {
         nodes::add_simple(elab, check, &[condition], at, span);
     } else {
-        elab.fail(NotConstant::Fault(
+        elab.fail(NotConstantError::Fault(
             span,
             "the index is out of bounds".to_owned(),
         ));
@@ -45,13 +56,13 @@ pub(super) fn assert(elab: &mut Elab<'_>, check: PrimId, condition: &Signal, at:
 }
 
 /// Elaborates `x = y`, leaf by leaf.
-pub(super) fn equal<'u>(
-    elab: &mut Elab<'u>,
+pub(super) fn equality<'u>(
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
     operands: [ExprId; 2],
     negated: bool,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let scalars = expr::leaf_scalars(&scope.unit.expr(operands[0]).ty);
@@ -61,7 +72,7 @@ pub(super) fn equal<'u>(
     for ((a, b), scalar) in a.iter().zip(b.iter()).zip(scalars) {
         let same = nodes::add_family_member(
             elab,
-            Family::Equals,
+            PrimitiveFamily::Equals,
             scalar,
             &[a.clone(), b.clone()],
             at,
@@ -73,7 +84,7 @@ pub(super) fn equal<'u>(
         });
     }
     let all = all.unwrap_or(Signal::Const(Value::bool(true)));
-    single(match negated {
+    single_wire(match negated {
         true => nodes::add_simple(elab, prim!("Core::BooleanNot"), &[all], at, span),
         false => all,
     })
@@ -81,10 +92,10 @@ pub(super) fn equal<'u>(
 
 /// Elaborates `present(x)`: true if all leaves are present.
 pub(super) fn present<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [id, operand]: [ExprId; 2],
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     let scalars = expr::leaf_scalars(&scope.unit.expr(operand).ty);
@@ -97,7 +108,7 @@ pub(super) fn present<'u>(
             other => {
                 let absent = nodes::add_family_member(
                     elab,
-                    Family::IsNull,
+                    PrimitiveFamily::IsNull,
                     scalar,
                     std::slice::from_ref(other),
                     at,
@@ -108,15 +119,15 @@ pub(super) fn present<'u>(
         };
         all = conjunction(elab, &all, &there, at, span);
     }
-    single(all)
+    single_wire(all)
 }
 
 /// Returns a conjunction, without a node if one operand is constant.
 pub(super) fn conjunction(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     a: &Signal,
     b: &Signal,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     let known = |signal: &Signal| match signal {
@@ -143,15 +154,15 @@ pub(super) fn conjunction(
 
 /// Elaborates `not present(x)` of a single leaf as one primitive.
 pub(super) fn not_present<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Option<Wire> {
     let span = scope.unit.expr(id).span;
     let operand = call.inputs.first().copied().flatten()?;
-    let Kind::Present(tested) = scope.unit.expr(operand).kind else {
+    let TypedExprKind::Present(tested) = scope.unit.expr(operand).kind else {
         return None;
     };
     let [scalar] = expr::leaf_scalars(&scope.unit.expr(tested).ty)[..] else {
@@ -163,9 +174,9 @@ pub(super) fn not_present<'u>(
     let wire = sampled_flows::operand_wire(elab, scope, [operand, tested], at);
     let is_flow = matches!(wire.first()?, Signal::Port(_) | Signal::Element(..));
     is_flow.then(|| {
-        single(nodes::add_family_member(
+        single_wire(nodes::add_family_member(
             elab,
-            Family::IsNull,
+            PrimitiveFamily::IsNull,
             scalar,
             &wire,
             at,

@@ -1,6 +1,6 @@
 //! Calls of primitives: arguments, parameters and results.
 
-use crate::elab::arrays::natural;
+use crate::elab::arrays::default_port_type;
 use crate::elab::elementwise;
 use crate::elab::expr;
 use crate::elab::nodes;
@@ -8,23 +8,23 @@ use crate::elab::presence;
 use crate::elab::sampled_flows;
 use crate::elab::scope::Scope;
 use crate::elab::short_circuit;
-use crate::elab::signal::{Given, Signal, Wire, nothing, single};
+use crate::elab::signal::{PrimInputs, Signal, Wire, empty_wire, single_wire};
 use crate::elab::time;
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::typed::ExprId;
 use crate::typed::PrimCall;
 use rpi_diag::Span;
 use rpi_image::{ParamType, PortType, Role, Scalar, Type, Value};
 
 pub(super) fn prim_call<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
-    if elab.mode == Mode::Constant
+    if elab.mode == ElabMode::Constant
         && let Some(wire) = time::constant_duration(elab, scope, call, at, span)
     {
         return wire;
@@ -47,25 +47,25 @@ pub(super) fn prim_call<'u>(
         true => at.unguarded(),
         false => at,
     };
-    let mut inputs = Given::new();
+    let mut inputs = PrimInputs::new();
     for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
         inputs.push(input.map(|input| primitive_argument(elab, scope, [id, input], port.ty, at)));
     }
     let Some(params) = primitive_params(elab, scope, call, at, span) else {
-        return nothing();
+        return empty_wire();
     };
     let wire = match at
         .guard
-        .and_then(|guard| crate::elab::guards::twin(call.prim).map(|twin| (guard, twin)))
+        .and_then(|guard| crate::elab::guards::guarded_variant(call.prim).map(|twin| (guard, twin)))
     {
         Some((guard, twin)) => {
-            let guard = single(Signal::Port(guard));
-            inputs.insert(0, Some((Type::One(Scalar::Bool), guard)));
+            let guard = single_wire(Signal::Port(guard));
+            inputs.insert(0, Some((Type::Scalar(Scalar::Bool), guard)));
             nodes::add_prim_typed(elab, twin, inputs, params, at, span)
         }
         None => nodes::add_prim_typed(elab, call.prim, inputs, params, at, span),
     };
-    if is_of_cycle && elab.mode != Mode::Constant {
+    if is_of_cycle && elab.mode != ElabMode::Constant {
         elab.cache.cycle_inputs.insert(key, wire.clone());
     }
     wire
@@ -73,25 +73,28 @@ pub(super) fn prim_call<'u>(
 
 /// Returns the wire of a primitive's argument with its machine type.
 fn primitive_argument<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     pair: [ExprId; 2],
     port: PortType,
-    at: At,
+    at: Position,
 ) -> (Type, Wire) {
     let wire = sampled_flows::operand_wire(elab, scope, pair, at);
     let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
-    let is_array = !matches!(port, PortType::One(_));
+    let is_array = !matches!(port, PortType::Scalar(_));
     let ty = known.filter(|_| is_array);
-    (ty.unwrap_or_else(|| natural(port, wire.len())), wire)
+    (
+        ty.unwrap_or_else(|| default_port_type(port, wire.len())),
+        wire,
+    )
 }
 
 /// Evaluates the parameters of a primitive, which must be constant here.
 fn primitive_params<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<Vec<Value>> {
     let desc = call.prim.desc();
@@ -107,13 +110,13 @@ fn primitive_params<'u>(
             .map(|signal| elementwise::constant_value(elab, signal))
             .collect();
         let value = values.and_then(|values| match param.ty {
-            ParamType::Array(scalar) => Some(crate::check::packed(scalar, &values)),
+            ParamType::Array(scalar) => Some(crate::check::pack_leaves(scalar, &values)),
             _ => values.first().cloned(),
         });
         match value {
             Some(value) => params.push(value),
             None => {
-                elab.fail(NotConstant::Flow(span));
+                elab.fail(NotConstantError::RunTime(span));
                 return None;
             }
         }

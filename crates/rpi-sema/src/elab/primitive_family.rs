@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 /// Operation that is implemented by one primitive for each value type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Family {
+pub(super) enum PrimitiveFamily {
     Value,
     IsNull,
     SetNull,
@@ -26,23 +26,27 @@ pub(super) enum Family {
 }
 
 /// For each operation, the prefix and suffix around the name of the value type.
-const NAMES: &[(Family, Prefix, &str)] = &[
-    (Family::Value, Prefix::Reference, "Value"),
-    (Family::IsNull, Prefix::Reference, "IsNull"),
-    (Family::SetNull, Prefix::Reference, "SetNull"),
-    (Family::Conditional, Prefix::Reference, "Conditional"),
-    (Family::OptionalPre, Prefix::Reference, "Pre"),
-    (Family::Pre, Prefix::Own(""), "Pre"),
-    (Family::Coalesce, Prefix::Own(""), "Coalesce"),
-    (Family::Hold, Prefix::Own(""), "Hold"),
-    (Family::Equals, Prefix::Reference, "Equals"),
-    (Family::Read, Prefix::Own("Read"), ""),
-    (Family::Sample, Prefix::Own("Sample"), ""),
-    (Family::Write, Prefix::Own("Write"), ""),
-    (Family::Array, Prefix::Reference, "Array"),
-    (Family::ArrayGet, Prefix::Reference, "ArrayGet"),
-    (Family::ArraySet, Prefix::Reference, "ArraySet"),
-    (Family::Input, Prefix::Reference, "NetcommIn"),
+const NAMES: &[(PrimitiveFamily, Prefix, &str)] = &[
+    (PrimitiveFamily::Value, Prefix::Reference, "Value"),
+    (PrimitiveFamily::IsNull, Prefix::Reference, "IsNull"),
+    (PrimitiveFamily::SetNull, Prefix::Reference, "SetNull"),
+    (
+        PrimitiveFamily::Conditional,
+        Prefix::Reference,
+        "Conditional",
+    ),
+    (PrimitiveFamily::OptionalPre, Prefix::Reference, "Pre"),
+    (PrimitiveFamily::Pre, Prefix::Rpi(""), "Pre"),
+    (PrimitiveFamily::Coalesce, Prefix::Rpi(""), "Coalesce"),
+    (PrimitiveFamily::Hold, Prefix::Rpi(""), "Hold"),
+    (PrimitiveFamily::Equals, Prefix::Reference, "Equals"),
+    (PrimitiveFamily::Read, Prefix::Rpi("Read"), ""),
+    (PrimitiveFamily::Sample, Prefix::Rpi("Sample"), ""),
+    (PrimitiveFamily::Write, Prefix::Rpi("Write"), ""),
+    (PrimitiveFamily::Array, Prefix::Reference, "Array"),
+    (PrimitiveFamily::ArrayGet, Prefix::Reference, "ArrayGet"),
+    (PrimitiveFamily::ArraySet, Prefix::Reference, "ArraySet"),
+    (PrimitiveFamily::Input, Prefix::Reference, "NetcommIn"),
 ];
 
 /// Prefix of a primitive's name.
@@ -51,22 +55,25 @@ enum Prefix {
     /// `Core::` or `World::`, as in the reference system.
     Reference,
     /// `Rpi::` followed by a word.
-    Own(&'static str),
+    Rpi(&'static str),
 }
 
 /// Cached members of one family, by value type.
-type Row = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
+type FamilyCache = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
 
 /// Returns the primitive of an operation for a value type, if it exists. Lookups are cached and done on demand, because
 /// a program needs few of them.
-pub(super) fn member(family: Family, scalar: Scalar) -> Option<PrimId> {
-    static MEMBERS: [Row; NAMES.len()] = [const { [const { OnceLock::new() }; _] }; _];
+pub(super) fn member(family: PrimitiveFamily, scalar: Scalar) -> Option<PrimId> {
+    static MEMBERS: [FamilyCache; NAMES.len()] = [const { [const { OnceLock::new() }; _] }; _];
     let row = NAMES.iter().position(|row| row.0 == family)?;
     let column = Scalar::ALL.iter().position(|one| *one == scalar)?;
-    *MEMBERS[row][column].get_or_init(|| registered(&NAMES[row], scalar))
+    *MEMBERS[row][column].get_or_init(|| check_prim_call(&NAMES[row], scalar))
 }
 
-fn registered((_, prefix, suffix): &(Family, Prefix, &str), scalar: Scalar) -> Option<PrimId> {
+fn check_prim_call(
+    (_, prefix, suffix): &(PrimitiveFamily, Prefix, &str),
+    scalar: Scalar,
+) -> Option<PrimId> {
     let ty = type_name(scalar);
     let reference = match scalar {
         Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => "Core::",
@@ -74,9 +81,9 @@ fn registered((_, prefix, suffix): &(Family, Prefix, &str), scalar: Scalar) -> O
     };
     let name = match prefix {
         Prefix::Reference => format!("{reference}{ty}{suffix}"),
-        Prefix::Own(word) => format!("Rpi::{word}{ty}{suffix}"),
+        Prefix::Rpi(word) => format!("Rpi::{word}{ty}{suffix}"),
     };
-    PrimId::of(&name).or_else(|| PrimId::of(&format!("Rpi::{ty}{suffix}")))
+    PrimId::from_name(&name).or_else(|| PrimId::from_name(&format!("Rpi::{ty}{suffix}")))
 }
 
 fn type_name(scalar: Scalar) -> &'static str {

@@ -7,14 +7,14 @@ use crate::elab::fragment_inputs;
 use crate::elab::fragment_outputs;
 use crate::elab::nodes;
 use crate::elab::signal::{Signal, alias_of};
-use crate::elab::{At, Elab};
+use crate::elab::{Elaborator, Position};
 use rpi_diag::Span;
 use rpi_image::Value;
-use rpi_net::{Activation, Driver, FragmentId, Input, PortRef, Restart};
+use rpi_net::{Activation, FragmentId, Input, PortRef, Restart, Termination};
 use smallvec::{SmallVec, smallvec};
 
 /// Replaces all aliases by the signals to which they are bound.
-pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
+pub(super) fn resolve_aliases(elab: &mut Elaborator<'_>) {
     block::set_node_name(elab, "constant");
     for alias in 0..elab.aliases.signals.len() {
         resolve_alias(elab, alias);
@@ -28,7 +28,7 @@ pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
     }
     for export in 0..elab.net.exports.len() {
         let source = elab.net.exports[export].source;
-        let (at, span) = (At::ROOT, elab.net.exports[export].origin.span);
+        let (at, span) = (Position::ROOT, elab.net.exports[export].origin.span);
         elab.net.exports[export].source = resolved_port(elab, source, at, span);
     }
     for watched in 0..elab.kept_exports.len() {
@@ -36,7 +36,7 @@ pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
             elab.kept_exports[watched].source,
             elab.kept_exports[watched].origin.span,
         );
-        elab.kept_exports[watched].source = resolved_port(elab, source, At::ROOT, span);
+        elab.kept_exports[watched].source = resolved_port(elab, source, Position::ROOT, span);
     }
     resolve_driver(elab);
     resolve_coverage_points(elab);
@@ -44,7 +44,7 @@ pub(super) fn resolve_aliases(elab: &mut Elab<'_>) {
 
 /// Follows a chain of aliases to its end. Aliases bound to each other are a dependency cycle without any node. A
 /// copy node is inserted so that the net shows the cycle.
-fn resolve_alias(elab: &mut Elab<'_>, alias: usize) {
+fn resolve_alias(elab: &mut Elaborator<'_>, alias: usize) {
     let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
     elab.aliases.in_progress[alias] = true;
     let end = loop {
@@ -74,7 +74,7 @@ fn resolve_alias(elab: &mut Elab<'_>, alias: usize) {
 }
 
 /// Adds a copy node that reads itself through the aliases.
-fn dependency_cycle_node(elab: &mut Elab<'_>, alias: usize, port: PortRef) -> Signal {
+fn dependency_cycle_node(elab: &mut Elaborator<'_>, alias: usize, port: PortRef) -> Signal {
     let scalar = elab.aliases.types[alias];
     match nodes::add_copy(elab, port, scalar, FragmentId::ROOT, Span::NONE) {
         Signal::Port(port) if alias_of(port).is_some() => {
@@ -85,16 +85,16 @@ fn dependency_cycle_node(elab: &mut Elab<'_>, alias: usize, port: PortRef) -> Si
 }
 
 /// Returns a neutral value for a flow that is never defined, which has been reported.
-fn undefined_value(elab: &mut Elab<'_>, alias: usize) -> Signal {
+fn undefined_value(elab: &mut Elaborator<'_>, alias: usize) -> Signal {
     Signal::Const(Value::neutral(elab.aliases.types[alias].into()))
 }
 
-fn resolve_node(elab: &mut Elab<'_>, node: usize) {
+fn resolve_node(elab: &mut Elaborator<'_>, node: usize) {
     for k in 0..elab.net.nodes[node].inputs.len() {
         let Input::Port(port) = elab.net.nodes[node].inputs[k] else {
             continue;
         };
-        let at = At::fragment(elab.net.nodes[node].fragment);
+        let at = Position::in_fragment(elab.net.nodes[node].fragment);
         let span = elab.net.nodes[node].origin.span;
         if let Some(input) = resolved_input(elab, port, at, span) {
             elab.net.nodes[node].inputs[k] = input;
@@ -103,7 +103,12 @@ fn resolve_node(elab: &mut Elab<'_>, node: usize) {
 }
 
 /// Returns the input that replaces an alias; none if the port is not an alias.
-fn resolved_input(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Option<Input> {
+fn resolved_input(
+    elab: &mut Elaborator<'_>,
+    port: PortRef,
+    at: Position,
+    span: Span,
+) -> Option<Input> {
     let alias = alias_of(port)?;
     let signal = elab.aliases.signals[alias]
         .clone()
@@ -117,24 +122,24 @@ fn resolved_input(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Opt
     ))
 }
 
-fn resolve_coverage_points(elab: &mut Elab<'_>) {
-    let mut all = std::mem::take(&mut elab.net.landmarks);
-    let exits = all.exits.iter_mut().flat_map(|exits| {
+fn resolve_coverage_points(elab: &mut Elaborator<'_>) {
+    let mut all = std::mem::take(&mut elab.net.coverage_points);
+    let exits = all.state_transitions.iter_mut().flat_map(|exits| {
         let conditions = exits.transitions.iter_mut().map(|exit| &mut exit.condition);
-        conditions.chain([&mut exits.here])
+        conditions.chain([&mut exits.is_active])
     });
-    let choices = all.choices.iter_mut().map(|choice| &mut choice.condition);
+    let choices = all.decisions.iter_mut().map(|choice| &mut choice.condition);
     for input in exits.chain(choices) {
         if let Input::Port(port) = *input
-            && let Some(settled) = resolved_input(elab, port, At::ROOT, Span::NONE)
+            && let Some(settled) = resolved_input(elab, port, Position::ROOT, Span::NONE)
         {
             *input = settled;
         }
     }
-    elab.net.landmarks = all;
+    elab.net.coverage_points = all;
 }
 
-fn resolved_port(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> PortRef {
+fn resolved_port(elab: &mut Elaborator<'_>, port: PortRef, at: Position, span: Span) -> PortRef {
     let Some(alias) = alias_of(port) else {
         return port;
     };
@@ -144,17 +149,24 @@ fn resolved_port(elab: &mut Elab<'_>, port: PortRef, at: At, span: Span) -> Port
     arrays::port_of(elab, &signal, elab.aliases.types[alias], at, span).unwrap_or(port)
 }
 
-fn resolve_fragment(elab: &mut Elab<'_>, fragment: usize) {
+fn resolve_fragment(elab: &mut Elaborator<'_>, fragment: usize) {
     let parent = elab.net.fragments[fragment]
         .parent
         .unwrap_or(FragmentId::ROOT);
     let (at, span) = (
-        At::fragment(parent),
+        Position::in_fragment(parent),
         elab.net.fragments[fragment].origin.span,
     );
-    if let Activation::When { condition, absent } = elab.net.fragments[fragment].activation {
+    if let Activation::When {
+        condition,
+        if_absent: absent,
+    } = elab.net.fragments[fragment].activation
+    {
         let condition = resolved_port(elab, condition, at, span);
-        elab.net.fragments[fragment].activation = Activation::When { condition, absent };
+        elab.net.fragments[fragment].activation = Activation::When {
+            condition,
+            if_absent: absent,
+        };
     }
     if let Restart::Every(condition) = elab.net.fragments[fragment].restart {
         let condition = resolved_port(elab, condition, at, span);
@@ -162,16 +174,16 @@ fn resolve_fragment(elab: &mut Elab<'_>, fragment: usize) {
     }
 }
 
-fn resolve_driver(elab: &mut Elab<'_>) {
-    let Driver::Results(results) = &mut elab.net.driver else {
+fn resolve_driver(elab: &mut Elaborator<'_>) {
+    let Termination::Results(results) = &mut elab.net.termination else {
         return;
     };
     let mut results = std::mem::take(results);
     for result in &mut results {
         if let Input::Port(port) = result.condition {
-            let port = resolved_port(elab, port, At::ROOT, result.origin.span);
+            let port = resolved_port(elab, port, Position::ROOT, result.origin.span);
             result.condition = Input::Port(port);
         }
     }
-    elab.net.driver = Driver::Results(results);
+    elab.net.termination = Termination::Results(results);
 }

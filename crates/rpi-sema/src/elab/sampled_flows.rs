@@ -1,19 +1,19 @@
 //! Elaborates sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). This
 //! fragment is not in the source, so dependencies are those of the single operations in it (M5).
 
-use crate::clocks::{ClockId, Decider, Row, Tick};
+use crate::clocks::{ClockId, Decider, LeafClocks, Sampling};
 use crate::elab::call;
 use crate::elab::elementwise;
 use crate::elab::expr;
 use crate::elab::flows;
 use crate::elab::nodes;
 use crate::elab::outside_flows;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
-use crate::elab::{At, Elab, Mode};
+use crate::elab::{ElabMode, Elaborator, Position};
 use crate::facts::Facts;
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, UnitId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -21,57 +21,57 @@ use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
 /// Key of a clock's fragment: the parent fragment, the decider and its value.
-pub(super) type ClockKey = (FragmentId, Deciding, u32);
+pub(super) type ClockKey = (FragmentId, DeciderSignal, u32);
 
 /// Signal that decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Deciding {
+pub(super) enum DeciderSignal {
     Flow(PortRef),
     /// Constant decider: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
 /// Positions where the leaves of an expression are computed.
-pub(super) enum LeafPlaces {
-    All(At),
-    Each(Vec<At>),
+pub(super) enum LeafPositions {
+    Uniform(Position),
+    PerLeaf(Vec<Position>),
 }
 
-impl LeafPlaces {
-    pub(super) fn at(&self, k: usize) -> At {
+impl LeafPositions {
+    pub(super) fn at(&self, k: usize) -> Position {
         match self {
-            LeafPlaces::All(at) => *at,
-            LeafPlaces::Each(places) => places[k.min(places.len() - 1)],
+            LeafPositions::Uniform(at) => *at,
+            LeafPositions::PerLeaf(places) => places[k.min(places.len() - 1)],
         }
     }
 }
 
 /// Returns the position where an expression is evaluated: in the fragment of its clock.
 pub(super) fn position_of<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
-    at: At,
-) -> At {
+    at: Position,
+) -> Position {
     match clocked_facts(elab, scope) {
-        Some(facts) => clock_position(elab, scope, facts.clocks.place(id), at),
+        Some(facts) => clock_position(elab, scope, facts.clocks.computed_on(id), at),
         None => at,
     }
 }
 
 /// Returns the positions of the leaves of an elementwise expression. `at` is the position of its first leaf.
 pub(super) fn leaf_places<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
-    at: At,
-) -> LeafPlaces {
-    let row = clocked_facts(elab, scope).map(|facts| facts.clocks.row(id));
+    at: Position,
+) -> LeafPositions {
+    let row = clocked_facts(elab, scope).map(|facts| facts.clocks.expr_clocks(id));
     match row {
-        None | Some(Row::All(_)) => LeafPlaces::All(at),
-        Some(Row::Each(leaves)) => {
+        None | Some(LeafClocks::Uniform(_)) => LeafPositions::Uniform(at),
+        Some(LeafClocks::PerLeaf(leaves)) => {
             let place = |clock: &ClockId| clock_position(elab, scope, *clock, at);
-            LeafPlaces::Each(leaves.iter().map(place).collect())
+            LeafPositions::PerLeaf(leaves.iter().map(place).collect())
         }
     }
 }
@@ -79,35 +79,35 @@ pub(super) fn leaf_places<'u>(
 /// Returns the position in the fragment of a clock. The guard of `at` is kept if the fragment lies inside that of
 /// `at`.
 pub(super) fn clock_position<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     clock: ClockId,
-    at: At,
-) -> At {
+    at: Position,
+) -> Position {
     let fragment = clock_fragment(elab, scope, clock);
-    let mut around = elab.net.enclosing(fragment);
+    let mut around = elab.net.ancestors(fragment);
     let inside = fragment == at.fragment || around.any(|outer| outer == at.fragment);
-    At {
+    Position {
         fragment,
         guard: at.guard.filter(|_| inside),
-        side: at.side.filter(|_| inside),
+        branch: at.branch.filter(|_| inside),
     }
 }
 
-pub(super) fn facts_of<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
+pub(super) fn facts_of<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = elab.facts;
     scope.id.and_then(|unit| facts.get(unit.0 as usize))
 }
 
 /// Returns the facts of a unit that has sampled flows; none for other units and for constants.
-pub(super) fn clocked_facts<'u>(elab: &Elab<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
-    let facts = facts_of(elab, scope).filter(|facts| facts.clocks.any());
-    facts.filter(|_| elab.mode != Mode::Constant)
+pub(super) fn clocked_facts<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
+    let facts = facts_of(elab, scope).filter(|facts| facts.clocks.has_samplings());
+    facts.filter(|_| elab.mode != ElabMode::Constant)
 }
 
 /// Returns the fragment of a clock in the block that is being elaborated, creating it if necessary.
 pub(super) fn clock_fragment<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     clock: ClockId,
 ) -> FragmentId {
@@ -115,29 +115,29 @@ pub(super) fn clock_fragment<'u>(
         return scope.base;
     };
     let key = (scope.base, clock);
-    if let Some(known) = scope.clocks.get(&key) {
+    if let Some(known) = scope.clock_fragments.get(&key) {
         return *known;
     }
     let mut fragment = scope.base;
     for tick in facts.clocks.path(clock) {
         fragment = sampling_fragment(elab, scope, *tick, fragment);
     }
-    scope.clocks.insert(key, fragment);
+    scope.clock_fragments.insert(key, fragment);
     fragment
 }
 
 pub(super) fn sampling_fragment<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    tick: Tick,
+    tick: Sampling,
     parent: FragmentId,
 ) -> FragmentId {
-    let (span, name) = decider_source(scope, tick.by);
-    let deciding = match decider_signal(elab, scope, tick.by, span) {
-        Signal::Port(port) => Some(Deciding::Flow(first_alias(elab, port))),
+    let (span, name) = decider_source(scope, tick.decider);
+    let deciding = match decider_signal(elab, scope, tick.decider, span) {
+        Signal::Port(port) => Some(DeciderSignal::Flow(first_alias(elab, port))),
         Signal::Const(value) => {
             let value = value.as_bool().map(i64::from).or(value.as_int());
-            value.map(Deciding::Constant)
+            value.map(DeciderSignal::Constant)
         }
         _ => None,
     };
@@ -145,7 +145,7 @@ pub(super) fn sampling_fragment<'u>(
     if let Some(known) = key.and_then(|key| elab.cache.clock_fragments.get(&key)) {
         return *known;
     }
-    let at = At::fragment(parent);
+    let at = Position::in_fragment(parent);
     let condition = tick_condition(elab, scope, tick, at, span);
     let activation = call::elab_activation(elab, &condition, at, span);
     let path = format!("{}@{name}#{}", scope.prefix, elab.net.fragments.len());
@@ -162,7 +162,7 @@ pub(super) fn sampling_fragment<'u>(
 
 /// Returns the first port under which a flow was used as a decider, which may be an alias from before its equation
 /// was reached. Otherwise one clock would get two fragments.
-fn first_alias(elab: &Elab<'_>, port: PortRef) -> PortRef {
+fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     use crate::elab::signal::alias_of;
     let mut name = port;
     while let Some(before) = elab.aliases.names_before.get(&name)
@@ -180,13 +180,15 @@ fn decider_source<'u>(scope: &Scope<'u>, by: Decider) -> (Span, String) {
             let flow = scope.unit.flow(flow);
             (flow.span, flow.name.to_string())
         }
-        Decider::Inside(call, number) => (scope.unit.expr(call).span, format!("inside{number}")),
+        Decider::CallInternal(call, number) => {
+            (scope.unit.expr(call).span, format!("inside{number}"))
+        }
     }
 }
 
 /// Returns the signal of a decider; an alias for a decider inside a call.
 fn decider_signal<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     by: Decider,
     span: Span,
@@ -196,13 +198,13 @@ fn decider_signal<'u>(
             let wire = flows::elab_flow(elab, scope, flow, span);
             wire.first().cloned().unwrap_or(Signal::Absent)
         }
-        Decider::Inside(call, number) => {
-            let port = match scope.inside.get(&(call, number)) {
+        Decider::CallInternal(call, number) => {
+            let port = match scope.exposed_aliases.get(&(call, number)) {
                 Some(port) => *port,
                 None => {
                     let scalar = decider_scalar(elab, scope, by);
                     let port = nodes::new_alias(elab, scalar);
-                    scope.inside.insert((call, number), port);
+                    scope.exposed_aliases.insert((call, number), port);
                     port
                 }
             };
@@ -212,16 +214,16 @@ fn decider_signal<'u>(
 }
 
 /// Returns the machine type of a decider.
-fn decider_scalar<'u>(elab: &Elab<'u>, scope: &Scope<'u>, by: Decider) -> Scalar {
+fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> Scalar {
     let (mut unit, mut by) = (scope.unit, by);
     loop {
         let (call, number) = match by {
             Decider::Flow(flow) => {
                 return unit.flow(flow).ty.scalar().unwrap_or(Scalar::Bool);
             }
-            Decider::Inside(call, number) => (call, number),
+            Decider::CallInternal(call, number) => (call, number),
         };
-        let Kind::Call(call) = &unit.expr(call).kind else {
+        let TypedExprKind::Call(call) = &unit.expr(call).kind else {
             return Scalar::Bool;
         };
         let exposed = elab.facts[call.unit.0 as usize].clocks.exposed();
@@ -234,7 +236,7 @@ fn decider_scalar<'u>(elab: &Elab<'u>, scope: &Scope<'u>, by: Decider) -> Scalar
 
 /// Returns the deciders that a unit exposes to its caller.
 pub(super) fn exposed_deciders<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: UnitId,
     span: Span,
@@ -249,13 +251,13 @@ pub(super) fn exposed_deciders<'u>(
 
 /// Binds the aliases of the deciders inside a call.
 pub(super) fn bind_exposed<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: ExprId,
     exposed: Vec<Signal>,
 ) {
     for (number, signal) in (0..).zip(exposed) {
-        let by = Decider::Inside(call, number);
+        let by = Decider::CallInternal(call, number);
         if let Signal::Port(alias) = decider_signal(elab, scope, by, Span::NONE) {
             call::bind_alias(elab, alias, &signal);
         }
@@ -264,14 +266,14 @@ pub(super) fn bind_exposed<'u>(
 
 /// Returns the condition under which a sampling ticks: the decider has its value.
 pub(super) fn tick_condition<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    tick: Tick,
-    at: At,
+    tick: Sampling,
+    at: Position,
     span: Span,
 ) -> Signal {
-    let deciding = decider_signal(elab, scope, tick.by, span);
-    match (decider_scalar(elab, scope, tick.by), tick.value) {
+    let deciding = decider_signal(elab, scope, tick.decider, span);
+    match (decider_scalar(elab, scope, tick.decider), tick.value) {
         (Scalar::Bool, 0) => {
             nodes::add_simple(elab, prim!("Core::BooleanNot"), &[deciding], at, span)
         }
@@ -284,13 +286,13 @@ pub(super) fn tick_condition<'u>(
 }
 
 /// Elaborates `merge c (...)` as a selection by the decider. Cases that are not selected are absent.
-pub(super) fn merge<'u>(
-    elab: &mut Elab<'u>,
+pub(super) fn merge_expr<'u>(
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     on: ExprId,
     cases: &'u [(u32, ExprId)],
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let scalars = crate::elab::expr::leaf_scalars(&scope.unit.expr(id).ty);
@@ -298,7 +300,7 @@ pub(super) fn merge<'u>(
     let deciding = operand_wire(elab, scope, [id, on], at);
     let deciding = deciding.first().cloned().unwrap_or(Signal::Absent);
     let Some(((_, last), others)) = cases.split_last() else {
-        return crate::elab::signal::nothing();
+        return crate::elab::signal::empty_wire();
     };
     let mut chosen = elementwise::expr_leaves(elab, scope, *last, scalars.len(), at).to_vec();
     for (value, case) in others.iter().rev() {
@@ -325,7 +327,14 @@ pub(super) fn merge<'u>(
         };
         for ((slot, signal), scalar) in chosen.iter_mut().zip(wire.iter()).zip(&scalars) {
             let inputs = [here.clone(), signal.clone(), slot.clone()];
-            *slot = nodes::add_family_member(elab, Family::Conditional, *scalar, &inputs, at, span);
+            *slot = nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Conditional,
+                *scalar,
+                &inputs,
+                at,
+                span,
+            );
         }
     }
     chosen.into()
@@ -333,10 +342,10 @@ pub(super) fn merge<'u>(
 
 /// Elaborates `current x`: x where its clock ticks, else its value at the last tick.
 pub(super) fn elab_current<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [id, operand]: [ExprId; 2],
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = expr::elab_expr(elab, scope, operand, at.unguarded());
     let Some(facts) = clocked_facts(elab, scope) else {
@@ -346,8 +355,8 @@ pub(super) fn elab_current<'u>(
     let places = leaf_places(elab, scope, id, at);
     let scalars = crate::elab::expr::leaf_scalars(&scope.unit.expr(operand).ty);
     let before = match scope.unit.is_lustre {
-        true => Family::Pre,
-        false => Family::OptionalPre,
+        true => PrimitiveFamily::Pre,
+        false => PrimitiveFamily::OptionalPre,
     };
     let mut leaves = Vec::with_capacity(scalars.len());
     for (k, (signal, scalar)) in wire.iter().zip(scalars).enumerate() {
@@ -361,7 +370,14 @@ pub(super) fn elab_current<'u>(
         let result = nodes::new_alias(elab, scalar);
         let before = elementwise::delay(elab, before, scalar, &Signal::Port(result), at, span);
         let inputs = [ticks, signal.clone(), before];
-        let held = nodes::add_family_member(elab, Family::Conditional, scalar, &inputs, at, span);
+        let held = nodes::add_family_member(
+            elab,
+            PrimitiveFamily::Conditional,
+            scalar,
+            &inputs,
+            at,
+            span,
+        );
         call::bind_alias(elab, result, &held);
         leaves.push(held);
     }
@@ -370,13 +386,13 @@ pub(super) fn elab_current<'u>(
 
 /// Returns an operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
 pub(super) fn operand_wire<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [reader, operand]: [ExprId; 2],
-    at: At,
+    at: Position,
 ) -> Wire {
     let clock = match clocked_facts(elab, scope) {
-        Some(facts) => facts.clocks.place(reader),
+        Some(facts) => facts.clocks.computed_on(reader),
         None => ClockId::BASE,
     };
     read_at(elab, scope, operand, clock, at)
@@ -384,11 +400,11 @@ pub(super) fn operand_wire<'u>(
 
 /// Returns an operand of an elementwise operator, leaf by leaf on the clock of the result.
 pub(super) fn read_leaves<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [reader, operand]: [ExprId; 2],
     count: usize,
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = elementwise::expr_leaves(elab, scope, operand, count, at);
     let Some(facts) = clocked_facts(elab, scope) else {
@@ -403,11 +419,11 @@ pub(super) fn read_leaves<'u>(
 
 /// Returns a value for a reader on one clock.
 pub(super) fn read_at<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
     clock: ClockId,
-    at: At,
+    at: Position,
 ) -> Wire {
     let wire = expr::elab_expr(elab, scope, id, at);
     let Some(facts) = clocked_facts(elab, scope) else {

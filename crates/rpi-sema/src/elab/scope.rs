@@ -2,10 +2,10 @@
 //! far.
 
 use crate::clocks::ClockId;
-use crate::elab::fragment_outputs::Leaving;
-use crate::elab::index_map::Slots;
+use crate::elab::fragment_outputs::PendingGate;
+use crate::elab::index_map::IndexMap;
 use crate::elab::signal::Wire;
-use crate::hash::Map;
+use crate::hash::FastMap;
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_diag::Span;
 use rpi_net::{FragmentId, PortRef};
@@ -16,39 +16,39 @@ pub(super) struct Scope<'u> {
     /// Index of the unit; none for a constant expression outside any unit.
     pub(super) id: Option<UnitId>,
     /// State of each flow.
-    flows: Slots<State>,
+    flows: IndexMap<FlowState>,
     /// Wires of the elaborated expressions. An expression that is used more than once is elaborated once.
-    memo: Slots<Option<Wire>>,
+    memo: IndexMap<Option<Wire>>,
     /// Guards of the elaborated expressions that can fault.
-    guards: Map<ExprId, PortRef>,
+    guards: FastMap<ExprId, PortRef>,
     /// Fragment of each block, once it exists.
     pub(super) fragments: Vec<Option<FragmentId>>,
     /// Leaves that are read outside blocks whose fragments do not exist yet.
-    pub(super) leaving: Vec<Leaving>,
+    pub(super) pending_gates: Vec<PendingGate>,
     /// Fragment to which clocks are relative: that of the block being elaborated.
     pub(super) base: FragmentId,
     /// Fragments of clocks, by base fragment and clock.
-    pub(super) clocks: Map<(FragmentId, ClockId), FragmentId>,
+    pub(super) clock_fragments: FastMap<(FragmentId, ClockId), FragmentId>,
     /// Aliases of the deciders inside calls.
-    pub(super) inside: Map<(ExprId, u32), PortRef>,
+    pub(super) exposed_aliases: FastMap<(ExprId, u32), PortRef>,
     /// Sampled flows that are read outside their blocks, with their aliases.
-    pub(super) outside: Vec<(FlowId, Wire)>,
+    pub(super) outside_reads: Vec<(FlowId, Wire)>,
     /// Path of the calls that lead to the unit, with a trailing dot.
     pub(super) prefix: String,
     /// Span of the call that this instance belongs to.
-    pub(super) called: Option<Span>,
+    pub(super) call_span: Option<Span>,
 }
 
 /// Progress of a flow.
 #[derive(Clone, Default, Debug)]
-pub(super) enum State {
+pub(super) enum FlowState {
     /// Not reached yet.
     #[default]
-    Open,
+    Unvisited,
     /// Being evaluated (constants only).
-    Busy,
+    InProgress,
     /// Wire of the flow, possibly of aliases.
-    Known(Wire),
+    Done(Wire),
 }
 
 impl<'u> Scope<'u> {
@@ -56,8 +56,8 @@ impl<'u> Scope<'u> {
     pub(super) fn new(unit: &'u Unit, id: UnitId) -> Self {
         Scope {
             id: Some(id),
-            flows: Slots::all(unit.flows.len()),
-            memo: Slots::all(unit.exprs.len()),
+            flows: IndexMap::dense(unit.flows.len()),
+            memo: IndexMap::dense(unit.exprs.len()),
             fragments: vec![None; unit.blocks.len()],
             ..Scope::constant(unit)
         }
@@ -68,43 +68,43 @@ impl<'u> Scope<'u> {
         Scope {
             unit,
             id: None,
-            flows: Slots::few(),
-            memo: Slots::few(),
-            guards: Map::default(),
+            flows: IndexMap::sparse(),
+            memo: IndexMap::sparse(),
+            guards: FastMap::default(),
             fragments: Vec::new(),
-            leaving: Vec::new(),
+            pending_gates: Vec::new(),
             base: FragmentId::ROOT,
-            clocks: Map::default(),
-            inside: Map::default(),
-            outside: Vec::new(),
+            clock_fragments: FastMap::default(),
+            exposed_aliases: FastMap::default(),
+            outside_reads: Vec::new(),
             prefix: String::new(),
-            called: None,
+            call_span: None,
         }
     }
 
     /// Returns the wire of an elaborated expression. A shared expression (a part of a pattern, a mode of a contract)
     /// may have been elaborated under another guard. The wire is then valid only under that guard.
-    pub(super) fn recall(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
+    pub(super) fn cached(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
         let known = self.memo.get(id.0)?.as_ref()?;
         let counts = self.guards.get(&id).is_none_or(|made| Some(*made) == guard);
         counts.then(|| known.clone())
     }
 
-    pub(super) fn is_known(&self, id: ExprId) -> bool {
+    pub(super) fn check_known_at_load(&self, id: ExprId) -> bool {
         self.memo.get(id.0).is_some_and(Option::is_some)
     }
 
     /// Stores the wire of an expression. `guard` is the condition under which it is valid, none if it cannot fault.
-    pub(super) fn remember(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
-        *self.memo.slot(id.0) = Some(wire.clone());
+    pub(super) fn cache(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
+        *self.memo.get_mut(id.0) = Some(wire.clone());
         match guard {
             Some(guard) => drop(self.guards.insert(id, guard)),
             None => drop(self.guards.remove(&id)),
         }
     }
 
-    pub(super) fn state(&mut self, flow: FlowId) -> &mut State {
-        self.flows.slot(flow.0)
+    pub(super) fn state(&mut self, flow: FlowId) -> &mut FlowState {
+        self.flows.get_mut(flow.0)
     }
 
     pub(super) fn fragment(&self, block: BlockId) -> Option<FragmentId> {

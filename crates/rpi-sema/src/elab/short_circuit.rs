@@ -8,14 +8,14 @@ use crate::elab::expr;
 use crate::elab::expr::leaf_scalars;
 use crate::elab::guards;
 use crate::elab::nodes;
-use crate::elab::primitive_family::Family;
+use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::sampled_flows;
-use crate::elab::sampled_flows::LeafPlaces;
+use crate::elab::sampled_flows::LeafPositions;
 use crate::elab::scope::Scope;
-use crate::elab::signal::{Signal, Wire, single};
-use crate::elab::{At, Elab, Mode};
+use crate::elab::signal::{Signal, Wire, single_wire};
+use crate::elab::{ElabMode, Elaborator, Position};
 use crate::typed::ExprId;
-use crate::typed::{Kind, PrimCall};
+use crate::typed::{PrimCall, TypedExprKind};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
@@ -24,37 +24,37 @@ use std::ops::Range;
 
 /// Boolean operators whose result one operand can decide.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Logic {
+enum ShortCircuitOp {
     And,
     Or,
     Implies,
 }
 
-impl Logic {
-    fn of(prim: PrimId) -> Option<Logic> {
+impl ShortCircuitOp {
+    fn from_prim(prim: PrimId) -> Option<ShortCircuitOp> {
         [
-            (prim!("Core::BooleanAnd"), Logic::And),
-            (prim!("Core::BooleanOr"), Logic::Or),
-            (prim!("Rpi::BooleanImplies"), Logic::Implies),
+            (prim!("Core::BooleanAnd"), ShortCircuitOp::And),
+            (prim!("Core::BooleanOr"), ShortCircuitOp::Or),
+            (prim!("Rpi::BooleanImplies"), ShortCircuitOp::Implies),
         ]
         .into_iter()
         .find_map(|(one, logic)| (one == prim).then_some(logic))
     }
 
     /// Value of the left operand that decides the result.
-    fn deciding(self) -> bool {
-        self == Logic::Or
+    fn deciding_value(self) -> bool {
+        self == ShortCircuitOp::Or
     }
 
     /// Result if the left operand decides it.
-    fn decided(self) -> bool {
-        self != Logic::And
+    fn const_condition(self) -> bool {
+        self != ShortCircuitOp::And
     }
 }
 
 /// Operand that is not always needed and contains state, which runs in all cycles.
 #[derive(Clone, Debug)]
-pub struct Operand {
+pub struct LazyOperand {
     /// Span of the operand.
     pub span: Span,
     /// Range of the numbers of the operand's nodes.
@@ -63,48 +63,52 @@ pub struct Operand {
 
 /// Elaborates an operand that is not always needed, recording it if it contains state.
 pub(super) fn lazy_operand<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: ExprId,
-    wire: impl FnOnce(&mut Elab<'u>, &mut Scope<'u>) -> Wire,
+    wire: impl FnOnce(&mut Elaborator<'u>, &mut Scope<'u>) -> Wire,
 ) -> Wire {
-    if elab.mode != Mode::Net || !guards::contains_state(elab, scope, id) {
+    if elab.mode != ElabMode::Net || !guards::contains_state(elab, scope, id) {
         return wire(elab, scope);
     }
-    let number = |elab: &Elab| u32::try_from(elab.net.nodes.len()).unwrap_or(u32::MAX);
+    let number = |elab: &Elaborator| u32::try_from(elab.net.nodes.len()).unwrap_or(u32::MAX);
     let before = number(elab);
     let wire = wire(elab, scope);
     let nodes = before..number(elab);
     let span = scope.unit.expr(id).span;
-    elab.lazy_operands.push(Operand { span, nodes });
+    elab.lazy_operands.push(LazyOperand { span, nodes });
     wire
 }
 
 /// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
 pub(super) fn short_circuit<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
     id: ExprId,
-    at: At,
+    at: Position,
 ) -> Option<Wire> {
     let span = scope.unit.expr(id).span;
-    let logic = Logic::of(call.prim)?;
+    let logic = ShortCircuitOp::from_prim(call.prim)?;
     let &[Some(left), Some(right)] = &call.inputs[..] else {
         return None;
     };
-    if elab.mode != Mode::Constant
+    if elab.mode != ElabMode::Constant
         && !guards::elab_can_fault(elab, scope, right)
         && !guards::contains_state(elab, scope, right)
     {
         return None;
     }
     let first = expr::elab_operand(elab, scope, [id, left], at);
-    if first == Signal::Const(Value::bool(logic.deciding())) && can_drop_operand(elab, scope, right)
+    if first == Signal::Const(Value::bool(logic.deciding_value()))
+        && can_drop_operand(elab, scope, right)
     {
-        return Some(single(Signal::Const(Value::bool(logic.decided()))));
+        return Some(single_wire(Signal::Const(Value::bool(
+            logic.const_condition(),
+        ))));
     }
-    let there = match elab.mode != Mode::Constant && guards::elab_can_fault(elab, scope, right) {
+    let there = match elab.mode != ElabMode::Constant && guards::elab_can_fault(elab, scope, right)
+    {
         true => {
             let needed = undecided_condition(elab, logic, &first, at, span);
             elementwise::with_guard(elab, needed, at, span)
@@ -115,7 +119,7 @@ pub(super) fn short_circuit<'u>(
         sampled_flows::operand_wire(elab, scope, [id, right], there)
     });
     let second = second.first().cloned().unwrap_or(Signal::Absent);
-    Some(single(nodes::add_simple(
+    Some(single_wire(nodes::add_simple(
         elab,
         call.prim,
         &[first, second],
@@ -125,28 +129,35 @@ pub(super) fn short_circuit<'u>(
 }
 
 /// Returns whether an operand that is never needed can be left out.
-fn can_drop_operand<'u>(elab: &mut Elab<'u>, scope: &Scope<'u>, operand: ExprId) -> bool {
-    elab.mode == Mode::Constant
+fn can_drop_operand<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, operand: ExprId) -> bool {
+    elab.mode == ElabMode::Constant
         || !guards::contains_state(elab, scope, operand)
             && expr::drops_dead_code(elab, reads_flows(scope.unit, operand))
 }
 
 /// Returns the condition that the left operand does not decide the result. An absent operand does not decide.
 fn undecided_condition(
-    elab: &mut Elab<'_>,
-    logic: Logic,
+    elab: &mut Elaborator<'_>,
+    logic: ShortCircuitOp,
     left: &Signal,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
-    let deciding = logic.deciding();
+    let deciding = logic.deciding_value();
     let left = match left {
         Signal::Const(_) => left.clone(),
         Signal::Absent => Signal::Const(Value::bool(!deciding)),
         _ => {
             let otherwise = Signal::Const(Value::bool(!deciding));
             let inputs = [left.clone(), otherwise];
-            nodes::add_family_member(elab, Family::Coalesce, Scalar::Bool, &inputs, at, span)
+            nodes::add_family_member(
+                elab,
+                PrimitiveFamily::Coalesce,
+                Scalar::Bool,
+                &inputs,
+                at,
+                span,
+            )
         }
     };
     match deciding {
@@ -157,16 +168,17 @@ fn undecided_condition(
 
 /// Elaborates `x ?? y`.
 pub(super) fn coalesce_operands<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [id, a, b]: [ExprId; 3],
-    at: At,
+    at: Position,
 ) -> Wire {
     let unit = scope.unit;
     let (scalars, span) = (leaf_scalars(&unit.expr(id).ty), unit.expr(id).span);
     let first = sampled_flows::read_leaves(elab, scope, [id, a], scalars.len(), at);
     let places = sampled_flows::leaf_places(elab, scope, id, at);
-    let is_of_one_clock = matches!(places, LeafPlaces::All(_)) && elab.mode != Mode::Constant;
+    let is_of_one_clock =
+        matches!(places, LeafPositions::Uniform(_)) && elab.mode != ElabMode::Constant;
     let second = match is_of_one_clock && guards::elab_can_fault(elab, scope, b) {
         true => {
             let absent = first.iter().zip(&scalars).enumerate();
@@ -190,16 +202,16 @@ pub(super) fn coalesce_operands<'u>(
 /// Elaborates the right operand of `??`, or a part of it. `absent` says for each leaf whether the left operand is
 /// absent. Each part of a composite built in place is guarded by the condition of its own leaves.
 fn where_absent<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     [reader, id]: [ExprId; 2],
     absent: &[Signal],
-    at: At,
+    at: Position,
 ) -> Wire {
     let unit = scope.unit;
     let expr = unit.expr(id);
     let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
-    if let Kind::Build(parts) = &expr.kind
+    if let TypedExprKind::Build(parts) = &expr.kind
         && !is_one
         && sampled_flows::clocked_facts(elab, scope).is_none()
     {
@@ -225,7 +237,7 @@ fn where_absent<'u>(
 }
 
 /// Returns the disjunction of conditions that are never absent.
-fn any_of(elab: &mut Elab<'_>, conditions: &[Signal], at: At, span: Span) -> Signal {
+fn any_of(elab: &mut Elaborator<'_>, conditions: &[Signal], at: Position, span: Span) -> Signal {
     let mut any = Signal::Const(Value::bool(false));
     for (k, condition) in conditions.iter().enumerate() {
         any = match (&any, condition) {
@@ -245,13 +257,19 @@ fn any_of(elab: &mut Elab<'_>, conditions: &[Signal], at: At, span: Span) -> Sig
     any
 }
 
-fn is_absent(elab: &mut Elab<'_>, leaf: &Signal, scalar: Scalar, at: At, span: Span) -> Signal {
+fn is_absent(
+    elab: &mut Elaborator<'_>,
+    leaf: &Signal,
+    scalar: Scalar,
+    at: Position,
+    span: Span,
+) -> Signal {
     match leaf {
         Signal::Const(_) => Signal::Const(Value::bool(false)),
         Signal::Absent => Signal::Const(Value::bool(true)),
         _ => nodes::add_family_member(
             elab,
-            Family::IsNull,
+            PrimitiveFamily::IsNull,
             scalar,
             std::slice::from_ref(leaf),
             at,
@@ -261,17 +279,24 @@ fn is_absent(elab: &mut Elab<'_>, leaf: &Signal, scalar: Scalar, at: At, span: S
 }
 /// Elaborates one leaf of `x ?? y`.
 fn coalesce_leaf(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     first: Signal,
     second: Signal,
     scalar: Scalar,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     match (&first, &second) {
         (Signal::Const(_), Signal::Port(_)) if expr::drops_dead_code(elab, true) => first,
         (Signal::Const(_), Signal::Const(_)) | (_, Signal::Absent) => first,
         (Signal::Absent, _) => second,
-        _ => nodes::add_family_member(elab, Family::Coalesce, scalar, &[first, second], at, span),
+        _ => nodes::add_family_member(
+            elab,
+            PrimitiveFamily::Coalesce,
+            scalar,
+            &[first, second],
+            at,
+            span,
+        ),
     }
 }

@@ -64,15 +64,15 @@ impl From<&[Signal]> for Wire {
 }
 
 /// Types and wires of a primitive's inputs; `None` for an open input.
-pub(super) type Given = SmallVec<[Option<(Type, Wire)>; 2]>;
+pub(super) type PrimInputs = SmallVec<[Option<(Type, Wire)>; 2]>;
 
 /// Returns a wire of one leaf.
-pub(super) fn single(signal: Signal) -> Wire {
+pub(super) fn single_wire(signal: Signal) -> Wire {
     Wire::One(signal)
 }
 
 /// Returns a wire without leaves.
-pub(super) fn nothing() -> Wire {
+pub(super) fn empty_wire() -> Wire {
     Wire::Many(Rc::from([]))
 }
 
@@ -80,7 +80,7 @@ pub(super) fn nothing() -> Wire {
 const ALIAS: u32 = 1 << 31;
 
 /// Returns the port that represents an alias until it is resolved.
-pub(super) fn alias(index: usize) -> PortRef {
+pub(super) fn resolve_alias(index: usize) -> PortRef {
     PortRef {
         node: NodeId(ALIAS | u32::try_from(index).unwrap_or(u32::MAX)),
         port: 0,

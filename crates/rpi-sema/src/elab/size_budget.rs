@@ -1,62 +1,65 @@
 //! Size limit for all nets of a program together. Each net has its own limit, but a short program can have many nets.
 
-use crate::check::Checked;
+use crate::check::CheckedProgram;
 use crate::program::Program;
 use crate::typed::Unit;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use std::cell::Cell;
 
 /// Nodes allowed for every program, in addition to what its text allows.
-const FREE: usize = 240_000;
+const BASE_BUDGET: usize = 240_000;
 
 /// Nodes allowed for each byte of text.
-const PER_BYTE: usize = 2;
+const NODES_PER_BYTE: usize = 2;
 
 /// Nodes allowed for each step of a task, whose command may have a net of its own for its arguments.
-const PER_STEP: usize = 2_000;
+const NODES_PER_STEP: usize = 2_000;
 
 /// Greatest number of steps of all tasks of a program together. A task is expanded wherever another task runs it.
 pub const MAX_STEPS: usize = 20_000;
 
 /// Greatest depth of tasks that run one another.
-pub const MAX_TASKS_IN_A_ROW: usize = 400;
+pub const MAX_TASK_DEPTH: usize = 400;
 
 /// Remaining budget of nodes for a program.
 #[derive(Debug)]
-pub struct Room {
-    left: Cell<usize>,
-    is_told: Cell<bool>,
+pub struct SizeBudget {
+    remaining: Cell<usize>,
+    is_reported: Cell<bool>,
 }
 
-impl Room {
+impl SizeBudget {
     /// Creates the budget of a program from the length of its text and the number of its steps.
     #[must_use]
-    pub fn of(program: &Program<'_>, checked: &Checked) -> Room {
+    pub fn for_program(program: &Program<'_>, checked: &CheckedProgram) -> SizeBudget {
         let steps: usize = checked.units.iter().map(|unit| unit.steps.len()).sum();
-        Room {
-            left: Cell::new(FREE + PER_BYTE * program.length() + PER_STEP * steps),
-            is_told: Cell::new(false),
+        SizeBudget {
+            remaining: Cell::new(
+                BASE_BUDGET + NODES_PER_BYTE * program.text_len() + NODES_PER_STEP * steps,
+            ),
+            is_reported: Cell::new(false),
         }
     }
 
     /// Returns whether any nodes remain.
     #[must_use]
-    pub fn is_left(&self) -> bool {
-        self.left.get() > 0
+    pub fn has_remaining(&self) -> bool {
+        self.remaining.get() > 0
     }
 
     /// Subtracts the nodes of a net.
-    pub fn take(&self, nodes: usize) {
-        self.left.set(self.left.get().saturating_sub(nodes));
+    pub fn extract_element(&self, nodes: usize) {
+        self.remaining
+            .set(self.remaining.get().saturating_sub(nodes));
     }
 
     /// Returns an error for the first net that exceeds the budget; none for later ones.
     #[must_use]
-    pub fn used_up(&self, span: Span) -> Option<Finding> {
+    pub fn report_exhausted(&self, span: Span) -> Option<Diagnostic> {
         let message = "program is too large after all calls are expanded";
-        (!self.is_told.replace(true)).then(|| {
-            Finding::new(Code::RPI1011, message)
-                .at(span, "the limit is reached before this")
+        (!self.is_reported.replace(true)).then(|| {
+            Diagnostic::new(Code::RPI1011, message)
+                .primary(span, "the limit is reached before this")
                 .help("divide the program into several files")
         })
     }
@@ -65,12 +68,12 @@ impl Room {
 /// Error for a task with which the expanded tasks have more than [`MAX_STEPS`] steps, or in which more than
 /// [`MAX_TASKS_IN_A_ROW`] tasks run one another.
 #[must_use]
-pub fn task_too_large(task: &Unit) -> Finding {
+pub fn task_too_large(task: &Unit) -> Diagnostic {
     let message = format!("task `{}` is too large after expansion", task.name);
     let what = format!(
-        "the tasks up to this one have more than {MAX_STEPS} steps, or nest more than {MAX_TASKS_IN_A_ROW} deep"
+        "the tasks up to this one have more than {MAX_STEPS} steps, or nest more than {MAX_TASK_DEPTH} deep"
     );
-    Finding::new(Code::RPI1011, message)
-        .at(task.span, what)
+    Diagnostic::new(Code::RPI1011, message)
+        .primary(task.span, what)
         .help("a task is expanded wherever another task runs it; `repeat n times let ... tel` is expanded once")
 }

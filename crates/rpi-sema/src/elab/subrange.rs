@@ -1,37 +1,37 @@
 //! Run-time checks of subranges. A flow with a subrange type is checked where it is defined, passed as an argument or
 //! stored in a struct. The check passes the value on, so that all readers depend on the check.
 
-use crate::check::outside;
+use crate::check::outside_subrange;
 use crate::elab::nodes;
 use crate::elab::sampled_flows;
-use crate::elab::scope::{Scope, State};
+use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, Wire, alias_of};
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::ty::{Subrange, Ty};
-use crate::typed::{Equation, ExprId, FlowId, Place};
+use crate::typed::{Equation, ExprId, FlowId, TargetPlace};
 use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::{Input, prim};
 
 /// Context of a check of a value against its declared type.
 #[derive(Clone, Copy)]
-struct Checked {
-    at: At,
+struct SubrangeCheck {
+    at: Position,
     /// Span of the value, for the error message.
     span: Span,
     /// Span of the declaration of the type.
-    declared: Option<Span>,
+    declaration: Option<Span>,
     /// Whether the value is an argument from outside the unit.
     is_input: bool,
 }
 
 /// Returns the leaves of an equation's value, each checked against the subrange of its target.
 pub(super) fn check_targets<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     equation: &Equation,
     wire: Wire,
-    at: At,
+    at: Position,
 ) -> Wire {
     let mut targets = equation.targets.iter();
     if !targets.any(|target| target.ty.has_subrange(false)) {
@@ -42,7 +42,7 @@ pub(super) fn check_targets<'u>(
     let mut first = 0;
     for target in &equation.targets {
         let flow = match target.place {
-            Place::Flow { flow, at } => Some((flow, at as usize)),
+            TargetPlace::Flow { flow, at } => Some((flow, at as usize)),
             _ => None,
         };
         for (leaf, range) in target.ty.subranges(false) {
@@ -50,10 +50,10 @@ pub(super) fn check_targets<'u>(
                 Some((flow, offset)) => leaf_position(elab, scope, (flow, offset + leaf), at),
                 None => at,
             };
-            let how = Checked {
+            let how = SubrangeCheck {
                 at,
                 span,
-                declared: flow.map(|(flow, _)| scope.unit.flow(flow).span),
+                declaration: flow.map(|(flow, _)| scope.unit.flow(flow).span),
                 is_input: false,
             };
             elab_check(elab, &mut signals, first + leaf, range, how);
@@ -65,10 +65,10 @@ pub(super) fn check_targets<'u>(
 
 /// Checks the inputs of a call. An error is reported at the caller's argument.
 pub(super) fn check_inputs<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     spans: &[Option<Span>],
-    at: At,
+    at: Position,
 ) {
     let unit = scope.unit;
     for (k, flow) in unit.inputs.iter().enumerate() {
@@ -78,28 +78,32 @@ pub(super) fn check_inputs<'u>(
         }
         let default = declared.default.map(|id| unit.expr(id).span);
         let span = spans.get(k).copied().flatten().or(default);
-        let span = span.or(scope.called).unwrap_or(declared.span);
+        let span = span.or(scope.call_span).unwrap_or(declared.span);
         check_input(elab, scope, *flow, false, at, span);
     }
 }
 
 /// Checks an input that is set from outside the program.
-pub(super) fn check_external_input<'u>(elab: &mut Elab<'u>, scope: &mut Scope<'u>, flow: FlowId) {
+pub(super) fn check_external_input<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    flow: FlowId,
+) {
     let span = scope.unit.flow(flow).span;
-    check_input(elab, scope, flow, true, At::ROOT, span);
+    check_input(elab, scope, flow, true, Position::ROOT, span);
 }
 
 fn check_input<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     flow: FlowId,
     from_outside: bool,
-    at: At,
+    at: Position,
     span: Span,
 ) {
     let declared = scope.unit.flow(flow);
     let ranges = declared.ty.subranges(from_outside);
-    let State::Known(wire) = scope.state(flow).clone() else {
+    let FlowState::Done(wire) = scope.state(flow).clone() else {
         return;
     };
     if ranges.is_empty() {
@@ -107,23 +111,23 @@ fn check_input<'u>(
     }
     let mut signals = wire.to_vec();
     for (leaf, range) in ranges {
-        let how = Checked {
+        let how = SubrangeCheck {
             at: leaf_position(elab, scope, (flow, leaf), at),
             span,
-            declared: (span != declared.span).then_some(declared.span),
+            declaration: (span != declared.span).then_some(declared.span),
             is_input: true,
         };
         elab_check(elab, &mut signals, leaf, range, how);
     }
-    *scope.state(flow) = State::Known(signals.into());
+    *scope.state(flow) = FlowState::Done(signals.into());
 }
 
 /// Checks a value for field number `field` of a struct that is built here.
 pub(super) fn check_field(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: Wire,
     (of, field): (&Ty, usize),
-    at: At,
+    at: Position,
     span: Span,
 ) -> Wire {
     match of {
@@ -140,20 +144,20 @@ pub(super) fn check_field(
 
 /// Checks some leaves of a value that comes from outside, or that has new parts of structs.
 pub(super) fn check_leaves(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     wire: Wire,
     ty: &Ty,
     leaves: std::ops::Range<usize>,
-    (at, span): (At, Span),
+    (at, span): (Position, Span),
 ) -> Wire {
     if !ty.has_subrange(true) {
         return wire;
     }
     let mut signals = wire.to_vec();
-    let how = Checked {
+    let how = SubrangeCheck {
         at,
         span,
-        declared: None,
+        declaration: None,
         is_input: false,
     };
     let ranges = ty.subranges(true).into_iter();
@@ -164,11 +168,11 @@ pub(super) fn check_leaves(
 }
 
 fn elab_check(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     signals: &mut [Signal],
     leaf: usize,
     range: Subrange,
-    how: Checked,
+    how: SubrangeCheck,
 ) {
     if let Some(signal) = signals.get_mut(leaf) {
         *signal = check_signal(elab, signal, range, how);
@@ -176,7 +180,12 @@ fn elab_check(
 }
 
 /// Returns a signal behind its check; the signal itself if it is known to lie in the range.
-fn check_signal(elab: &mut Elab<'_>, signal: &Signal, range: Subrange, how: Checked) -> Signal {
+fn check_signal(
+    elab: &mut Elaborator<'_>,
+    signal: &Signal,
+    range: Subrange,
+    how: SubrangeCheck,
+) -> Signal {
     match signal {
         Signal::Absent => return signal.clone(),
         Signal::Const(value) => match value.as_int() {
@@ -201,7 +210,7 @@ fn check_signal(elab: &mut Elab<'_>, signal: &Signal, range: Subrange, how: Chec
 }
 
 /// Returns whether a signal is the output of a check that implies this range.
-fn is_checked(elab: &Elab<'_>, signal: &Signal, range: Subrange) -> bool {
+fn is_checked(elab: &Elaborator<'_>, signal: &Signal, range: Subrange) -> bool {
     let Signal::Port(port) = signal else {
         return false;
     };
@@ -218,44 +227,52 @@ fn is_checked(elab: &Elab<'_>, signal: &Signal, range: Subrange) -> bool {
         to: end(3),
     };
     let is_always = matches!(node.inputs.first(), Some(Input::Const(_)));
-    node.prim == prim!("Rpi::IntWithin") && is_always && known.is_within(range)
+    node.prim == prim!("Rpi::IntWithin") && is_always && known.is_subset_of(range)
 }
 
-fn report_out_of_subrange(elab: &mut Elab<'_>, value: i64, range: Subrange, how: Checked) {
-    let finding = outside(value, range).at(how.span, "in every cycle");
-    if elab.mode == Mode::Constant {
-        elab.fail(NotConstant::Fault(how.span, finding.message));
+fn report_out_of_subrange(
+    elab: &mut Elaborator<'_>,
+    value: i64,
+    range: Subrange,
+    how: SubrangeCheck,
+) {
+    let diagnostic = outside_subrange(value, range).primary(how.span, "in every cycle");
+    if elab.mode == ElabMode::Constant {
+        elab.fail(NotConstantError::Fault(how.span, diagnostic.message));
         return;
     }
-    elab.findings.push(match how.declared {
-        Some(declared) => finding.also(declared, "declared here"),
-        None => finding,
+    elab.diagnostics.push(match how.declaration {
+        Some(declared) => diagnostic.secondary(declared, "declared here"),
+        None => diagnostic,
     });
 }
 
 /// Returns the position of a leaf of a flow: in the fragment of its clock.
 fn leaf_position<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     (flow, leaf): (FlowId, usize),
-    at: At,
-) -> At {
+    at: Position,
+) -> Position {
     match sampled_flows::clocked_facts(elab, scope) {
-        Some(facts) => {
-            sampled_flows::clock_position(elab, scope, facts.clocks.flow(flow).leaf(leaf), at)
-        }
+        Some(facts) => sampled_flows::clock_position(
+            elab,
+            scope,
+            facts.clocks.flow_clocks(flow).leaf(leaf),
+            at,
+        ),
         None => at,
     }
 }
 
 /// Checks the fields that `x with .n = y` replaces.
 pub(super) fn check_replaced<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
     wire: Wire,
     [id, value]: [ExprId; 2],
     offset: u32,
-    at: At,
+    at: Position,
 ) -> Wire {
     let unit = scope.unit;
     let first = offset as usize;

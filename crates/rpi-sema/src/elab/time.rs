@@ -5,7 +5,7 @@ use crate::elab::expr;
 use crate::elab::nodes;
 use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
-use crate::elab::{At, Elab, Mode, NotConstant};
+use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::ty::Ty;
 use crate::typed::PrimCall;
 use crate::typed::{ExprId, Leaf};
@@ -22,10 +22,16 @@ const CONVERSIONS: [PrimId; 3] = [
 ];
 
 /// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
-pub(super) fn constants(elab: &mut Elab<'_>, leaves: &[Leaf], ty: &Ty, at: At, span: Span) -> Wire {
+pub(super) fn constants(
+    elab: &mut Elaborator<'_>,
+    leaves: &[Leaf],
+    ty: &Ty,
+    at: Position,
+    span: Span,
+) -> Wire {
     let mut times = Vec::new();
-    if elab.mode != Mode::Constant {
-        ty.leaves(&mut |_, leaf| times.push(*leaf == Ty::Duration));
+    if elab.mode != ElabMode::Constant {
+        ty.for_each_leaf(&mut |_, leaf| times.push(*leaf == Ty::Duration));
     }
     let leaves = leaves.iter().cloned().enumerate();
     let signals = leaves.map(|(k, leaf)| match times.get(k) {
@@ -35,7 +41,7 @@ pub(super) fn constants(elab: &mut Elab<'_>, leaves: &[Leaf], ty: &Ty, at: At, s
     signals.collect()
 }
 
-fn fixed_ticks(elab: &mut Elab<'_>, seconds: Leaf, at: At, span: Span) -> Signal {
+fn fixed_ticks(elab: &mut Elaborator<'_>, seconds: Leaf, at: Position, span: Span) -> Signal {
     nodes::add_simple(
         elab,
         prim!("Rpi::WholeTicks"),
@@ -48,10 +54,10 @@ fn fixed_ticks(elab: &mut Elab<'_>, seconds: Leaf, at: At, span: Span) -> Signal
 /// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
 /// ticks have no value; none for primitives without durations.
 pub(super) fn constant_duration<'u>(
-    elab: &mut Elab<'u>,
+    elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     call: &'u PrimCall,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Option<Wire> {
     let is_time = |id: &ExprId| scope.unit.expr(*id).ty == Ty::Duration;
@@ -62,15 +68,15 @@ pub(super) fn constant_duration<'u>(
     }
     let mut times = inputs.filter(|id| is_time(id));
     times.next()?;
-    Some(elab.fail(NotConstant::Flow(span)))
+    Some(elab.fail(NotConstantError::RunTime(span)))
 }
 
 /// Converts an external leaf to the unit of the program: durations from seconds to ticks.
 pub(super) fn convert_to_ticks(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     signal: Signal,
     ty: &Ty,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     match ty {
@@ -83,10 +89,10 @@ pub(super) fn convert_to_ticks(
 
 /// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
 pub(super) fn convert_to_seconds(
-    elab: &mut Elab<'_>,
+    elab: &mut Elaborator<'_>,
     signal: &Signal,
     ty: &Ty,
-    at: At,
+    at: Position,
     span: Span,
 ) -> Signal {
     let is_known = matches!(signal, Signal::Absent);
@@ -101,5 +107,5 @@ pub(super) fn convert_to_seconds(
 
 /// Returns the machine type of a leaf outside the program.
 pub(super) fn external_scalar(ty: &Ty) -> Scalar {
-    crate::check::outside_type(ty).1
+    crate::check::external_type(ty).1
 }

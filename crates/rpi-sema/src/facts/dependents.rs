@@ -1,8 +1,8 @@
 //! Dependency lists for fixpoint iterations: from operands to expressions, from flows to their readers, from values to
 //! their definitions. A change is propagated only to its readers.
 
-use crate::typed::Kind;
-use crate::typed::{BlockId, Equation, ExprId, FlowId, Shared, Unit};
+use crate::typed::TypedExprKind;
+use crate::typed::{BlockId, Equation, ExprId, FlowId, SharedFlow, Unit};
 
 /// Definition of a flow.
 #[derive(Clone, Copy)]
@@ -10,22 +10,22 @@ pub(crate) enum Definition<'u> {
     /// Equation, with its block.
     Equation(BlockId, &'u Equation),
     /// Flow defined by several states.
-    Shared(&'u Shared),
+    Shared(&'u SharedFlow),
 }
 
 /// Readers of a unit's expressions and flows.
-pub(crate) struct Reads<'u> {
+pub(crate) struct Dependents<'u> {
     pub(crate) definitions: Vec<Definition<'u>>,
     /// Block of each expression.
     pub(crate) blocks: Vec<BlockId>,
-    parents: Lists,
-    of_flows: Lists,
+    parents: AdjacencyLists,
+    flow_readers: AdjacencyLists,
     /// Definitions by value: first for each expression, then for each flow.
-    defines: Lists,
+    definitions_by_value: AdjacencyLists,
     exprs: usize,
 }
 
-impl<'u> Reads<'u> {
+impl<'u> Dependents<'u> {
     pub(crate) fn new(unit: &'u Unit) -> Self {
         let definitions = definitions(unit);
         let exprs = unit.exprs.len();
@@ -34,15 +34,18 @@ impl<'u> Reads<'u> {
         for (id, expr) in (0u32..).zip(&unit.exprs) {
             expr.kind
                 .operands(&mut |operand| parents.push((operand.0, id)));
-            if let Kind::Flow(flow) = expr.kind {
+            if let TypedExprKind::Flow(flow) = expr.kind {
                 of_flows.push((flow.0, id));
             }
         }
-        Reads {
+        Dependents {
             blocks: blocks(unit),
-            parents: Lists::new(exprs, &parents),
-            of_flows: Lists::new(unit.flows.len(), &of_flows),
-            defines: Lists::new(exprs + unit.flows.len(), &defined(&definitions, exprs)),
+            parents: AdjacencyLists::new(exprs, &parents),
+            flow_readers: AdjacencyLists::new(unit.flows.len(), &of_flows),
+            definitions_by_value: AdjacencyLists::new(
+                exprs + unit.flows.len(),
+                &definition_pairs(&definitions, exprs),
+            ),
             definitions,
             exprs,
         }
@@ -50,22 +53,22 @@ impl<'u> Reads<'u> {
 
     /// Returns the expressions that have this expression as an operand.
     pub(crate) fn parents(&self, id: ExprId) -> &[u32] {
-        self.parents.of(id.0 as usize)
+        self.parents.list(id.0 as usize)
     }
 
     /// Returns the expressions that read a flow.
-    pub(crate) fn of_flow(&self, flow: FlowId) -> &[u32] {
-        self.of_flows.of(flow.0 as usize)
+    pub(crate) fn flow_readers(&self, flow: FlowId) -> &[u32] {
+        self.flow_readers.list(flow.0 as usize)
     }
 
     /// Returns the definitions whose value is this expression.
-    pub(crate) fn defined_by(&self, id: ExprId) -> &[u32] {
-        self.defines.of(id.0 as usize)
+    pub(crate) fn definitions_of_expr(&self, id: ExprId) -> &[u32] {
+        self.definitions_by_value.list(id.0 as usize)
     }
 
     /// Returns the definitions of shared flows to which a state's flow contributes.
-    pub(crate) fn shared_by(&self, flow: FlowId) -> &[u32] {
-        self.defines.of(self.exprs + flow.0 as usize)
+    pub(crate) fn definitions_of_shared(&self, flow: FlowId) -> &[u32] {
+        self.definitions_by_value.list(self.exprs + flow.0 as usize)
     }
 }
 
@@ -87,7 +90,7 @@ fn definitions(unit: &Unit) -> Vec<Definition<'_>> {
     all
 }
 
-fn defined(definitions: &[Definition<'_>], exprs: usize) -> Vec<(u32, u32)> {
+fn definition_pairs(definitions: &[Definition<'_>], exprs: usize) -> Vec<(u32, u32)> {
     let mut pairs = Vec::new();
     for (k, definition) in (0u32..).zip(definitions) {
         match definition {
@@ -125,17 +128,17 @@ fn blocks(unit: &Unit) -> Vec<BlockId> {
         roots
             .chain(claims)
             .chain(unless)
-            .for_each(|root| mark(unit, root, id, &mut blocks));
-        until.for_each(|(state, root)| mark(unit, root, state, &mut blocks));
+            .for_each(|root| checkpoint(unit, root, id, &mut blocks));
+        until.for_each(|(state, root)| checkpoint(unit, root, state, &mut blocks));
         if let (Some(when), Some(parent)) = (block.when, block.parent) {
-            mark(unit, when, parent, &mut blocks);
+            checkpoint(unit, when, parent, &mut blocks);
         }
     }
     blocks
 }
 
-fn mark(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
-    let mut parts = unit.parts(root);
+fn checkpoint(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
+    let mut parts = unit.traverse(root);
     while let Some((id, _)) = parts.next() {
         blocks[id.0 as usize] = block;
         parts.enter(id);
@@ -143,12 +146,12 @@ fn mark(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId]) {
 }
 
 /// Lists of indices, stored contiguously in one vector.
-struct Lists {
+struct AdjacencyLists {
     first: Vec<u32>,
     items: Vec<u32>,
 }
 
-impl Lists {
+impl AdjacencyLists {
     /// Creates the lists from pairs of list and item. The items of a list keep their order.
     fn new(lists: usize, pairs: &[(u32, u32)]) -> Self {
         let mut first = vec![0; lists + 1];
@@ -165,10 +168,10 @@ impl Lists {
             items[*at as usize] = *item;
             *at += 1;
         }
-        Lists { first, items }
+        AdjacencyLists { first, items }
     }
 
-    fn of(&self, list: usize) -> &[u32] {
+    fn list(&self, list: usize) -> &[u32] {
         &self.items[self.first[list] as usize..self.first[list + 1] as usize]
     }
 }

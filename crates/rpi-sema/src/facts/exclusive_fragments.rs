@@ -1,34 +1,39 @@
 //! Mutually exclusive fragments: `??` over flows of fragments of which one is always active is always present.
 
 use crate::typed::{BlockId, ExprId, FlowId, Unit};
-use crate::typed::{Each, Kind};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 
 /// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
 /// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is
 /// active.
-pub(super) fn covers(unit: &Unit, a: ExprId, b: ExprId, total: impl Fn(FlowId) -> bool) -> bool {
+pub(super) fn is_always_present(
+    unit: &Unit,
+    a: ExprId,
+    b: ExprId,
+    total: impl Fn(FlowId) -> bool,
+) -> bool {
     let mut flows = Vec::new();
     sources(unit, a, &mut flows);
     sources(unit, b, &mut flows);
     // An optional flow of an active fragment may be absent, so it guarantees nothing.
     flows.retain(|flow| total(*flow));
     let blocks: Vec<BlockId> = flows.iter().map(|flow| unit.flow(*flow).block).collect();
-    opposite(unit, &blocks) || all_states(unit, &blocks)
+    have_opposite_conditions(unit, &blocks) || cover_all_states(unit, &blocks)
 }
 
 /// Collects the flows, or bases of parts, in a chain of `??`.
 fn sources(unit: &Unit, id: ExprId, flows: &mut Vec<FlowId>) {
     match &unit.expr(id).kind {
-        Kind::Flow(flow) => flows.push(*flow),
-        Kind::Part { base, .. } => sources(unit, *base, flows),
-        Kind::Each(Each::Coalesce, operands) => {
+        TypedExprKind::Flow(flow) => flows.push(*flow),
+        TypedExprKind::Part { base, .. } => sources(unit, *base, flows),
+        TypedExprKind::Each(ElementwiseOp::Coalesce, operands) => {
             operands.iter().for_each(|id| sources(unit, *id, flows));
         }
         _ => {}
     }
 }
 
-fn opposite(unit: &Unit, blocks: &[BlockId]) -> bool {
+fn have_opposite_conditions(unit: &Unit, blocks: &[BlockId]) -> bool {
     let condition = |block: &BlockId| {
         let block = unit.block(*block);
         let outermost = block.parent.is_some_and(|parent| parent == BlockId::ROOT);
@@ -47,15 +52,15 @@ fn opposite(unit: &Unit, blocks: &[BlockId]) -> bool {
 /// `holds`.
 pub(crate) fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
     match &unit.expr(id).kind {
-        Kind::Flow(flow) => Some((flow.0, holds)),
-        Kind::Prim(call) if call.prim.desc().name == "Core::BooleanNot" => {
+        TypedExprKind::Flow(flow) => Some((flow.0, holds)),
+        TypedExprKind::Prim(call) if call.prim.desc().name == "Core::BooleanNot" => {
             literal(unit, call.inputs.first().copied()??, !holds)
         }
         _ => None,
     }
 }
 
-fn all_states(unit: &Unit, blocks: &[BlockId]) -> bool {
+fn cover_all_states(unit: &Unit, blocks: &[BlockId]) -> bool {
     let automata = unit.blocks.first().map(|root| &root.automata);
     let mut automata = automata.into_iter().flatten();
     automata.any(|automaton| {

@@ -11,7 +11,7 @@ mod presence;
 pub(crate) mod presence_check;
 pub(crate) mod takeover;
 
-pub(crate) use crate::facts::dependents::{Definition, Reads};
+pub(crate) use crate::facts::dependents::{Definition, Dependents};
 pub(crate) use crate::facts::exclusive_fragments::literal;
 pub use absence::Absence;
-pub use presence::{Facts, find};
+pub use presence::{Facts, analyse};

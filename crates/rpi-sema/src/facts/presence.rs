@@ -3,13 +3,13 @@
 //! A call is analysed by its callee's declared ports only. A function is lifted: absent arguments make its results
 //! absent. A value that must be present but may be absent is reported.
 
-use crate::clocks::{self, Borders, ClockId, Clocks};
+use crate::clocks::{self, ClockId, Clocks, InactiveBlocks};
 use crate::facts::Absence;
 use crate::facts::dependents::Definition;
-use crate::facts::dependents::Reads;
-use crate::typed::{Activation, Each, Kind};
-use crate::typed::{BlockId, ExprId, FlowId, Optional, Place, Unit};
-use rpi_diag::{Code, Finding, Fix, Severity, Span};
+use crate::facts::dependents::Dependents;
+use crate::typed::{Activation, ElementwiseOp, TypedExprKind};
+use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, TargetPlace, Unit};
+use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 use rpi_image::Presence;
 use std::collections::BTreeSet;
 
@@ -34,7 +34,7 @@ impl Facts {
 
     /// Returns which leaves of a flow can be absent.
     #[must_use]
-    pub fn flow(&self, id: FlowId) -> Absence {
+    pub fn flow_absence(&self, id: FlowId) -> Absence {
         let known = self.flows.get(id.0 as usize);
         known.cloned().unwrap_or(Absence::NEVER)
     }
@@ -42,49 +42,53 @@ impl Facts {
 
 /// Analyses the units that are `sound` and returns the facts of all units and the diagnostics.
 #[must_use]
-pub fn find(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Finding>) {
-    let mut all: Vec<Vec<Finding>> = vec![Vec::new(); units.len()];
+pub fn analyse(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Diagnostic>) {
+    let mut all: Vec<Vec<Diagnostic>> = vec![Vec::new(); units.len()];
     let mut facts = vec![Facts::default(); units.len()];
     for at in callees_first(units) {
         if sound.get(at).copied().unwrap_or(false) {
-            let (found, mut findings) = of_unit(units, &facts, &units[at]);
-            findings.sort_by_key(Finding::span);
+            let (found, mut diagnostics) = compute_unit_properties(units, &facts, &units[at]);
+            diagnostics.sort_by_key(Diagnostic::span);
             facts[at] = found;
-            all[at] = findings;
+            all[at] = diagnostics;
         }
     }
-    let mut findings: Vec<Finding> = all.into_iter().flatten().collect();
+    let mut diagnostics: Vec<Diagnostic> = all.into_iter().flatten().collect();
     for task in units {
-        crate::facts::takeover::handed(units, &facts, task, &mut findings);
+        crate::facts::takeover::value_sources(units, &facts, task, &mut diagnostics);
     }
-    (facts, findings)
+    (facts, diagnostics)
 }
 
 /// Analyses one unit. `facts` must hold the results of its callees.
-fn of_unit(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Facts, Vec<Finding>) {
-    let (clocks, mut findings) = clocks::find(units, facts, unit);
-    let apart = findings.clone();
-    let mut inference = Inference::new(units, facts, unit, &clocks);
-    if !inference.has_source() {
+fn compute_unit_properties(
+    units: &[Unit],
+    facts: &[Facts],
+    unit: &Unit,
+) -> (Facts, Vec<Diagnostic>) {
+    let (clocks, mut diagnostics) = clocks::infer(units, facts, unit);
+    let apart = diagnostics.clone();
+    let mut inference = PresenceInference::new(units, facts, unit, &clocks);
+    if !inference.can_be_absent() {
         let found = Facts {
             clocks,
             ..Facts::default()
         };
-        return (found, findings);
+        return (found, diagnostics);
     }
-    let reads = Reads::new(unit);
+    let reads = Dependents::new(unit);
     inference.solve(&reads);
     let mut absent = Vec::new();
-    crate::facts::presence_check::demand(&inference, &reads, &mut absent);
-    keep_causes(&mut absent, &apart);
-    findings.append(&mut absent);
+    crate::facts::presence_check::check_presence(&inference, &reads, &mut absent);
+    remove_consequences(&mut absent, &apart);
+    diagnostics.append(&mut absent);
     let (exprs, flows) = (inference.exprs, inference.flows);
     let found = Facts {
         exprs,
         flows,
         clocks,
     };
-    (found, findings)
+    (found, diagnostics)
 }
 
 /// Returns the indices of the units, callees before callers. Recursion is broken at an arbitrary unit.
@@ -100,7 +104,7 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
             } else if !std::mem::replace(&mut met[at], true) {
                 open.push((at, true));
                 let calls = units[at].exprs.iter().filter_map(|expr| match &expr.kind {
-                    Kind::Call(call) => Some(call.unit.0 as usize),
+                    TypedExprKind::Call(call) => Some(call.unit.0 as usize),
                     _ => None,
                 });
                 open.extend(calls.filter(|callee| !met[*callee]).map(|at| (at, false)));
@@ -111,23 +115,23 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
 }
 
 /// Removes diagnostics that only follow from others, or from clock mismatches (`apart`).
-fn keep_causes(absent: &mut Vec<Finding>, apart: &[Finding]) {
+fn remove_consequences(absent: &mut Vec<Diagnostic>, apart: &[Diagnostic]) {
     // An expression with a clock mismatch, in itself or inside, is absent in some cycles as a consequence.
-    let told: BTreeSet<Span> = apart.iter().map(Finding::span).collect();
-    absent.retain(|finding| !has_in_itself(&told, finding.span()));
+    let told: BTreeSet<Span> = apart.iter().map(Diagnostic::span).collect();
+    absent.retain(|diagnostic| !contains_any(&told, diagnostic.span()));
     // After a clock mismatch or an absence error inside the expression, a warning about a needless `??` may be wrong.
-    let is_error = |finding: &Finding| finding.severity() == Severity::Error;
-    let wrong = absent.iter().filter(|finding| is_error(finding));
-    let wrong: BTreeSet<Span> = wrong.map(Finding::span).collect();
-    absent.retain(|finding| {
-        let mut labels = finding.labels.iter();
-        let is_about_wrong = labels.any(|label| has_in_itself(&wrong, label.span));
-        is_error(finding) || apart.is_empty() && !is_about_wrong
+    let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
+    let wrong = absent.iter().filter(|diagnostic| is_error(diagnostic));
+    let wrong: BTreeSet<Span> = wrong.map(Diagnostic::span).collect();
+    absent.retain(|diagnostic| {
+        let mut labels = diagnostic.labels.iter();
+        let is_about_wrong = labels.any(|label| contains_any(&wrong, label.span));
+        is_error(diagnostic) || apart.is_empty() && !is_about_wrong
     });
 }
 
 /// Returns whether `place` equals or contains one of the spans.
-fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
+fn contains_any(places: &BTreeSet<Span>, place: Span) -> bool {
     let start = Span { end: 0, ..place };
     let within = places.range(start..).take_while(|at| at.file == place.file);
     within
@@ -136,7 +140,7 @@ fn has_in_itself(places: &BTreeSet<Span>, place: Span) -> bool {
 }
 
 /// State of the presence inference for one unit.
-pub(super) struct Inference<'u> {
+pub(super) struct PresenceInference<'u> {
     pub(super) units: &'u [Unit],
     pub(super) facts: &'u [Facts],
     pub(super) unit: &'u Unit,
@@ -144,16 +148,16 @@ pub(super) struct Inference<'u> {
     /// Absence of each expression. Empty until `solve` starts.
     pub(super) exprs: Vec<Absence>,
     pub(super) flows: Vec<Absence>,
-    pub(super) borders: Borders<'u>,
+    pub(super) inactive_blocks: InactiveBlocks<'u>,
 }
 
-impl<'u> Inference<'u> {
+impl<'u> PresenceInference<'u> {
     fn new(units: &'u [Unit], facts: &'u [Facts], unit: &'u Unit, clocks: &'u Clocks) -> Self {
-        let declared = |optional: Optional| match optional {
-            Optional::Declared(optional) => Absence::All(optional),
-            Optional::Inferred => Absence::NEVER,
+        let declared = |optional: FlowPresence| match optional {
+            FlowPresence::Declared(optional) => Absence::Uniform(optional),
+            FlowPresence::Inferred => Absence::NEVER,
         };
-        Inference {
+        PresenceInference {
             units,
             facts,
             unit,
@@ -164,29 +168,32 @@ impl<'u> Inference<'u> {
                 .iter()
                 .map(|flow| declared(flow.optional))
                 .collect(),
-            borders: Borders::new(unit),
+            inactive_blocks: InactiveBlocks::new(unit),
         }
     }
 
     /// Returns whether anything in the unit can be absent. Most units can skip the inference.
-    fn has_source(&self) -> bool {
-        let of_expr = |(id, kind): (ExprId, &Kind)| match kind {
-            Kind::None | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => true,
-            Kind::Sensor { .. } | Kind::Each(Each::Coalesce, _) => true,
-            Kind::Prim(call) => {
+    fn can_be_absent(&self) -> bool {
+        let of_expr = |(id, kind): (ExprId, &TypedExprKind)| match kind {
+            TypedExprKind::None
+            | TypedExprKind::When { .. }
+            | TypedExprKind::Merge { .. }
+            | TypedExprKind::Current(_) => true,
+            TypedExprKind::Sensor { .. } | TypedExprKind::Each(ElementwiseOp::Coalesce, _) => true,
+            TypedExprKind::Prim(call) => {
                 let outputs = call.prim.desc().outputs;
                 outputs
                     .iter()
                     .any(|port| !matches!(port.presence, Presence::Strict | Presence::Always))
-                    && !self.prim(id, call).iter().all(|absent| !absent)
+                    && !self.add_prim(id, call).iter().all(|absent| !absent)
             }
-            Kind::Call(call) => {
+            TypedExprKind::Call(call) => {
                 self.call(id, call).any() || !matches!(call.activation, Activation::Always)
             }
             _ => false,
         };
-        self.borders.any()
-            || self.clocks.any()
+        self.inactive_blocks.has_inactive()
+            || self.clocks.has_samplings()
             || self.flows.iter().any(Absence::any)
             || (0..)
                 .map(ExprId)
@@ -194,7 +201,7 @@ impl<'u> Inference<'u> {
                 .any(|(id, expr)| of_expr((id, &expr.kind)))
     }
 
-    fn solve(&mut self, reads: &Reads<'_>) {
+    fn solve(&mut self, reads: &Dependents<'_>) {
         self.exprs.resize(self.unit.exprs.len(), Absence::NEVER);
         for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
             self.exprs[id.0 as usize] = self.expr(id, reads);
@@ -202,12 +209,12 @@ impl<'u> Inference<'u> {
         // Absence only ever grows, so the iteration ends.
         let mut changed: Vec<FlowId> = Vec::new();
         for definition in &reads.definitions {
-            self.define(definition, &mut changed);
+            self.update_definition(definition, &mut changed);
         }
         while let Some(flow) = changed.pop() {
-            let mut open: Vec<u32> = reads.of_flow(flow).to_vec();
-            for definition in reads.shared_by(flow) {
-                self.define(&reads.definitions[*definition as usize], &mut changed);
+            let mut open: Vec<u32> = reads.flow_readers(flow).to_vec();
+            for definition in reads.definitions_of_shared(flow) {
+                self.update_definition(&reads.definitions[*definition as usize], &mut changed);
             }
             while let Some(id) = open.pop().map(ExprId) {
                 let absence = self.expr(id, reads);
@@ -216,23 +223,27 @@ impl<'u> Inference<'u> {
                 }
                 self.exprs[id.0 as usize] = absence;
                 open.extend(reads.parents(id));
-                for definition in reads.defined_by(id) {
-                    self.define(&reads.definitions[*definition as usize], &mut changed);
+                for definition in reads.definitions_of_expr(id) {
+                    self.update_definition(&reads.definitions[*definition as usize], &mut changed);
                 }
             }
         }
     }
 
     /// Updates the absence of inferred flows from their definition.
-    fn define(&mut self, definition: &Definition<'_>, changed: &mut Vec<FlowId>) {
+    fn update_definition(&mut self, definition: &Definition<'_>, changed: &mut Vec<FlowId>) {
         match definition {
             Definition::Equation(block, equation) => {
                 let mut at = 0;
                 for target in &equation.targets {
                     let count = target.ty.leaf_count();
-                    if let Place::Flow { flow, at: offset } = target.place {
-                        let part = self.taken(equation.value, (at, count), &target.place);
-                        let part = match self.borders.crossed(*block, self.unit.flow(flow).block) {
+                    if let TargetPlace::Flow { flow, at: offset } = target.place {
+                        let part =
+                            self.value_for_targets(equation.value, (at, count), &target.place);
+                        let part = match self
+                            .inactive_blocks
+                            .crosses_inactive(*block, self.unit.flow(flow).block)
+                        {
                             true => Absence::MAYBE,
                             false => part,
                         };
@@ -243,15 +254,16 @@ impl<'u> Inference<'u> {
             }
             Definition::Shared(shared) => {
                 let count = self.unit.flow(shared.flow).ty.leaf_count();
-                let mut absence = Absence::All(shared.is_left_open());
+                let mut absence = Absence::Uniform(shared.is_partially_defined());
                 for inner in shared.contributions() {
                     let slower = |k: usize| {
-                        let clocks = [inner, shared.flow].map(|id| self.clocks.flow(id).leaf(k));
+                        let clocks =
+                            [inner, shared.flow].map(|id| self.clocks.flow_clocks(id).leaf(k));
                         self.clocks.is_slower(clocks[0], clocks[1])
                     };
                     let inner = self.flows[inner.0 as usize].clone();
                     let inner = inner.or(count, slower);
-                    absence = absence.with(&inner, count, |a, b| a || b);
+                    absence = absence.combine(&inner, count, |a, b| a || b);
                 }
                 self.join(shared.flow, 0, &absence, count, changed);
             }
@@ -267,12 +279,12 @@ impl<'u> Inference<'u> {
         changed: &mut Vec<FlowId>,
     ) {
         let known = &self.flows[flow.0 as usize];
-        if self.unit.flow(flow).optional != Optional::Inferred || !part.any() {
+        if self.unit.flow(flow).optional != FlowPresence::Inferred || !part.any() {
             return;
         }
         let whole = self.unit.flow(flow).ty.leaf_count();
         let part = Absence::NEVER.replaced(whole, at, part, count);
-        let joined = known.with(&part, whole, |a, b| a || b);
+        let joined = known.combine(&part, whole, |a, b| a || b);
         if joined != *known {
             self.flows[flow.0 as usize] = joined;
             changed.push(flow);
@@ -281,13 +293,13 @@ impl<'u> Inference<'u> {
 
     /// Returns the absence of a flow for a reader in a block. Outside a block that may be inactive it may be absent.
     pub(super) fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
-        match self.borders.is_outside(flow, reader) {
+        match self.inactive_blocks.is_outside(flow, reader) {
             true => Absence::MAYBE,
             false => self.flows[flow.0 as usize].clone(),
         }
     }
 
-    pub(super) fn of(&self, id: ExprId) -> Absence {
+    pub(super) fn absence(&self, id: ExprId) -> Absence {
         let known = self.exprs.get(id.0 as usize);
         known.cloned().unwrap_or(Absence::NEVER)
     }
@@ -297,44 +309,44 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns the absence of a value for a reader on one clock: also absent where the value's own clock does not tick.
-    pub(super) fn seen_at(&self, id: ExprId, reader: ClockId) -> Absence {
+    pub(super) fn on_clock(&self, id: ExprId, reader: ClockId) -> Absence {
         let slower = |k: usize| self.clocks.is_slower(self.clocks.leaf(id, k), reader);
-        match self.clocks.row(id).one() {
+        match self.clocks.expr_clocks(id).uniform() {
             Some(_) if slower(0) => Absence::MAYBE,
-            Some(_) => self.of(id),
-            None => self.of(id).or(self.count(id), slower),
+            Some(_) => self.absence(id),
+            None => self.absence(id).or(self.count(id), slower),
         }
     }
 
     /// Returns the absence of an operand of an elementwise operator.
-    pub(super) fn seen_by(&self, reader: ExprId, operand: ExprId) -> Absence {
-        match self.clocks.row(reader).one() {
-            Some(clock) => self.seen_at(operand, clock),
+    pub(super) fn for_reader(&self, reader: ExprId, operand: ExprId) -> Absence {
+        match self.clocks.expr_clocks(reader).uniform() {
+            Some(clock) => self.on_clock(operand, clock),
             None => {
                 let leaf = |k: usize| [operand, reader].map(|id| self.clocks.leaf(id, k));
                 let slower = |k: usize| self.clocks.is_slower(leaf(k)[0], leaf(k)[1]);
-                self.of(operand).or(self.count(reader), slower)
+                self.absence(operand).or(self.count(reader), slower)
             }
         }
     }
 
     /// Returns the absence of leaves of a value on the clock of the equation's target.
-    pub(super) fn taken(
+    pub(super) fn value_for_targets(
         &self,
         value: ExprId,
         (first, count): (usize, usize),
-        place: &Place,
+        place: &TargetPlace,
     ) -> Absence {
         let wanted = |k: usize| match place {
-            Place::Flow { flow, at } => self.clocks.flow(*flow).leaf(*at as usize + k),
+            TargetPlace::Flow { flow, at } => self.clocks.flow_clocks(*flow).leaf(*at as usize + k),
             _ => ClockId::BASE,
         };
         let slower = |k: usize| {
             self.clocks
                 .is_slower(self.clocks.leaf(value, first + k), wanted(k))
         };
-        let part = self.of(value).part(first, count);
-        match self.clocks.any() {
+        let part = self.absence(value).part(first, count);
+        match self.clocks.has_samplings() {
             true => part.or(count, slower),
             false => part,
         }
@@ -342,28 +354,29 @@ impl<'u> Inference<'u> {
 
     /// Returns whether an operand of a strict operator or call may be absent.
     pub(super) fn is_absent_in(&self, reader: ExprId, operand: ExprId) -> bool {
-        self.seen_at(operand, self.clocks.place(reader)).any()
+        self.on_clock(operand, self.clocks.computed_on(reader))
+            .any()
     }
 
     /// Returns whether a flow is defined by equations and declared as present.
     pub(super) fn must_be_present(&self, flow: FlowId) -> bool {
         let flow = self.unit.flow(flow);
-        flow.role.has_equation() && flow.optional == Optional::Declared(false)
+        flow.role.has_equation() && flow.optional == FlowPresence::Declared(false)
     }
 
     /// Returns a fix that rewrites `if present(x) then x else y` to `x ?? y`.
-    fn present_or(&self, id: ExprId) -> Option<Fix> {
-        let Kind::Each(Each::If, operands) = &self.unit.expr(id).kind else {
+    fn fix_present_or(&self, id: ExprId) -> Option<Fix> {
+        let TypedExprKind::Each(ElementwiseOp::If, operands) = &self.unit.expr(id).kind else {
             return None;
         };
         let [condition, yes, no] = operands[..] else {
             return None;
         };
-        let Kind::Present(asked) = self.unit.expr(condition).kind else {
+        let TypedExprKind::Present(asked) = self.unit.expr(condition).kind else {
             return None;
         };
         let flow = |id: ExprId| match self.unit.expr(id).kind {
-            Kind::Flow(flow) => Some(flow),
+            TypedExprKind::Flow(flow) => Some(flow),
             _ => None,
         };
         let same = flow(asked).is_some() && flow(asked) == flow(yes);
@@ -384,11 +397,11 @@ impl<'u> Inference<'u> {
     }
 
     /// Returns a fix that appends `?? otherwise` to an expression.
-    pub(super) fn coalesced(&self, id: ExprId, otherwise: &str) -> Fix {
+    pub(super) fn fix_coalesce(&self, id: ExprId, otherwise: &str) -> Fix {
         let span = self.unit.expr(id).span;
         let fix = Fix::maybe(format!("use `{otherwise}` while it is absent"));
         match self.unit.expr(id).kind {
-            Kind::Flow(_) | Kind::Part { .. } | Kind::Call(_) => {
+            TypedExprKind::Flow(_) | TypedExprKind::Part { .. } | TypedExprKind::Call(_) => {
                 fix.insert_after(span, format!(" ?? {otherwise}"))
             }
             _ => fix
@@ -398,24 +411,25 @@ impl<'u> Inference<'u> {
     }
 
     /// Reports a value that may be absent but must be present, for a reader on clock `reader`. `why` is the label.
-    pub(super) fn absent_here(&self, id: ExprId, reader: ClockId, why: &str) -> Finding {
+    pub(super) fn absence_error(&self, id: ExprId, reader: ClockId, why: &str) -> Diagnostic {
         let span = self.unit.expr(id).span;
         let message = match self.unit.expr(id).kind {
-            Kind::Flow(flow) => format!("`{}` may be absent here", self.unit.flow(flow).name),
+            TypedExprKind::Flow(flow) => {
+                format!("`{}` may be absent here", self.unit.flow(flow).name)
+            }
             _ => "this value may be absent".to_owned(),
         };
-        let finding = Finding::new(Code::RPI3001, message).at(span, why.to_owned());
-        let finding = match self.present_or(id) {
-            Some(fix) => finding
+        let diagnostic = Diagnostic::new(Code::RPI3001, message).primary(span, why.to_owned());
+        let diagnostic = match self.fix_present_or(id) {
+            Some(fix) => diagnostic
                 .help("`x ?? y` is `x` where it is present, and `y` where it is not")
                 .fix(fix),
-            None => {
-                finding.help("handle the absence: `x ?? other`, `hold(x, init)`, or `present(x)`")
-            }
+            None => diagnostic
+                .help("handle the absence: `x ?? other`, `hold(x, init)`, or `present(x)`"),
         };
-        match crate::facts::presence_check::origin(self, id, reader) {
-            Some((span, text)) => finding.also(span, text),
-            None => finding,
+        match crate::facts::presence_check::absence_cause(self, id, reader) {
+            Some((span, text)) => diagnostic.secondary(span, text),
+            None => diagnostic,
         }
     }
 }

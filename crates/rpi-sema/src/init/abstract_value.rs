@@ -9,7 +9,7 @@ pub(super) type Condition = (PortRef, bool);
 
 /// Cycles in which a possibly uninitialised flow has a value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Unless {
+pub(super) enum DefinedWhen {
     /// Cycles in which the condition holds.
     Now(Condition),
     /// Cycles of this fragment from the first one on in which the condition holds, for the held value of a sampled
@@ -19,9 +19,9 @@ pub(super) enum Unless {
 
 /// Abstract value of a flow, an element of a lattice. Later variants allow more.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) enum Known {
+pub(super) enum AbstractValue {
     /// No such cycle exists.
-    Never,
+    Unreachable,
     /// This value.
     Value(Rc<Value>),
     /// One of these integers, in ascending order: possible states of an automaton.
@@ -33,37 +33,40 @@ pub(super) enum Known {
         /// Delay that is not initialised yet.
         root: NodeId,
         /// Cycles in which there is a value nevertheless.
-        unless: Option<Unless>,
+        defined_when: Option<DefinedWhen>,
     },
 }
 
-impl Known {
+impl AbstractValue {
     /// Creates the abstract value of a constant.
-    pub(super) fn value(value: Value) -> Known {
-        Known::Value(Rc::new(value))
+    pub(super) fn from_value(value: Value) -> AbstractValue {
+        AbstractValue::Value(Rc::new(value))
     }
 
     /// Least upper bound of two abstract values.
-    pub(super) fn join(&self, other: &Known) -> Known {
-        use Known::{Defined, Never, Undefined};
+    pub(super) fn join(&self, other: &AbstractValue) -> AbstractValue {
+        use AbstractValue::{Defined, Undefined, Unreachable};
         match (self, other) {
-            (Never, known) | (known, Never) => known.clone(),
+            (Unreachable, known) | (known, Unreachable) => known.clone(),
             (a, b) if a == b => a.clone(),
             (
-                Undefined { root, unless },
+                Undefined {
+                    root,
+                    defined_when: unless,
+                },
                 Undefined {
                     root: other,
-                    unless: otherwise,
+                    defined_when: otherwise,
                 },
             ) => Undefined {
                 root: *root.min(other),
-                unless: unless.filter(|unless| Some(*unless) == *otherwise),
+                defined_when: unless.filter(|unless| Some(*unless) == *otherwise),
             },
             (undefined @ Undefined { .. }, _) | (_, undefined @ Undefined { .. }) => {
                 undefined.clone()
             }
             (a, b) => match (a.integers(), b.integers()) {
-                (Some(a), Some(b)) => one_of(&a, &b),
+                (Some(a), Some(b)) => with_output_fixes(&a, &b),
                 _ => Defined,
             },
         }
@@ -72,14 +75,14 @@ impl Known {
     /// Returns the possible integers, if they are known.
     fn integers(&self) -> Option<Rc<[i64]>> {
         match self {
-            Known::Value(value) => value.as_int().map(|value| [value].into()),
-            Known::OneOf(values) => Some(values.clone()),
+            AbstractValue::Value(value) => value.as_int().map(|value| [value].into()),
+            AbstractValue::OneOf(values) => Some(values.clone()),
             _ => None,
         }
     }
 
     /// Returns whether the two values are certainly different integers.
-    pub(super) fn differs(&self, other: &Known) -> bool {
+    pub(super) fn differs(&self, other: &AbstractValue) -> bool {
         match (self.integers(), other.integers()) {
             (Some(a), Some(b)) => a.iter().all(|value| b.binary_search(value).is_err()),
             _ => false,
@@ -89,50 +92,56 @@ impl Known {
     /// Returns the Boolean value, if it is known.
     pub(super) fn truth(&self) -> Option<bool> {
         match self {
-            Known::Value(value) => value.as_bool(),
+            AbstractValue::Value(value) => value.as_bool(),
             _ => None,
         }
     }
 
     /// Returns the abstract value in a later cycle, where conditions of this cycle no longer apply.
-    pub(super) fn later(self) -> Known {
+    pub(super) fn later(self) -> AbstractValue {
         match self {
-            Known::Undefined { root, .. } => Known::Undefined { root, unless: None },
+            AbstractValue::Undefined { root, .. } => AbstractValue::Undefined {
+                root,
+                defined_when: None,
+            },
             known => known,
         }
     }
 
     /// Returns `Defined` if `holds` is true for the condition under which this flow has a value.
-    pub(super) fn given(self, holds: impl FnOnce(Unless) -> bool) -> Known {
+    pub(super) fn assuming(self, holds: impl FnOnce(DefinedWhen) -> bool) -> AbstractValue {
         match self {
-            Known::Undefined {
-                unless: Some(unless),
+            AbstractValue::Undefined {
+                defined_when: Some(unless),
                 ..
-            } if holds(unless) => Known::Defined,
+            } if holds(unless) => AbstractValue::Defined,
             known => known,
         }
     }
 
     /// Marks an uninitialised value as defined where the condition holds.
-    pub(super) fn defined_where(self, condition: Option<Condition>) -> Known {
+    pub(super) fn defined_where(self, condition: Option<Condition>) -> AbstractValue {
         match self {
-            Known::Undefined { root, unless: None } => Known::Undefined {
+            AbstractValue::Undefined {
                 root,
-                unless: condition.map(Unless::Now),
+                defined_when: None,
+            } => AbstractValue::Undefined {
+                root,
+                defined_when: condition.map(DefinedWhen::Now),
             },
             known => known,
         }
     }
 
     /// Marks a value that is defined where a condition holds as defined from then on, because the fragment holds it.
-    pub(super) fn kept(self, fragment: FragmentId) -> Known {
+    pub(super) fn held(self, fragment: FragmentId) -> AbstractValue {
         match self {
-            Known::Undefined {
+            AbstractValue::Undefined {
                 root,
-                unless: Some(Unless::Now(condition)),
-            } => Known::Undefined {
+                defined_when: Some(DefinedWhen::Now(condition)),
+            } => AbstractValue::Undefined {
                 root,
-                unless: Some(Unless::Since(condition, fragment)),
+                defined_when: Some(DefinedWhen::Since(condition, fragment)),
             },
             known => known,
         }
@@ -140,15 +149,15 @@ impl Known {
 }
 
 /// Greatest number of integers that are distinguished: states of an automaton. A larger set becomes `Defined`.
-const MOST: usize = 16;
+const MAX_INTEGERS: usize = 16;
 
-fn one_of(a: &[i64], b: &[i64]) -> Known {
+fn with_output_fixes(a: &[i64], b: &[i64]) -> AbstractValue {
     let mut values = [a, b].concat();
     values.sort_unstable();
     values.dedup();
     match values.len() {
-        0..=MOST => Known::OneOf(values.into()),
-        _ => Known::Defined,
+        0..=MAX_INTEGERS => AbstractValue::OneOf(values.into()),
+        _ => AbstractValue::Defined,
     }
 }
 
@@ -158,12 +167,12 @@ mod tests {
 
     #[test]
     fn integers_are_told_apart_up_to_a_number() {
-        let [one, two, three] = [1, 2, 3].map(|k| Known::value(Value::int(k)));
+        let [one, two, three] = [1, 2, 3].map(|k| AbstractValue::from_value(Value::int(k)));
         let either = one.join(&two);
         assert!(either.differs(&three) && !either.differs(&two));
         assert!(!either.join(&three).differs(&three));
-        assert!(!Known::Defined.differs(&three));
-        let all = (0..=MOST as i64).map(|k| Known::value(Value::int(k)));
-        assert_eq!(all.reduce(|a, b| a.join(&b)), Some(Known::Defined));
+        assert!(!AbstractValue::Defined.differs(&three));
+        let all = (0..=MAX_INTEGERS as i64).map(|k| AbstractValue::from_value(Value::int(k)));
+        assert_eq!(all.reduce(|a, b| a.join(&b)), Some(AbstractValue::Defined));
     }
 }

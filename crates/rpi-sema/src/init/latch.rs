@@ -6,10 +6,10 @@
 //! one fragment, so that they share the same cycles and restarts.
 
 use crate::init::abstract_value::Condition;
-use crate::init::abstract_value::Unless;
-use crate::init::rules::Rule;
+use crate::init::abstract_value::DefinedWhen;
+use crate::init::rules::TransferRule;
 use crate::init::solve::Solution;
-use rpi_image::{Role, State};
+use rpi_image::{Role, StateSize};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 /// Greatest number of proof steps for one query.
@@ -22,28 +22,28 @@ const MAX_DEPTH: usize = 8;
 pub(super) fn holds(
     all: &Solution<'_>,
     reader: NodeId,
-    unless: Unless,
+    unless: DefinedWhen,
     given: &[Condition],
 ) -> bool {
     match unless {
-        Unless::Now(condition) => given.contains(&condition),
-        Unless::Since(condition, fragment) => {
-            let mut search = Search {
+        DefinedWhen::Now(condition) => given.contains(&condition),
+        DefinedWhen::Since(condition, fragment) => {
+            let mut search = LatchProof {
                 all,
                 condition,
                 fragment,
                 steps: 0,
-                seen: Vec::new(),
+                assumed: Vec::new(),
                 failed: Vec::new(),
             };
             all.net().node(reader).fragment == fragment
-                && given.iter().any(|given| search.shows(*given))
+                && given.iter().any(|given| search.proves(*given))
         }
     }
 }
 
 /// Returns whether a conditional holds its value otherwise: `c`, a value, and the delay of the conditional itself.
-pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
+pub(super) fn is_latch(net: &Net, choice: NodeId) -> bool {
     let node = net.node(choice);
     let otherwise = node.inputs.get(2).and_then(Input::port);
     otherwise.is_some_and(|port| {
@@ -56,25 +56,26 @@ pub(super) fn keeps_itself(net: &Net, choice: NodeId) -> bool {
 }
 
 /// Proof search for a condition that implies that another one holds or has held.
-struct Search<'s, 'n> {
+struct LatchProof<'s, 'n> {
     all: &'s Solution<'n>,
     condition: Condition,
     fragment: FragmentId,
     steps: usize,
     /// Conditions assumed by induction. Behind a delay they are proved for all earlier cycles.
-    seen: Vec<Condition>,
+    assumed: Vec<Condition>,
     /// Conditions that could not be proved, even under more assumptions than later queries have.
     failed: Vec<Condition>,
 }
 
-impl Search<'_, '_> {
+impl LatchProof<'_, '_> {
     /// Returns whether a flow having this value proves the goal.
-    fn shows(&mut self, (port, value): Condition) -> bool {
-        let (port, value) = self.all.plain(port, value);
-        if value == self.condition.1 && same(self.all.net(), port, self.condition.0, MAX_DEPTH) {
+    fn proves(&mut self, (port, value): Condition) -> bool {
+        let (port, value) = self.all.strip_negations(port, value);
+        if value == self.condition.1 && is_equal(self.all.net(), port, self.condition.0, MAX_DEPTH)
+        {
             return true;
         }
-        if self.seen.contains(&(port, value)) {
+        if self.assumed.contains(&(port, value)) {
             return true;
         }
         let net = self.all.net();
@@ -84,35 +85,35 @@ impl Search<'_, '_> {
         if is_known_to_fail || self.steps > MAX_STEPS || node.fragment != self.fragment {
             return false;
         }
-        self.seen.push((port, value));
-        let mark = self.seen.len();
+        self.assumed.push((port, value));
+        let mark = self.assumed.len();
         let [first, second, third] = [0, 1, 2].map(|k| node.inputs.get(k));
         let shown = match (self.all.rule_of(port.node), value) {
-            (Rule::And, true) | (Rule::Or, false) => {
-                self.input(first, value) || self.input(second, value)
+            (TransferRule::And, true) | (TransferRule::Or, false) => {
+                self.proves_input(first, value) || self.proves_input(second, value)
             }
-            (Rule::And, false) | (Rule::Or, true) => {
-                self.input(first, value) && self.input(second, value)
+            (TransferRule::And, false) | (TransferRule::Or, true) => {
+                self.proves_input(first, value) && self.proves_input(second, value)
             }
-            (Rule::Choice, _) => {
-                let decides = |search: &mut Self, holds| search.input(first, holds);
-                (self.input(second, value) || decides(self, true))
-                    && (self.input(third, value) || decides(self, false))
+            (TransferRule::Conditional, _) => {
+                let decides = |search: &mut Self, holds| search.proves_input(first, holds);
+                (self.proves_input(second, value) || decides(self, true))
+                    && (self.proves_input(third, value) || decides(self, false))
             }
-            (Rule::Delay, _) => self.input(first, value),
+            (TransferRule::Delay, _) => self.proves_input(first, value),
             _ => false,
         };
         if !shown {
             // Conditions proved since then may depend on this assumption, so they are dropped, too.
-            self.seen.truncate(mark - 1);
+            self.assumed.truncate(mark - 1);
             self.failed.push((port, value));
         }
         shown
     }
 
-    fn input(&mut self, input: Option<&Input>, value: bool) -> bool {
+    fn proves_input(&mut self, input: Option<&Input>, value: bool) -> bool {
         match input {
-            Some(Input::Port(port)) => self.shows((*port, value)),
+            Some(Input::Port(port)) => self.proves((*port, value)),
             // A condition that never holds proves everything.
             Some(Input::Const(known)) => known.as_bool() == Some(!value),
             _ => false,
@@ -122,7 +123,7 @@ impl Search<'_, '_> {
 
 /// Returns whether two flows always have the same value: they are the same flow, or the same operation on the same
 /// operands.
-fn same(net: &Net, a: PortRef, b: PortRef, depth: usize) -> bool {
+fn is_equal(net: &Net, a: PortRef, b: PortRef, depth: usize) -> bool {
     if a == b {
         return true;
     }
@@ -131,11 +132,11 @@ fn same(net: &Net, a: PortRef, b: PortRef, depth: usize) -> bool {
         && one.prim == other.prim
         && one.fragment == other.fragment
         && one.desc().role == Role::Compute
-        && matches!(one.desc().state, State::None)
+        && matches!(one.desc().state, StateSize::None)
         && one.params == other.params
         && one.inputs.len() == other.inputs.len();
     let operand = |(a, b): (&Input, &Input)| match (a, b) {
-        (Input::Port(a), Input::Port(b)) => same(net, *a, *b, depth - 1),
+        (Input::Port(a), Input::Port(b)) => is_equal(net, *a, *b, depth - 1),
         (a, b) => a == b,
     };
     alike && depth > 0 && one.inputs.iter().zip(&other.inputs).all(operand)

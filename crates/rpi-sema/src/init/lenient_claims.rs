@@ -2,14 +2,14 @@
 //! program is accepted with a warning.
 
 use crate::init::phases::PHASES;
-use crate::init::rules::Rule;
+use crate::init::rules::TransferRule;
 use crate::init::solve::Solution;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use std::collections::BTreeSet;
 
 /// Returns the condition ports of Lustre claims, each with the fragment of the claim.
-pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
+pub(super) fn lenient_claims(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
     let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();
     let exports = net.exports.iter();
@@ -19,36 +19,37 @@ pub(super) fn looked_at(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)
 
 /// Returns one warning for each `pre` that claims read before it is initialised. `told` are the delays reported for
 /// other readers.
-pub(super) fn findings(
+pub(super) fn diagnostics(
     net: &Net,
-    rules: &[Rule],
+    rules: &[TransferRule],
     told: &[NodeId],
     given: &[PortRef],
-) -> Vec<Finding> {
+) -> Vec<Diagnostic> {
     if net.claims.iter().all(|claim| claim.is_strict) {
         return Vec::new();
     }
     let mut rules = rules.to_vec();
     for delay in told {
-        rules[delay.index()] = Rule::OptionalDelay;
+        rules[delay.index()] = TransferRule::OptionalDelay;
     }
     let solution = Solution::new(net, rules, given);
     let mut places: BTreeSet<Span> = BTreeSet::new();
-    for (port, from) in looked_at(net) {
-        let roots = (0..PHASES)
-            .filter_map(|phase| crate::init::root_of(&solution.seen(port, from, phase).known));
+    for (port, from) in lenient_claims(net) {
+        let roots = (0..PHASES).filter_map(|phase| {
+            crate::init::uninitialised_root(&solution.value_for(port, from, phase).value)
+        });
         places.extend(roots.map(|root| net.node(root).origin.span));
     }
-    let finding = |place: Span| {
-        Finding::new(
+    let diagnostic = |place: Span| {
+        Diagnostic::new(
             Code::RPI5003,
             "a claim reads a `pre` that has no value in the first cycle",
         )
-        .at(
+        .primary(
             place,
             "RPI takes 0 or false there; other tools take an arbitrary value",
         )
         .help("give a value for the first cycle: `true -> pre x >= 0`")
     };
-    places.into_iter().map(finding).collect()
+    places.into_iter().map(diagnostic).collect()
 }

@@ -26,40 +26,44 @@ mod rules;
 mod solve;
 pub(crate) mod worklist;
 
-use crate::hash::{Map, Set};
-use crate::init::abstract_value::Known;
+use crate::hash::{FastMap, FastSet};
+use crate::init::abstract_value::AbstractValue;
 use phases::PHASES;
-use rpi_diag::{Code, Finding, Fix, Span};
-use rpi_image::claim::is_for_claim;
-use rpi_image::{Role, State};
-use rpi_net::passes::Users;
+use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_image::claim::is_claim_key;
+use rpi_image::{Role, StateSize};
+use rpi_net::passes::Readers;
 use rpi_net::prim;
-use rpi_net::without_calls;
-use rpi_net::{Activation, Driver, FragmentId, Input, Net, Node, NodeId, PortRef};
+use rpi_net::strip_unnamed_calls;
+use rpi_net::{Activation, FragmentId, Input, Net, Node, NodeId, PortRef, Termination};
 use rpi_prims::PrimId;
-use rules::{Rule, rule};
+use rules::{TransferRule, rule};
 use solve::Solution;
 
 /// Reports flows that are read before they are initialised. Assertions and assumptions are taken as true.
 #[must_use]
-pub fn check(net: &Net) -> Vec<Finding> {
+pub fn check(net: &Net) -> Vec<Diagnostic> {
     let rules = rules::rules(net);
-    let read = || sinks(net).chain(crate::init::lenient_claims::looked_at(net));
-    if !rules.contains(&Rule::Delay) || !crate::init::precheck::doubts(net, &rules, read()) {
+    let read = || sinks(net).chain(crate::init::lenient_claims::lenient_claims(net));
+    if !rules.contains(&TransferRule::Delay)
+        || !crate::init::precheck::may_read_uninitialised(net, &rules, read())
+    {
         return Vec::new();
     }
-    let given: Vec<PortRef> = asserted(net).chain(given(net)).collect();
+    let given: Vec<PortRef> = asserted_conditions(net)
+        .chain(assumed_claims(net))
+        .collect();
     let solution = Solution::new(net, rules.clone(), &given);
-    let roots = all_roots(&solution, &rules, &given);
-    let in_claims = crate::init::lenient_claims::findings(net, &rules, &roots, &given);
-    let mut findings: Vec<Finding> = Vec::new();
+    let roots = uninitialised_delays(&solution, &rules, &given);
+    let in_claims = crate::init::lenient_claims::diagnostics(net, &rules, &roots, &given);
+    let mut diagnostics: Vec<Diagnostic> = Vec::new();
     let mut by_flow: Vec<(Option<&str>, Vec<NodeId>)> = Vec::new();
-    let mut places: Map<&str, usize> = Map::default();
-    let users = Users::new(net);
-    let mut at_once: Set<NodeId> = Set::default();
+    let mut places: FastMap<&str, usize> = FastMap::default();
+    let users = Readers::new(net);
+    let mut at_once: FastSet<NodeId> = FastSet::default();
     for root in roots {
-        let node = reader(net, &users, root).filter(|_| !holds_itself(net, root));
-        if is_missing_at_once(&solution, node.unwrap_or(root)) {
+        let node = enclosing_equation(net, &users, root).filter(|_| !is_current_delay(net, root));
+        if is_uninitialised_at_start(&solution, node.unwrap_or(root)) {
             at_once.insert(root);
         }
         let flow = node.and_then(|node| net.node(node).origin.flow.as_deref());
@@ -70,23 +74,23 @@ pub fn check(net: &Net) -> Vec<Finding> {
         }
         by_flow[place].1.push(root);
     }
-    for (flow, roots) in whole(net, by_flow) {
+    for (flow, roots) in merge_parts(net, by_flow) {
         let is_first = roots.iter().any(|root| at_once.contains(root));
-        findings.push(finding(net, flow.as_deref(), &roots, is_first));
+        diagnostics.push(uninitialised_error(net, flow.as_deref(), &roots, is_first));
     }
-    findings.extend(in_claims);
-    findings
+    diagnostics.extend(in_claims);
+    diagnostics
 }
 
 /// Merges uninitialised parts of one value with the same roots (by span) into a diagnostic for the whole value.
-fn whole(
+fn merge_parts(
     net: &Net,
     by_flow: Vec<(Option<&str>, Vec<NodeId>)>,
 ) -> Vec<(Option<String>, Vec<NodeId>)> {
     let mut all: Vec<(Option<String>, Vec<NodeId>)> = Vec::new();
-    let mut known: Map<(String, Vec<Span>), usize> = Map::default();
+    let mut known: FastMap<(String, Vec<Span>), usize> = FastMap::default();
     for (flow, roots) in by_flow {
-        let flow = flow.map(without_calls);
+        let flow = flow.map(strip_unnamed_calls);
         let places = roots
             .iter()
             .map(|root| net.node(*root).origin.span)
@@ -97,7 +101,7 @@ fn whole(
         let same = of.map(|of| *known.entry((of.to_owned(), places)).or_insert(all.len()));
         let same = same.filter(|same| *same < all.len());
         match (same.and_then(|same| all[same].0.as_mut()), &flow) {
-            (Some(name), Some(flow)) => name.truncate(in_common(name, flow)),
+            (Some(name), Some(flow)) => name.truncate(common_prefix_len(name, flow)),
             _ => all.push((flow, roots)),
         }
     }
@@ -105,7 +109,7 @@ fn whole(
 }
 
 /// Length in bytes of the common prefix of two names of parts, cut at a whole component.
-fn in_common(a: &str, b: &str) -> usize {
+fn common_prefix_len(a: &str, b: &str) -> usize {
     let starts = a.match_indices(['[', '.']).map(|(at, _)| at);
     let starts = starts.chain([a.len()]);
     let mut both = starts.filter(|at| b.get(..*at) == Some(&a[..*at]));
@@ -114,7 +118,7 @@ fn in_common(a: &str, b: &str) -> usize {
 
 /// Summary of the analysis for a net without errors.
 #[must_use]
-pub fn told(net: &Net) -> String {
+pub fn summary(net: &Net) -> String {
     let delays = net
         .nodes
         .iter()
@@ -122,7 +126,7 @@ pub fn told(net: &Net) -> String {
     let claims = net
         .claims
         .iter()
-        .filter(|claim| claim.kind.is_given())
+        .filter(|claim| claim.kind.is_assumed())
         .count();
     format!(
         "{} delays, none read before it is initialised; {claims} claims taken as true",
@@ -131,34 +135,38 @@ pub fn told(net: &Net) -> String {
 }
 
 /// Conditions of claims that are assumed without proof.
-fn given(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
-    let given = net.claims.iter().filter(|claim| claim.kind.is_given());
-    let keys: Set<&str> = given.map(|claim| claim.key.as_str()).collect();
+fn assumed_claims(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
+    let given = net.claims.iter().filter(|claim| claim.kind.is_assumed());
+    let keys: FastSet<&str> = given.map(|claim| claim.key.as_str()).collect();
     let exports = net.exports.iter();
     let claimed = exports.filter(move |export| keys.contains(export.key.as_str()));
     claimed.map(|export| export.source)
 }
 
 /// Greatest number of rounds that search for delays hidden by others.
-const ROUNDS: usize = 20;
+const MAX_ROUNDS: usize = 20;
 
 /// Greatest number of nodes visited in all these rounds together.
-const NODES: usize = 400_000;
+const MAX_NODES: usize = 400_000;
 
 /// Returns the delays that are read before they are initialised, including those that others hide.
-fn all_roots(solution: &Solution<'_>, rules: &[Rule], claims: &[PortRef]) -> Vec<NodeId> {
+fn uninitialised_delays(
+    solution: &Solution<'_>,
+    rules: &[TransferRule],
+    claims: &[PortRef],
+) -> Vec<NodeId> {
     let net = solution.net();
     let mut rules = rules.to_vec();
     let mut roots = Vec::new();
     let mut more = read_early(solution);
     // In a large net, delays hidden by others are reported only after those have been fixed.
-    let rounds = (NODES / net.nodes.len().max(1)).clamp(1, ROUNDS);
+    let rounds = (MAX_NODES / net.nodes.len().max(1)).clamp(1, MAX_ROUNDS);
     for _ in 1..rounds {
         if more.is_empty() {
             break;
         }
         for delay in &more {
-            rules[delay.index()] = Rule::OptionalDelay;
+            rules[delay.index()] = TransferRule::OptionalDelay;
         }
         roots.append(&mut more);
         more = read_early(&Solution::new(net, rules.clone(), claims));
@@ -169,10 +177,10 @@ fn all_roots(solution: &Solution<'_>, rules: &[Rule], claims: &[PortRef]) -> Vec
 }
 
 /// Returns whether the flow of a node is uninitialised in the first cycle of its fragment.
-fn is_missing_at_once(solution: &Solution<'_>, node: NodeId) -> bool {
+fn is_uninitialised_at_start(solution: &Solution<'_>, node: NodeId) -> bool {
     let fragment = solution.net().node(node).fragment;
     let port = PortRef { node, port: 0 };
-    root_of(&solution.seen(port, fragment, 0).known).is_some()
+    uninitialised_root(&solution.value_for(port, fragment, 0).value).is_some()
 }
 
 /// Returns whether the primitive ends the command if its condition is false.
@@ -186,7 +194,7 @@ fn is_check(prim: PrimId) -> bool {
 }
 
 /// Conditions whose failure ends the command.
-fn asserted(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
+fn asserted_conditions(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let checks = net.nodes.iter();
     let checks = checks.filter(|node| is_check(node.prim));
     checks.filter_map(|node| node.inputs.first().and_then(Input::port))
@@ -198,7 +206,9 @@ fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     let mut roots = Vec::new();
     for (port, from) in sinks(net) {
         for phase in 0..PHASES {
-            roots.extend(root_of(&solution.seen(port, from, phase).known));
+            roots.extend(uninitialised_root(
+                &solution.value_for(port, from, phase).value,
+            ));
         }
     }
     roots.sort_unstable();
@@ -206,9 +216,9 @@ fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     roots
 }
 
-fn root_of(known: &Known) -> Option<NodeId> {
+fn uninitialised_root(known: &AbstractValue) -> Option<NodeId> {
     match known {
-        Known::Undefined { root, .. } => Some(*root),
+        AbstractValue::Undefined { root, .. } => Some(*root),
         _ => None,
     }
 }
@@ -218,14 +228,14 @@ fn root_of(known: &Known) -> Option<NodeId> {
 fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let own = |port: PortRef| (port, net.node(port.node).fragment);
     let strict = net.claims.iter().filter(|claim| claim.is_strict);
-    let strict: Set<&str> = strict.map(|claim| claim.key.as_str()).collect();
+    let strict: FastSet<&str> = strict.map(|claim| claim.key.as_str()).collect();
     // Flows exported for a claim are only observed. The condition of a strict claim must have a value.
-    let counts = move |key: &str| !is_for_claim(key) || strict.contains(key);
+    let counts = move |key: &str| !is_claim_key(key) || strict.contains(key);
     let exports = net.exports.iter().filter(move |export| counts(&export.key));
     let exports = exports.map(move |export| own(export.source));
-    let results = match &net.driver {
-        Driver::Results(results) => &results[..],
-        Driver::Ports { .. } => &[],
+    let results = match &net.termination {
+        Termination::Results(results) => &results[..],
+        Termination::Ports { .. } => &[],
     };
     let results = results.iter().filter_map(|result| result.condition.port());
     let results = results.map(|port| (port, FragmentId::ROOT));
@@ -245,7 +255,7 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     // A primitive with state may store an uninitialised value and output it later.
     let remembers = |n: &&Node| {
         let state = n.desc().state;
-        n.desc().role == Role::Compute && !matches!(state, State::None)
+        n.desc().role == Role::Compute && !matches!(state, StateSize::None)
     };
     let remembering = net.nodes.iter().filter(remembers);
     let remembering = remembering.flat_map(|node| {
@@ -257,13 +267,18 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
 }
 
 /// Creates the error for the uninitialised delays in the equation of one flow.
-fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> Finding {
+fn uninitialised_error(
+    net: &Net,
+    flow: Option<&str>,
+    roots: &[NodeId],
+    is_first: bool,
+) -> Diagnostic {
     let place = |root: &NodeId| net.node(*root).origin.span;
     if let [one] = roots
-        && holds_itself(net, *one)
+        && is_current_delay(net, *one)
     {
-        return Finding::new(Code::RPI5002, "`current` is read before it is initialised")
-            .at(place(one), "its clock may not tick in the first cycles")
+        return Diagnostic::new(Code::RPI5002, "`current` is read before it is initialised")
+            .primary(place(one), "its clock may not tick in the first cycles")
             .help("make its clock tick in the first cycle, or give a value until then: `if seen then current x else y`");
     }
     let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
@@ -271,18 +286,18 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> F
         true => format!("{what} has no value in the first cycle"),
         false => format!("{what} has no value in one of the first cycles"),
     };
-    let mut finding = Finding::new(Code::RPI5001, message);
+    let mut diagnostic = Diagnostic::new(Code::RPI5001, message);
     for root in roots {
-        finding = finding.at(place(root), "no previous value in the first cycle");
+        diagnostic = diagnostic.primary(place(root), "no previous value in the first cycle");
     }
     let mut places = roots.iter().map(place);
     if places.any(|place| net.outer_delays.contains(&place)) {
         // `->` inside would restart together with the fragment or state.
-        return finding.help("initialise it outside the fragment or state, `before = first -> last x;`, and read `before`");
+        return diagnostic.help("initialise it outside the fragment or state, `before = first -> last x;`, and read `before`");
     }
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
-        let first = first_value(net, *root);
+        let first = initial_value_text(net, *root);
         // A delay that is the whole equation needs no parentheses.
         fix = match net.node(*root).origin.flow {
             Some(_) => fix.insert_before(place(root), first),
@@ -292,19 +307,19 @@ fn finding(net: &Net, flow: Option<&str>, roots: &[NodeId], is_first: bool) -> F
             }
         };
     }
-    let finding = finding.help("give an initial value: `first -> pre x`");
-    finding.fix(fix)
+    let diagnostic = diagnostic.help("give an initial value: `first -> pre x`");
+    diagnostic.fix(fix)
 }
 
 /// Returns the node of the flow whose equation contains `root`: the nearest named node that depends on it.
-fn reader(net: &Net, users: &Users, root: NodeId) -> Option<NodeId> {
+fn enclosing_equation(net: &Net, users: &Readers, root: NodeId) -> Option<NodeId> {
     let mut seen = vec![root];
     let mut next = 0;
     while let Some(id) = seen.get(next).copied() {
         if net.node(id).origin.flow.is_some() {
             return Some(id);
         }
-        for user in users.of(id) {
+        for user in users.readers_of(id) {
             if !seen.contains(user) {
                 seen.push(*user);
             }
@@ -316,24 +331,24 @@ fn reader(net: &Net, users: &Users, root: NodeId) -> Option<NodeId> {
 
 /// Returns whether a delay holds the value of a sampled flow: its input is that flow where it ticks, else the delay
 /// itself.
-fn holds_itself(net: &Net, delay: NodeId) -> bool {
+fn is_current_delay(net: &Net, delay: NodeId) -> bool {
     let input = net.node(delay).inputs.first().and_then(Input::port);
     input.is_some_and(|port| {
         let source = net.node(port.node);
         let same_place = source.origin.span == net.node(delay).origin.span;
         let otherwise = source.inputs.get(2).and_then(Input::port);
         same_place
-            && rule(source) == Rule::Choice
+            && rule(source) == TransferRule::Conditional
             && otherwise.is_some_and(|port| port.node == delay)
     })
 }
 
 /// Returns the source text of an initial value with `->`.
-fn first_value(net: &Net, root: NodeId) -> &'static str {
+fn initial_value_text(net: &Net, root: NodeId) -> &'static str {
     use rpi_image::{Scalar, Type};
     match net.node(root).outputs.first() {
-        Some(Type::One(Scalar::Bool)) => "false -> ",
-        Some(Type::One(Scalar::Int)) => "0 -> ",
+        Some(Type::Scalar(Scalar::Bool)) => "false -> ",
+        Some(Type::Scalar(Scalar::Int)) => "0 -> ",
         _ => "0.0 -> ",
     }
 }

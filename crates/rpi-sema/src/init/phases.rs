@@ -1,13 +1,13 @@
 //! Phases of a fragment: its first cycles one by one, and all later cycles together. Relates the phases of a fragment
 //! to those of its parent.
 
-use crate::init::abstract_value::Known;
+use crate::init::abstract_value::AbstractValue;
 
 /// Number of phases. The last one stands for all cycles from there on.
 pub(super) const PHASES: usize = 5;
 
 /// Last phase, which covers all later cycles.
-pub(super) const REST: usize = PHASES - 1;
+pub(super) const LAST_PHASE: usize = PHASES - 1;
 
 /// One value for each phase.
 pub(super) type PerPhase<T> = [T; PHASES];
@@ -17,24 +17,24 @@ pub(super) type PerPhase<T> = [T; PHASES];
 pub(super) struct PhaseSet(u8);
 
 impl PhaseSet {
-    pub(super) fn only(phase: usize) -> PhaseSet {
+    pub(super) fn single(phase: usize) -> PhaseSet {
         PhaseSet(1 << phase)
     }
 
-    pub(super) fn with(self, other: PhaseSet) -> PhaseSet {
+    pub(super) fn union(self, other: PhaseSet) -> PhaseSet {
         PhaseSet(self.0 | other.0)
     }
 
-    pub(super) fn and(self, other: PhaseSet) -> PhaseSet {
+    pub(super) fn intersection(self, other: PhaseSet) -> PhaseSet {
         PhaseSet(self.0 & other.0)
     }
 
     /// Returns the complement of the set.
-    pub(super) fn others(self) -> PhaseSet {
+    pub(super) fn complement(self) -> PhaseSet {
         PhaseSet(!self.0 & ((1 << PHASES) - 1))
     }
 
-    pub(super) fn meets(self, other: PhaseSet) -> bool {
+    pub(super) fn intersects(self, other: PhaseSet) -> bool {
         self.0 & other.0 != 0
     }
 
@@ -42,57 +42,61 @@ impl PhaseSet {
         self.0 == 0
     }
 
-    pub(super) fn has(self, phase: usize) -> bool {
-        self.meets(PhaseSet::only(phase))
+    pub(super) fn contains(self, phase: usize) -> bool {
+        self.intersects(PhaseSet::single(phase))
     }
 
     pub(super) fn phases(self) -> impl DoubleEndedIterator<Item = usize> {
-        (0..PHASES).filter(move |phase| self.has(*phase))
+        (0..PHASES).filter(move |phase| self.contains(*phase))
     }
 }
 
 /// Activity of a fragment in one phase of its parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Active {
+pub(super) enum Activity {
     Never,
     Maybe,
     Always,
 }
 
-impl Active {
+impl Activity {
     /// Returns the activity that follows from the value of an activation's condition.
-    pub(super) fn of(condition: &Known) -> Active {
+    pub(super) fn from_condition(condition: &AbstractValue) -> Activity {
         match (condition, condition.truth()) {
-            (Known::Never, _) | (_, Some(false)) => Active::Never,
-            (_, Some(true)) => Active::Always,
-            _ => Active::Maybe,
+            (AbstractValue::Unreachable, _) | (_, Some(false)) => Activity::Never,
+            (_, Some(true)) => Activity::Always,
+            _ => Activity::Maybe,
         }
     }
 }
 
 /// Returns for each phase of a fragment the phases of its parent in which the fragment can be in that phase.
-pub(super) fn parents(
-    active: &PerPhase<Active>,
+pub(super) fn parent_phases(
+    active: &PerPhase<Activity>,
     restarts: bool,
     activated: bool,
 ) -> PerPhase<PhaseSet> {
     let mut sets = [PhaseSet::default(); PHASES];
     if !activated && !restarts {
-        return std::array::from_fn(PhaseSet::only);
+        return std::array::from_fn(PhaseSet::single);
     }
     for phase in 0..PHASES {
         let before = match phase {
             0 => None,
             _ => Some(sets[phase - 1]),
         };
-        sets[phase] = next(active, before, restarts || phase == REST);
+        sets[phase] = next_parent_phases(active, before, restarts || phase == LAST_PHASE);
     }
     sets
 }
 
 /// Returns the parent's phases for the phase that follows one with the phases `before`; for the first phase if `before`
 /// is none.
-fn next(active: &PerPhase<Active>, before: Option<PhaseSet>, endless: bool) -> PhaseSet {
+fn next_parent_phases(
+    active: &PerPhase<Activity>,
+    before: Option<PhaseSet>,
+    endless: bool,
+) -> PhaseSet {
     let mut set = PhaseSet::default();
     let (from, settled) = match before {
         None => (0, 0),
@@ -106,11 +110,11 @@ fn next(active: &PerPhase<Active>, before: Option<PhaseSet>, endless: bool) -> P
         }
     };
     for (phase, active) in active.iter().enumerate().skip(from) {
-        if *active == Active::Never {
+        if *active == Activity::Never {
             continue;
         }
-        set = set.with(PhaseSet::only(phase));
-        if *active == Active::Always && phase >= settled && !endless {
+        set = set.union(PhaseSet::single(phase));
+        if *active == Activity::Always && phase >= settled && !endless {
             break;
         }
     }
@@ -118,7 +122,7 @@ fn next(active: &PerPhase<Active>, before: Option<PhaseSet>, endless: bool) -> P
 }
 
 fn after(phase: usize) -> usize {
-    (phase + 1).min(REST)
+    (phase + 1).min(LAST_PHASE)
 }
 
 #[cfg(test)]
@@ -131,22 +135,22 @@ mod tests {
 
     #[test]
     fn a_fragment_that_starts_later_has_its_first_phase_later() {
-        use Active::{Always, Maybe, Never};
-        let sets = parents(&[Never, Always, Maybe, Maybe, Maybe], false, true);
+        use Activity::{Always, Maybe, Never};
+        let sets = parent_phases(&[Never, Always, Maybe, Maybe, Maybe], false, true);
         assert_eq!(shown(sets[0]), [1]);
         assert_eq!(shown(sets[1]), [2, 3, 4]);
     }
 
     #[test]
     fn a_fragment_that_restarts_can_be_in_its_first_phase_at_any_time() {
-        let sets = parents(&[Active::Always; PHASES], true, true);
+        let sets = parent_phases(&[Activity::Always; PHASES], true, true);
         assert_eq!(shown(sets[0]), [0, 1, 2, 3, 4]);
         assert_eq!(shown(sets[1]), [1, 2, 3, 4]);
     }
 
     #[test]
     fn a_fragment_that_is_always_active_goes_with_its_parent() {
-        let sets = parents(&[Active::Always; PHASES], false, true);
-        assert!((0..REST).all(|phase| shown(sets[phase]) == [phase]));
+        let sets = parent_phases(&[Activity::Always; PHASES], false, true);
+        assert!((0..LAST_PHASE).all(|phase| shown(sets[phase]) == [phase]));
     }
 }

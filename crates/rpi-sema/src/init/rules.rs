@@ -1,10 +1,10 @@
 //! Transfer functions: compute the abstract value of a node from those of its inputs.
 
-use crate::hash::Map;
-use crate::init::abstract_value::Known;
+use crate::hash::FastMap;
+use crate::init::abstract_value::AbstractValue;
 use crate::init::latch;
-use crate::init::phases::{Active, PHASES};
-use crate::init::solve::{Seen, Solution, before};
+use crate::init::phases::{Activity, PHASES};
+use crate::init::solve::{ReadValue, Solution, previous_phases};
 use rpi_image::{Presence, PrimDesc, Role, Value};
 use rpi_net::prim;
 use rpi_net::{Input, Net, Node, NodeId, PortRef};
@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 /// Transfer function of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Rule {
+pub(super) enum TransferRule {
     /// Delay of a flow that is not optional: uninitialised in the first phase.
     Delay,
     /// Delay that starts absent, or whose missing initial value has been reported.
@@ -21,7 +21,7 @@ pub(super) enum Rule {
     /// True in the first phase.
     First,
     /// `if inCondition then inTrue else inFalse`
-    Choice,
+    Conditional,
     /// Conjunction; `true` is neutral.
     And,
     /// Disjunction; `false` is neutral.
@@ -39,56 +39,59 @@ pub(super) enum Rule {
 }
 
 /// Rules by suffix of the primitive's name.
-const NAMED: &[(&str, Rule)] = &[
-    ("Conditional", Rule::Choice),
-    ("::BooleanAnd", Rule::And),
-    ("::BooleanOr", Rule::Or),
-    ("::BooleanImplies", Rule::Implies),
-    ("::BooleanNot", Rule::Not),
-    ("Coalesce", Rule::Coalesce),
+const RULES_BY_NAME: &[(&str, TransferRule)] = &[
+    ("Conditional", TransferRule::Conditional),
+    ("::BooleanAnd", TransferRule::And),
+    ("::BooleanOr", TransferRule::Or),
+    ("::BooleanImplies", TransferRule::Implies),
+    ("::BooleanNot", TransferRule::Not),
+    ("Coalesce", TransferRule::Coalesce),
 ];
 
 /// Returns the rules of all nodes. Each primitive is looked up once.
-pub(super) fn rules(net: &Net) -> Vec<Rule> {
-    let mut known: Map<PrimId, Rule> = Map::default();
+pub(super) fn rules(net: &Net) -> Vec<TransferRule> {
+    let mut known: FastMap<PrimId, TransferRule> = FastMap::default();
     let nodes = net.nodes.iter();
     let rule = |node: &Node| {
         *known
             .entry(node.prim)
-            .or_insert_with(|| of_prim(node.desc()))
+            .or_insert_with(|| rule_of_prim(node.desc()))
     };
     nodes.map(rule).collect()
 }
 
 /// Returns whether the condition of a conditional is `first` of its own fragment.
-pub(super) fn is_by_first(net: &Net, rules: &[Rule], choice: NodeId) -> bool {
+pub(super) fn is_by_first(net: &Net, rules: &[TransferRule], choice: NodeId) -> bool {
     let node = net.node(choice);
     let condition = node.inputs.first().and_then(Input::port);
     condition.is_some_and(|port| {
-        rules[port.node.index()] == Rule::First && net.node(port.node).fragment == node.fragment
+        rules[port.node.index()] == TransferRule::First
+            && net.node(port.node).fragment == node.fragment
     })
 }
 
 /// Returns the rule of a node's primitive.
-pub(super) fn rule(node: &Node) -> Rule {
-    of_prim(node.desc())
+pub(super) fn rule(node: &Node) -> TransferRule {
+    rule_of_prim(node.desc())
 }
 
-fn of_prim(desc: &PrimDesc) -> Rule {
+fn rule_of_prim(desc: &PrimDesc) -> TransferRule {
     match desc.role {
-        Role::First => return Rule::First,
+        Role::First => return TransferRule::First,
         Role::Delay => {
             let mut outputs = desc.outputs.iter();
             let total = outputs.any(|port| port.presence != Presence::Maybe);
             return if total {
-                Rule::Delay
+                TransferRule::Delay
             } else {
-                Rule::OptionalDelay
+                TransferRule::OptionalDelay
             };
         }
         _ => {}
     }
-    let named = NAMED.iter().find(|(end, _)| desc.name.ends_with(end));
+    let named = RULES_BY_NAME
+        .iter()
+        .find(|(end, _)| desc.name.ends_with(end));
     let guarded = desc.may_fault
         && desc
             .inputs
@@ -96,82 +99,95 @@ fn of_prim(desc: &PrimDesc) -> Rule {
             .is_some_and(|port| port.name == "inActive");
     match (named, guarded) {
         (Some((_, rule)), _) => *rule,
-        (None, true) => Rule::Guarded,
-        (None, false) => Rule::Strict,
+        (None, true) => TransferRule::Guarded,
+        (None, false) => TransferRule::Strict,
     }
 }
 
 /// Computes the abstract value of a node in a phase of its fragment.
-pub(super) fn apply(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
-    let input = |k: usize| all.input(id, k, phase).known;
+pub(super) fn apply(
+    rule: TransferRule,
+    all: &Solution<'_>,
+    id: NodeId,
+    phase: usize,
+) -> AbstractValue {
+    let input = |k: usize| all.input(id, k, phase).value;
     match rule {
-        Rule::First => Known::value(Value::bool(phase == 0)),
-        Rule::Delay | Rule::OptionalDelay => delay(rule, all, id, phase),
-        Rule::Choice => choice(all, id, phase),
-        Rule::And | Rule::Or => connective(rule == Rule::Or, all, id, phase, [false, false]),
-        Rule::Implies => connective(true, all, id, phase, [true, false]),
-        Rule::Coalesce => coalesce(all, id, phase),
-        Rule::Guarded if input(0).truth() == Some(false) => Known::Defined,
-        Rule::Strict
+        TransferRule::First => AbstractValue::from_value(Value::bool(phase == 0)),
+        TransferRule::Delay | TransferRule::OptionalDelay => delay(rule, all, id, phase),
+        TransferRule::Conditional => conditional(all, id, phase),
+        TransferRule::And | TransferRule::Or => {
+            connective(rule == TransferRule::Or, all, id, phase, [false, false])
+        }
+        TransferRule::Implies => connective(true, all, id, phase, [true, false]),
+        TransferRule::Coalesce => coalesce_leaf(all, id, phase),
+        TransferRule::Guarded if input(0).truth() == Some(false) => AbstractValue::Defined,
+        TransferRule::Strict
             if all.net().node(id).prim == prim!("Core::IntEquals")
                 && input(0).differs(&input(1)) =>
         {
-            Known::value(Value::bool(false))
+            AbstractValue::from_value(Value::bool(false))
         }
-        Rule::Guarded | Rule::Not | Rule::Strict => strict(all, id, phase),
+        TransferRule::Guarded | TransferRule::Not | TransferRule::Strict => strict(all, id, phase),
     }
 }
 
-fn delay(rule: Rule, all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
+fn delay(rule: TransferRule, all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
     if phase == 0 {
         return match rule {
-            Rule::Delay => Known::Undefined {
+            TransferRule::Delay => AbstractValue::Undefined {
                 root: id,
-                unless: None,
+                defined_when: None,
             },
-            _ => Known::Defined,
+            _ => AbstractValue::Defined,
         };
     }
-    let earlier = before(phase).iter();
-    let earlier = earlier.map(|phase| all.input(id, 0, *phase).known.later());
-    earlier.fold(Known::Never, |all, known| all.join(&known))
+    let earlier = previous_phases(phase).iter();
+    let earlier = earlier.map(|phase| all.input(id, 0, *phase).value.later());
+    earlier.fold(AbstractValue::Unreachable, |all, known| all.join(&known))
 }
 
-fn choice(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
-    let condition = all.input(id, 0, phase).known;
+fn conditional(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
+    let condition = all.input(id, 0, phase).value;
     let port = all.net().node(id).inputs[0].port();
-    let implied = |value: bool| port.map_or_else(Vec::new, |port| all.implied(port, value));
+    let implied =
+        |value: bool| port.map_or_else(Vec::new, |port| all.implied_conditions(port, value));
     let branch_in = |k: usize, value: bool, phase: usize| {
         let holds = |unless| latch::holds(all, id, unless, &implied(value));
-        all.input(id, k, phase).known.given(holds)
+        all.input(id, k, phase).value.assuming(holds)
     };
     let branch = |k: usize, value: bool| branch_in(k, value, phase);
-    let undefined = |known: &Known| matches!(known, Known::Undefined { .. });
+    let undefined = |known: &AbstractValue| matches!(known, AbstractValue::Undefined { .. });
     let known = match (&condition, condition.truth()) {
-        (Known::Never, _) => Known::Never,
+        (AbstractValue::Unreachable, _) => AbstractValue::Unreachable,
         (_, Some(true)) => branch(1, true),
         (_, Some(false)) => branch(2, false),
-        (Known::Undefined { .. }, _) => condition,
-        _ => either(all, port, branch(1, true), branch(2, false)),
+        (AbstractValue::Undefined { .. }, _) => condition,
+        _ => select_if_equal(all, port, branch(1, true), branch(2, false)),
     };
     // A held value is initialised if every value that it took over was initialised.
     let keeps = undefined(&known)
-        && latch::keeps_itself(all.net(), id)
+        && latch::is_latch(all.net(), id)
         && !(0..PHASES).any(|phase| undefined(&branch_in(1, true, phase)));
     match keeps {
-        true => known.kept(all.net().node(id).fragment),
+        true => known.held(all.net().node(id).fragment),
         false => known,
     }
 }
 
 /// Returns the abstract value of a conditional with an unknown condition. If only one branch is initialised, the result
 /// is initialised where that branch is chosen.
-fn either(all: &Solution<'_>, condition: Option<PortRef>, yes: Known, no: Known) -> Known {
-    let where_chosen = |value| condition.map(|port| all.plain(port, value));
+fn select_if_equal(
+    all: &Solution<'_>,
+    condition: Option<PortRef>,
+    yes: AbstractValue,
+    no: AbstractValue,
+) -> AbstractValue {
+    let where_chosen = |value| condition.map(|port| all.strip_negations(port, value));
     match (&yes, &no) {
-        (Known::Undefined { .. }, Known::Undefined { .. }) => yes.join(&no),
-        (Known::Undefined { .. }, _) => yes.defined_where(where_chosen(false)),
-        (_, Known::Undefined { .. }) => no.defined_where(where_chosen(true)),
+        (AbstractValue::Undefined { .. }, AbstractValue::Undefined { .. }) => yes.join(&no),
+        (AbstractValue::Undefined { .. }, _) => yes.defined_where(where_chosen(false)),
+        (_, AbstractValue::Undefined { .. }) => no.defined_where(where_chosen(true)),
         _ => yes.join(&no),
     }
 }
@@ -184,57 +200,60 @@ fn connective(
     id: NodeId,
     phase: usize,
     negated: [bool; 2],
-) -> Known {
+) -> AbstractValue {
     let inputs = &all.net().node(id).inputs;
     let operand = |k: usize| {
         let other = inputs[1 - k].port();
         // Conditions implied by the other operand not deciding the result.
         let holds = |unless| {
             let implied = other.map_or_else(Vec::new, |port| {
-                all.implied(port, !absorbing ^ negated[1 - k])
+                all.implied_conditions(port, !absorbing ^ negated[1 - k])
             });
             latch::holds(all, id, unless, &implied)
         };
-        all.input(id, k, phase).known.given(holds)
+        all.input(id, k, phase).value.assuming(holds)
     };
     let (a, b) = (operand(0), operand(1));
-    let decides = |known: &Known, negated: bool| known.truth() == Some(absorbing ^ negated);
+    let decides = |known: &AbstractValue, negated: bool| known.truth() == Some(absorbing ^ negated);
     match decides(&a, negated[0]) || decides(&b, negated[1]) {
-        true => Known::value(Value::bool(absorbing)),
+        true => AbstractValue::from_value(Value::bool(absorbing)),
         false => strict_of(all, id, [a, b].into_iter()),
     }
 }
 
-fn coalesce(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
+fn coalesce_leaf(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
     let node = all.net().node(id);
     let [first, second] = [0, 1].map(|k| all.input(id, k, phase));
     let Some(source) = node.inputs[0].port() else {
         return strict(all, id, phase);
     };
-    let Seen { known, there } = first;
+    let ReadValue {
+        value: known,
+        activity: there,
+    } = first;
     let own = all.net().node(source.node).fragment == node.fragment;
     match there {
-        Active::Never => second.known,
-        Active::Always if !own => known,
+        Activity::Never => second.value,
+        Activity::Always if !own => known,
         _ => {
             let condition = all.condition_of(source, node.fragment);
-            known.join(&second.known.defined_where(condition))
+            known.join(&second.value.defined_where(condition))
         }
     }
 }
 
 /// Computes a strict operator. Constant inputs are read only if the values of all flows are known, which is rare.
-fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
+fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
     let inputs = &all.net().node(id).inputs;
-    let input = |k: usize| all.input(id, k, phase).known;
+    let input = |k: usize| all.input(id, k, phase).value;
     let flows = (0..inputs.len()).filter(|k| inputs[*k].port().is_some());
-    let (mut worst, mut is_known) = (Known::Defined, true);
+    let (mut worst, mut is_known) = (AbstractValue::Defined, true);
     for flow in flows.map(input) {
         match flow {
-            Known::Never => return Known::Never,
-            Known::Value(_) => continue,
-            Known::OneOf(_) | Known::Defined => {}
-            undefined @ Known::Undefined { .. } => worst = worst.join(&undefined),
+            AbstractValue::Unreachable => return AbstractValue::Unreachable,
+            AbstractValue::Value(_) => continue,
+            AbstractValue::OneOf(_) | AbstractValue::Defined => {}
+            undefined @ AbstractValue::Undefined { .. } => worst = worst.join(&undefined),
         }
         is_known = false;
     }
@@ -244,17 +263,21 @@ fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> Known {
     }
 }
 
-fn strict_of(all: &Solution<'_>, id: NodeId, inputs: impl Iterator<Item = Known>) -> Known {
+fn strict_of(
+    all: &Solution<'_>,
+    id: NodeId,
+    inputs: impl Iterator<Item = AbstractValue>,
+) -> AbstractValue {
     let node = all.net().node(id);
-    let mut worst = Known::Defined;
+    let mut worst = AbstractValue::Defined;
     // The values are needed only if every input has one.
     let (mut values, mut count) = (Vec::new(), 0);
     for known in inputs {
         match known {
-            Known::Never => return Known::Never,
-            Known::Value(value) if values.len() == count => values.push(value),
-            Known::Value(_) | Known::OneOf(_) | Known::Defined => {}
-            undefined @ Known::Undefined { .. } => worst = worst.join(&undefined),
+            AbstractValue::Unreachable => return AbstractValue::Unreachable,
+            AbstractValue::Value(value) if values.len() == count => values.push(value),
+            AbstractValue::Value(_) | AbstractValue::OneOf(_) | AbstractValue::Defined => {}
+            undefined @ AbstractValue::Undefined { .. } => worst = worst.join(&undefined),
         }
         count += 1;
     }
@@ -263,7 +286,7 @@ fn strict_of(all: &Solution<'_>, id: NodeId, inputs: impl Iterator<Item = Known>
     }
     let values: Vec<&Value> = values.iter().map(Rc::as_ref).collect();
     match fold(node.prim, &values, &node.params, &node.outputs) {
-        Some(Ok(results)) if results.len() == 1 => Known::value(results[0].clone()),
-        _ => Known::Defined,
+        Some(Ok(results)) if results.len() == 1 => AbstractValue::from_value(results[0].clone()),
+        _ => AbstractValue::Defined,
     }
 }

@@ -1,11 +1,11 @@
 //! Least solution: the abstract value of every flow in every phase.
 
-use crate::hash::Set;
+use crate::hash::FastSet;
+use crate::init::abstract_value::AbstractValue;
 use crate::init::abstract_value::Condition;
-use crate::init::abstract_value::Known;
-use crate::init::abstract_value::Unless;
-use crate::init::phases::{Active, PHASES, PerPhase, PhaseSet, REST, parents};
-use crate::init::rules::{Rule, is_by_first};
+use crate::init::abstract_value::DefinedWhen;
+use crate::init::phases::{Activity, LAST_PHASE, PHASES, PerPhase, PhaseSet, parent_phases};
+use crate::init::rules::{TransferRule, is_by_first};
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 
@@ -15,33 +15,33 @@ const MAX_IMPLIED: usize = 1000;
 /// Abstract values of a net's flows, during and after the iteration.
 pub(super) struct Solution<'n> {
     net: &'n Net,
-    known: Vec<PerPhase<Known>>,
-    rules: Vec<Rule>,
+    values: Vec<PerPhase<AbstractValue>>,
+    rules: Vec<TransferRule>,
     /// For each fragment, its activity by phase of its parent.
-    active: Vec<PerPhase<Active>>,
+    active: Vec<PerPhase<Activity>>,
     /// For each phase of each fragment, the possible phases of its parent.
     parents: Vec<PerPhase<PhaseSet>>,
     /// Values that claims state: node, phase and value, sorted.
-    claimed: Vec<(NodeId, usize, bool)>,
+    claimed_values: Vec<(NodeId, usize, bool)>,
 }
 
 /// Abstract value of a flow for a reader in another fragment.
-pub(super) struct Seen {
-    pub(super) known: Known,
+pub(super) struct ReadValue {
+    pub(super) value: AbstractValue,
     /// Activity of the fragments between the reader and the flow.
-    pub(super) there: Active,
+    pub(super) activity: Activity,
 }
 
 impl<'n> Solution<'n> {
     /// Solves the equations of all nodes. Conditions in `claims` are taken as true.
-    pub(super) fn new(net: &'n Net, rules: Vec<Rule>, claims: &[PortRef]) -> Self {
+    pub(super) fn new(net: &'n Net, rules: Vec<TransferRule>, claims: &[PortRef]) -> Self {
         let mut solution = Solution {
             net,
-            known: vec![std::array::from_fn(|_| Known::Never); net.nodes.len()],
+            values: vec![std::array::from_fn(|_| AbstractValue::Unreachable); net.nodes.len()],
             rules,
-            active: vec![[Active::Always; PHASES]; net.fragments.len()],
-            parents: vec![std::array::from_fn(PhaseSet::only); net.fragments.len()],
-            claimed: Vec::new(),
+            active: vec![[Activity::Always; PHASES]; net.fragments.len()],
+            parents: vec![std::array::from_fn(PhaseSet::single); net.fragments.len()],
+            claimed_values: Vec::new(),
         };
         for claim in claims {
             solution.claim(*claim);
@@ -55,20 +55,20 @@ impl<'n> Solution<'n> {
 
     fn solve(&mut self) {
         let net = self.net;
-        let readers = crate::init::worklist::Readers::new(net);
-        let mut open = crate::init::worklist::Agenda::all(net);
+        let readers = crate::init::worklist::Dependents::new(net);
+        let mut open = crate::init::worklist::Worklist::new(net);
         while let Some(id) = open.next() {
-            let next: PerPhase<Known> = std::array::from_fn(|phase| {
-                let known = self.of_node(id, phase);
+            let next: PerPhase<AbstractValue> = std::array::from_fn(|phase| {
+                let known = self.node_value(id, phase);
                 // Joined with the old value: a value never descends in the lattice, so the iteration ends.
-                self.known[id.index()][phase].join(&self.forced(id, phase, known))
+                self.values[id.index()][phase].join(&self.apply_claims(id, phase, known))
             });
-            if next == self.known[id.index()] {
+            if next == self.values[id.index()] {
                 continue;
             }
-            self.known[id.index()] = next;
-            open.add(readers.of(id));
-            for fragment in readers.activated_by(id) {
+            self.values[id.index()] = next;
+            open.add(readers.users(id));
+            for fragment in readers.sample_activated_case(id) {
                 if self.activate(*fragment) {
                     open.add(readers.across(*fragment));
                 }
@@ -83,21 +83,21 @@ impl<'n> Solution<'n> {
             return false;
         };
         let active = match content.activation {
-            Activation::Always => [Active::Always; PHASES],
-            Activation::When { condition, .. } => {
-                std::array::from_fn(|phase| Active::of(&self.seen(condition, parent, phase).known))
-            }
+            Activation::Always => [Activity::Always; PHASES],
+            Activation::When { condition, .. } => std::array::from_fn(|phase| {
+                Activity::from_condition(&self.value_for(condition, parent, phase).value)
+            }),
         };
         let activated = matches!(content.activation, Activation::When { .. });
         let restarts = content.restart != Restart::Never;
-        let parents = parents(&active, restarts, activated);
+        let parents = parent_phases(&active, restarts, activated);
         let at = fragment.index();
         let changed = active != self.active[at] || parents != self.parents[at];
         (self.active[at], self.parents[at]) = (active, parents);
         changed
     }
 
-    fn of_node(&self, id: NodeId, phase: usize) -> Known {
+    fn node_value(&self, id: NodeId, phase: usize) -> AbstractValue {
         let rule = self.rules[id.index()];
         crate::init::rules::apply(rule, self, id, phase)
     }
@@ -107,43 +107,45 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the abstract value of a node's input in a phase of the node's fragment.
-    pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> Seen {
+    pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> ReadValue {
         let node = self.net.node(id);
         match &node.inputs[input] {
-            Input::Port(port) => self.seen(*port, node.fragment, phase),
-            Input::Const(value) => Seen::there(Known::value((**value).clone())),
-            Input::Open => Seen {
-                known: Known::Defined,
-                there: Active::Never,
+            Input::Port(port) => self.value_for(*port, node.fragment, phase),
+            Input::Const(value) => {
+                ReadValue::always_active(AbstractValue::from_value((**value).clone()))
+            }
+            Input::Unconnected => ReadValue {
+                value: AbstractValue::Defined,
+                activity: Activity::Never,
             },
         }
     }
 
     /// Returns the abstract value of a flow for a reader in a phase of fragment `from`.
-    pub(super) fn seen(&self, port: PortRef, from: FragmentId, phase: usize) -> Seen {
+    pub(super) fn value_for(&self, port: PortRef, from: FragmentId, phase: usize) -> ReadValue {
         let source = self.net.node(port.node).fragment;
-        let known = &self.known[port.node.index()];
+        let known = &self.values[port.node.index()];
         if source == from {
-            return Seen::there(known[phase].clone());
+            return ReadValue::always_active(known[phase].clone());
         }
-        let (common, phases) = self.outwards(from, phase, source);
-        let (phases, there) = self.inwards(common, phases, source);
+        let (common, phases) = self.common_ancestor(from, phase, source);
+        let (phases, there) = self.inner_phases(common, phases, source);
         match phases.is_empty() {
-            true => Seen {
-                known: Known::Defined,
-                there: Active::Never,
+            true => ReadValue {
+                value: AbstractValue::Defined,
+                activity: Activity::Never,
             },
             false => {
                 let all = phases.phases().map(|phase| &known[phase]);
-                let known = all.fold(Known::Never, |all, known| all.join(known));
+                let known = all.fold(AbstractValue::Unreachable, |all, known| all.join(known));
                 // The reader is active, so the conditions of its activation hold.
                 let holds = |unless| match unless {
-                    Unless::Now(one) => self.activations(from, common).contains(&one),
-                    Unless::Since(..) => false,
+                    DefinedWhen::Now(one) => self.activations(from, common).contains(&one),
+                    DefinedWhen::Since(..) => false,
                 };
-                Seen {
-                    known: known.given(holds),
-                    there,
+                ReadValue {
+                    value: known.assuming(holds),
+                    activity: there,
                 }
             }
         }
@@ -151,22 +153,27 @@ impl<'n> Solution<'n> {
 
     /// Returns the conditions that hold while fragment `from` is active, up to the enclosing fragment `around`.
     fn activations(&self, from: FragmentId, around: FragmentId) -> Vec<Condition> {
-        let way = self.net.enclosing(from).take_while(|at| *at != around);
+        let way = self.net.ancestors(from).take_while(|at| *at != around);
         let conditions = way.filter_map(|at| match self.net.fragment(at).activation {
-            Activation::When { condition, .. } => Some(self.implied(condition, true)),
+            Activation::When { condition, .. } => Some(self.implied_conditions(condition, true)),
             Activation::Always => None,
         });
         conditions.flatten().collect()
     }
 
     /// Returns the innermost fragment that encloses both, and its possible phases.
-    fn outwards(&self, from: FragmentId, phase: usize, to: FragmentId) -> (FragmentId, PhaseSet) {
+    fn common_ancestor(
+        &self,
+        from: FragmentId,
+        phase: usize,
+        to: FragmentId,
+    ) -> (FragmentId, PhaseSet) {
         let mut at = from;
-        let mut phases = PhaseSet::only(phase);
-        while !self.net.enclosing(to).any(|fragment| fragment == at) {
+        let mut phases = PhaseSet::single(phase);
+        while !self.net.ancestors(to).any(|fragment| fragment == at) {
             let sets = &self.parents[at.index()];
             let all = phases.phases().map(|phase| sets[phase]);
-            phases = all.fold(PhaseSet::default(), PhaseSet::with);
+            phases = all.fold(PhaseSet::default(), PhaseSet::union);
             match self.net.fragment(at).parent {
                 Some(parent) => at = parent,
                 None => break,
@@ -177,18 +184,26 @@ impl<'n> Solution<'n> {
 
     /// Returns the possible phases of an inner fragment while an outer one is in one of `phases`, and the activity on
     /// the way.
-    fn inwards(&self, from: FragmentId, phases: PhaseSet, to: FragmentId) -> (PhaseSet, Active) {
-        let way: Vec<FragmentId> = self.net.enclosing(to).take_while(|f| *f != from).collect();
-        let (mut phases, mut there) = (phases, Active::Always);
+    fn inner_phases(
+        &self,
+        from: FragmentId,
+        phases: PhaseSet,
+        to: FragmentId,
+    ) -> (PhaseSet, Activity) {
+        let way: Vec<FragmentId> = self.net.ancestors(to).take_while(|f| *f != from).collect();
+        let (mut phases, mut there) = (phases, Activity::Always);
         for fragment in way.into_iter().rev() {
             let active = &self.active[fragment.index()];
-            if phases.phases().any(|phase| active[phase] != Active::Always) {
-                there = Active::Maybe;
+            if phases
+                .phases()
+                .any(|phase| active[phase] != Activity::Always)
+            {
+                there = Activity::Maybe;
             }
             let sets = &self.parents[fragment.index()];
             let mut inner = PhaseSet::default();
-            for phase in (0..PHASES).filter(|phase| sets[*phase].meets(phases)) {
-                inner = inner.with(PhaseSet::only(phase));
+            for phase in (0..PHASES).filter(|phase| sets[*phase].intersects(phases)) {
+                inner = inner.union(PhaseSet::single(phase));
             }
             phases = inner;
         }
@@ -200,21 +215,21 @@ impl<'n> Solution<'n> {
         let fragment = self.net.fragment(self.net.node(port.node).fragment);
         match fragment.activation {
             Activation::When { condition, .. } if fragment.parent == Some(reader) => {
-                Some(self.plain(condition, true))
+                Some(self.strip_negations(condition, true))
             }
             _ => None,
         }
     }
 
     /// Returns the rule of a node.
-    pub(super) fn rule_of(&self, id: NodeId) -> Rule {
+    pub(super) fn rule_of(&self, id: NodeId) -> TransferRule {
         self.rules[id.index()]
     }
 
     /// Strips the negations from a condition.
-    pub(super) fn plain(&self, port: PortRef, value: bool) -> Condition {
+    pub(super) fn strip_negations(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);
-        while self.rules[port.node.index()] == Rule::Not {
+        while self.rules[port.node.index()] == TransferRule::Not {
             let Some(inner) = self.net.node(port.node).inputs[0].port() else {
                 break;
             };
@@ -224,19 +239,21 @@ impl<'n> Solution<'n> {
     }
 
     /// Returns the conditions that hold if a condition has this value, including itself.
-    pub(super) fn implied(&self, port: PortRef, value: bool) -> Vec<Condition> {
-        let (mut all, mut open) = (Vec::new(), vec![self.plain(port, value)]);
-        let mut seen = Set::default();
+    pub(super) fn implied_conditions(&self, port: PortRef, value: bool) -> Vec<Condition> {
+        let (mut all, mut open) = (Vec::new(), vec![self.strip_negations(port, value)]);
+        let mut seen = FastSet::default();
         while let Some((port, value)) = open.pop() {
             if seen.len() >= MAX_IMPLIED || !seen.insert((port, value)) {
                 continue;
             }
             let parts = match (self.rules[port.node.index()], value) {
-                (Rule::And, true) | (Rule::Or, false) => &self.net.node(port.node).inputs[..],
+                (TransferRule::And, true) | (TransferRule::Or, false) => {
+                    &self.net.node(port.node).inputs[..]
+                }
                 _ => &[],
             };
             let parts = parts.iter().filter_map(Input::port);
-            open.extend(parts.map(|part| self.plain(part, value)));
+            open.extend(parts.map(|part| self.strip_negations(part, value)));
             all.push((port, value));
         }
         all
@@ -246,17 +263,19 @@ impl<'n> Solution<'n> {
     fn claim(&mut self, claim: PortRef) {
         for phase in 0..PHASES {
             let mut open = vec![(claim, true)];
-            let mut seen = Set::default();
+            let mut seen = FastSet::default();
             while let Some((port, value)) = open.pop() {
-                let (port, value) = self.plain(port, value);
+                let (port, value) = self.strip_negations(port, value);
                 if !seen.insert((port, value)) {
                     continue;
                 }
                 let node = self.net.node(port.node);
-                self.claimed.push((port.node, phase, value));
+                self.claimed_values.push((port.node, phase, value));
                 let inputs = match (self.rules[port.node.index()], value) {
-                    (Rule::And, true) | (Rule::Or, false) => &node.inputs[..],
-                    (Rule::Choice, _) if is_by_first(self.net, &self.rules, port.node) => {
+                    (TransferRule::And, true) | (TransferRule::Or, false) => &node.inputs[..],
+                    (TransferRule::Conditional, _)
+                        if is_by_first(self.net, &self.rules, port.node) =>
+                    {
                         match phase {
                             0 => &node.inputs[1..2],
                             _ => &node.inputs[2..3],
@@ -272,31 +291,37 @@ impl<'n> Solution<'n> {
                 );
             }
         }
-        self.claimed.sort_unstable();
-        self.claimed.dedup();
+        self.claimed_values.sort_unstable();
+        self.claimed_values.dedup();
     }
 
-    fn forced(&self, id: NodeId, phase: usize, known: Known) -> Known {
-        let claimed = |value| self.claimed.binary_search(&(id, phase, value)).is_ok();
+    fn apply_claims(&self, id: NodeId, phase: usize, known: AbstractValue) -> AbstractValue {
+        let claimed = |value| {
+            self.claimed_values
+                .binary_search(&(id, phase, value))
+                .is_ok()
+        };
         match known {
-            Known::Defined if claimed(true) => Known::value(Value::bool(true)),
-            Known::Defined if claimed(false) => Known::value(Value::bool(false)),
+            AbstractValue::Defined if claimed(true) => AbstractValue::from_value(Value::bool(true)),
+            AbstractValue::Defined if claimed(false) => {
+                AbstractValue::from_value(Value::bool(false))
+            }
             known => known,
         }
     }
 }
 
-impl Seen {
-    fn there(known: Known) -> Seen {
-        Seen {
-            known,
-            there: Active::Always,
+impl ReadValue {
+    fn always_active(known: AbstractValue) -> ReadValue {
+        ReadValue {
+            value: known,
+            activity: Activity::Always,
         }
     }
 }
 
 /// Returns the phases whose last value a delay outputs in a phase.
-pub(super) fn before(phase: usize) -> &'static [usize] {
-    const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[REST - 1, REST]];
+pub(super) fn previous_phases(phase: usize) -> &'static [usize] {
+    const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[LAST_PHASE - 1, LAST_PHASE]];
     BEFORE[phase]
 }

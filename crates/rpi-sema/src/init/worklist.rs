@@ -1,15 +1,15 @@
 //! Order of evaluation of the nodes in the fixpoint iteration, and the nodes to re-evaluate after a change.
 
-use crate::hash::Map;
+use crate::hash::FastMap;
 use rpi_image::Role;
-use rpi_net::passes::Users;
+use rpi_net::passes::Readers;
 use rpi_net::{Activation, FragmentId, Net, NodeId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Returns for each node its position in a topological order, sources first. Dependency cycles are cut at an arbitrary
 /// node.
-fn order(net: &Net) -> Vec<u32> {
+fn topological_order(net: &Net) -> Vec<u32> {
     let mut place = vec![u32::MAX; net.nodes.len()];
     let mut next = 0;
     let mut open = Vec::new();
@@ -40,40 +40,43 @@ fn order(net: &Net) -> Vec<u32> {
 }
 
 /// Worklist of nodes, sources first: all of them once, then those that were added again.
-pub(super) struct Agenda {
+pub(super) struct Worklist {
     order: Vec<u32>,
     sorted: Vec<NodeId>,
     /// Number of nodes of the first round that have been returned.
-    done: u32,
+    visited_count: u32,
     /// For each position, whether its node is queued again.
-    waits: Vec<bool>,
-    again: BinaryHeap<Reverse<u32>>,
+    is_queued: Vec<bool>,
+    queue: BinaryHeap<Reverse<u32>>,
 }
 
-impl Agenda {
-    pub(super) fn all(net: &Net) -> Self {
-        let order = order(net);
+impl Worklist {
+    pub(super) fn new(net: &Net) -> Self {
+        let order = topological_order(net);
         let mut sorted = vec![NodeId(0); net.nodes.len()];
         for id in net.node_ids() {
             sorted[order[id.index()] as usize] = id;
         }
-        Agenda {
-            waits: vec![false; sorted.len()],
-            again: BinaryHeap::new(),
-            done: 0,
+        Worklist {
+            is_queued: vec![false; sorted.len()],
+            queue: BinaryHeap::new(),
+            visited_count: 0,
             order,
             sorted,
         }
     }
 
     pub(super) fn next(&mut self) -> Option<NodeId> {
-        let earlier = self.again.peek().is_some_and(|place| place.0 < self.done);
-        if !earlier && (self.done as usize) < self.sorted.len() {
-            self.done += 1;
-            return Some(self.sorted[self.done as usize - 1]);
+        let earlier = self
+            .queue
+            .peek()
+            .is_some_and(|place| place.0 < self.visited_count);
+        if !earlier && (self.visited_count as usize) < self.sorted.len() {
+            self.visited_count += 1;
+            return Some(self.sorted[self.visited_count as usize - 1]);
         }
-        let place = self.again.pop()?.0 as usize;
-        self.waits[place] = false;
+        let place = self.queue.pop()?.0 as usize;
+        self.is_queued[place] = false;
         Some(self.sorted[place])
     }
 
@@ -81,26 +84,28 @@ impl Agenda {
     pub(super) fn add(&mut self, nodes: &[NodeId]) {
         for id in nodes {
             let place = self.order[id.index()];
-            if place < self.done && !std::mem::replace(&mut self.waits[place as usize], true) {
-                self.again.push(Reverse(place));
+            if place < self.visited_count
+                && !std::mem::replace(&mut self.is_queued[place as usize], true)
+            {
+                self.queue.push(Reverse(place));
             }
         }
     }
 }
 
 /// Dependents of nodes and fragments.
-pub(super) struct Readers {
-    of: Users,
-    activated_by: Map<NodeId, Vec<FragmentId>>,
+pub(super) struct Dependents {
+    users: Readers,
+    activated_by: FastMap<NodeId, Vec<FragmentId>>,
     /// For each fragment, the nodes that read across its border.
     across: Vec<Vec<NodeId>>,
 }
 
-impl Readers {
+impl Dependents {
     pub(super) fn new(net: &Net) -> Self {
-        let mut readers = Readers {
-            of: Users::new(net),
-            activated_by: Map::default(),
+        let mut readers = Dependents {
+            users: Readers::new(net),
+            activated_by: FastMap::default(),
             across: vec![Vec::new(); net.fragments.len()],
         };
         for id in net.node_ids() {
@@ -122,17 +127,17 @@ impl Readers {
             if source == node.fragment {
                 continue;
             }
-            for fragment in net.enclosing(source).chain(net.enclosing(node.fragment)) {
+            for fragment in net.ancestors(source).chain(net.ancestors(node.fragment)) {
                 self.across[fragment.index()].push(id);
             }
         }
     }
 
-    pub(super) fn of(&self, id: NodeId) -> &[NodeId] {
-        self.of.of(id)
+    pub(super) fn users(&self, id: NodeId) -> &[NodeId] {
+        self.users.readers_of(id)
     }
 
-    pub(super) fn activated_by(&self, id: NodeId) -> &[FragmentId] {
+    pub(super) fn sample_activated_case(&self, id: NodeId) -> &[FragmentId] {
         self.activated_by.get(&id).map_or(&[], Vec::as_slice)
     }
 

@@ -1,29 +1,33 @@
 //! Collects the declarations of parsed files into a table.
 
-use crate::check::{no_module, params};
-use crate::hash::Map;
+use crate::check::{module_not_found, static_params};
+use crate::hash::FastMap;
 use crate::program::{
-    Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, Program, Source, Space, Use,
+    Decl, DeclId, DeclKind, Extent, Library, Module, ModuleId, ModuleUse, NameSpace, Program,
+    Source,
 };
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{
     DeclaredKind, Doc, File, Ident, Item, ItemKind, Signature, StaticParam, TypeDef, TypeKind,
     VarDecl,
 };
-use rpi_syntax::{Mode, Name};
+use rpi_syntax::{Dialect, Name};
 use std::cell::Cell;
 
 impl<'a> Program<'a> {
     /// Collects the declarations of a program and reports errors in their names. The first source is the root module.
     /// Modules named by `use` that are missing from the sources are reported.
     #[must_use]
-    pub fn collect(sources: &[Source<'a>]) -> (Program<'a>, Vec<Finding>) {
-        Program::collect_beside(sources, Library::EMPTY)
+    pub fn collect(sources: &[Source<'a>]) -> (Program<'a>, Vec<Diagnostic>) {
+        Program::collect_with_library(sources, Library::EMPTY)
     }
 
     /// Like [`collect`](Self::collect), with a library of modules that the program could use.
     #[must_use]
-    pub fn collect_beside(sources: &[Source<'a>], library: Library) -> (Program<'a>, Vec<Finding>) {
+    pub fn collect_with_library(
+        sources: &[Source<'a>],
+        library: Library,
+    ) -> (Program<'a>, Vec<Diagnostic>) {
         let mut collector = Collector::new(library);
         for source in sources {
             collector.module(source);
@@ -41,21 +45,21 @@ impl<'a> Program<'a> {
             modules: collector.modules,
             decls: collector.decls,
             implicit: implicit.map(|(id, _)| id).collect(),
-            clashes: Default::default(),
+            ambiguous_names: Default::default(),
             library,
             extents: collector.extents,
         };
-        (program, collector.findings)
+        (program, collector.diagnostics)
     }
 }
 
 struct Collector<'a> {
     library: Library,
     /// Syntax mode of the current file.
-    mode: Mode,
+    mode: Dialect,
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
-    findings: Vec<Finding>,
+    diagnostics: Vec<Diagnostic>,
     extents: Vec<Extent>,
 }
 
@@ -63,10 +67,10 @@ impl<'a> Collector<'a> {
     fn new(library: Library) -> Collector<'a> {
         Collector {
             library,
-            mode: Mode::Rpi,
+            mode: Dialect::Rpi,
             modules: Vec::new(),
             decls: Vec::new(),
-            findings: Vec::new(),
+            diagnostics: Vec::new(),
             extents: Vec::new(),
         }
     }
@@ -78,11 +82,11 @@ impl<'a> Collector<'a> {
             decls: Vec::new(),
             uses: Vec::new(),
             lacks_use: false,
-            names: Map::default(),
+            names: FastMap::default(),
             spaces: Default::default(),
         });
         for file in &source.files {
-            self.mode = file.mode;
+            self.mode = file.dialect;
             for item in &file.items {
                 self.item(item);
             }
@@ -91,12 +95,12 @@ impl<'a> Collector<'a> {
 
     fn item(&mut self, item: &'a Item) {
         let doc = item.doc.as_ref();
-        self.extents.push(Extent::of(item));
+        self.extents.push(Extent::from_item(item));
         match &item.kind {
             ItemKind::Use(_) | ItemKind::Include(_) => {}
             ItemKind::Const(defs) => {
                 for def in defs {
-                    self.all(&def.names, def.doc.as_ref().or(doc), DeclKind::Const(def));
+                    self.declare_all(&def.names, def.doc.as_ref().or(doc), DeclKind::Const(def));
                 }
             }
             ItemKind::Type(defs) => defs.iter().for_each(|def| self.type_def(def, doc)),
@@ -104,27 +108,27 @@ impl<'a> Collector<'a> {
             ItemKind::Fragment(d) => self.callable(&d.signature, doc, DeclKind::Fragment(d)),
             ItemKind::Primitive(d) => self.callable(&d.signature, doc, DeclKind::Primitive(d)),
             ItemKind::Device(d) => {
-                let kind = match self.apart(&d.statics, &[]) {
+                let kind = match self.check_unique_names(&d.statics, &[]) {
                     true => DeclKind::Device(d),
                     false => DeclKind::Broken(DeclaredKind::Device),
                 };
-                self.one(&d.name, doc, kind);
+                self.declare(&d.name, doc, kind);
             }
-            ItemKind::Frame(d) => self.all(&d.names, doc, DeclKind::Frame(d)),
+            ItemKind::Frame(d) => self.declare_all(&d.names, doc, DeclKind::Frame(d)),
             ItemKind::Command(d) => {
-                let kind = match self.apart(&d.statics, &[&d.params, &d.given]) {
+                let kind = match self.check_unique_names(&d.statics, &[&d.params, &d.given]) {
                     true => DeclKind::Command(d),
                     false => DeclKind::Broken(DeclaredKind::Command),
                 };
-                self.one(&d.name, doc, kind);
+                self.declare(&d.name, doc, kind);
             }
-            ItemKind::Task(d) => self.one(&d.name, doc, DeclKind::Task(d)),
+            ItemKind::Task(d) => self.declare(&d.name, doc, DeclKind::Task(d)),
             ItemKind::Test(d) => {
-                self.nameless(&d.title, doc, DeclKind::Test(d));
+                self.push_decl(&d.title, doc, DeclKind::Test(d));
             }
-            ItemKind::Broken(names) => {
+            ItemKind::Error(names) => {
                 for declared in names {
-                    self.one(&declared.name, None, DeclKind::Broken(declared.kind));
+                    self.declare(&declared.name, None, DeclKind::Broken(declared.kind));
                 }
             }
         }
@@ -133,46 +137,48 @@ impl<'a> Collector<'a> {
     fn callable(&mut self, signature: &'a Signature, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
         let ports = [&signature.inputs, &signature.outputs];
         let ports = ports.map(|ports| ports.as_deref().unwrap_or_default());
-        let kind = match self.apart(&signature.statics, &ports) {
+        let kind = match self.check_unique_names(&signature.statics, &ports) {
             true => kind,
             false => DeclKind::Broken(DeclaredKind::Callable),
         };
-        self.one(&signature.name, doc, kind);
+        self.declare(&signature.name, doc, kind);
     }
 
     /// Returns whether the static parameters have unique names, and reports duplicates. A declaration with duplicates
     /// is not checked further, because its names are ambiguous.
-    fn apart(&mut self, statics: &[StaticParam], ports: &[&[VarDecl]]) -> bool {
-        let statics = params(statics);
+    fn check_unique_names(&mut self, statics: &[StaticParam], ports: &[&[VarDecl]]) -> bool {
+        let statics = static_params(statics);
         let ports = ports.iter().flat_map(|ports| ports.iter());
         let ports = ports.flat_map(|port| &port.names);
-        let mut known: Map<&Name, &Ident> = Map::default();
-        let before = self.findings.len();
+        let mut known: FastMap<&Name, &Ident> = FastMap::default();
+        let before = self.diagnostics.len();
         for name in statics.iter().map(|param| param.name()) {
             if let Some(first) = known.insert(&name.name, name) {
-                self.findings.push(twice(&name.name, name.span, first.span));
+                self.diagnostics
+                    .push(duplicate_name_error(&name.name, name.span, first.span));
             }
         }
         for port in ports {
             if let Some(first) = known.get(&port.name) {
-                self.findings.push(twice(&port.name, port.span, first.span));
+                self.diagnostics
+                    .push(duplicate_name_error(&port.name, port.span, first.span));
             }
         }
-        self.findings.len() == before
+        self.diagnostics.len() == before
     }
 
     fn type_def(&mut self, def: &'a TypeDef, doc: Option<&'a Doc>) {
         let doc = def.doc.as_ref().or(doc);
-        self.one(&def.name, doc, DeclKind::Type(def));
+        self.declare(&def.name, doc, DeclKind::Type(def));
         let ty = last_id(&self.decls);
-        if let Some(TypeKind::Data(all)) = def.ty.as_ref().map(|ty| &ty.kind) {
+        if let Some(TypeKind::Datatype(all)) = def.ty.as_ref().map(|ty| &ty.kind) {
             let is_plain = def.statics.is_empty() && all.iter().all(|c| c.fields.is_empty());
             for (index, constructor) in (0..).zip(all) {
                 let kind = match is_plain {
                     true => DeclKind::EnumValue { ty, index },
                     false => DeclKind::Constructor { ty, index },
                 };
-                self.one(&constructor.name, None, kind);
+                self.declare(&constructor.name, None, kind);
             }
         }
         let Some(TypeKind::Enum(values)) = def.ty.as_ref().map(|ty| &ty.kind) else {
@@ -180,26 +186,27 @@ impl<'a> Collector<'a> {
         };
         for (index, value) in (0..).zip(values) {
             let kind = DeclKind::EnumValue { ty, index };
-            self.one(&value.name, value.doc.as_ref(), kind);
+            self.declare(&value.name, value.doc.as_ref(), kind);
         }
     }
 
-    fn all(&mut self, names: &'a [Ident], doc: Option<&'a Doc>, kind: DeclKind<'a>) {
+    fn declare_all(&mut self, names: &'a [Ident], doc: Option<&'a Doc>, kind: DeclKind<'a>) {
         for name in names {
-            self.one(name, doc, kind);
+            self.declare(name, doc, kind);
         }
     }
 
-    fn one(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
-        let id = self.nameless(name, doc, kind);
+    fn declare(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) {
+        let id = self.push_decl(name, doc, kind);
         let current = self.current();
-        if current.mode == Mode::Lustre {
-            let space = Space::of(&kind) as usize;
+        if current.mode == Dialect::Lustre {
+            let space = NameSpace::of_decl(&kind) as usize;
             current.names.entry(name.name.clone()).or_insert(id);
             let first = *current.spaces[space].entry(name.name.clone()).or_insert(id);
             if first != id {
                 let first = self.decls[first.0 as usize].span;
-                self.findings.push(twice(&name.name, name.span, first));
+                self.diagnostics
+                    .push(duplicate_name_error(&name.name, name.span, first));
             }
             return;
         }
@@ -207,12 +214,13 @@ impl<'a> Collector<'a> {
             // The first declaration stays in force, so that uses of the name are checked against it.
             current.names.insert(name.name.clone(), first);
             let first = self.decls[first.0 as usize].span;
-            self.findings.push(twice(&name.name, name.span, first));
+            self.diagnostics
+                .push(duplicate_name_error(&name.name, name.span, first));
         }
     }
 
     /// Adds a declaration that cannot be found by name.
-    fn nameless(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) -> DeclId {
+    fn push_decl(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) -> DeclId {
         let module = ModuleId(u32::try_from(self.modules.len() - 1).unwrap_or(u32::MAX));
         self.decls.push(Decl {
             name: name.name.clone(),
@@ -236,11 +244,11 @@ impl<'a> Collector<'a> {
         for (name, phrase) in uses {
             let found = sources.iter().position(|source| source.name == name.name);
             match found.and_then(|k| u32::try_from(k).ok()).map(ModuleId) {
-                Some(module) => self.modules[id.0 as usize].uses.push(Use {
+                Some(module) => self.modules[id.0 as usize].uses.push(ModuleUse {
                     module,
                     name: name.span,
-                    phrase,
-                    found: Cell::new(false),
+                    clause_span: phrase,
+                    is_used: Cell::new(false),
                 }),
                 None => self.no_module(id, name, sources),
             }
@@ -251,7 +259,8 @@ impl<'a> Collector<'a> {
         self.modules[id.0 as usize].lacks_use = true;
         let library = (self.library.modules)();
         let known = sources[1..].iter().map(|s| s.name.as_str()).chain(library);
-        self.findings.push(no_module(&name.name, name.span, known));
+        self.diagnostics
+            .push(module_not_found(&name.name, name.span, known));
     }
 
     fn current(&mut self) -> &mut Module {
@@ -265,9 +274,9 @@ fn last_id(decls: &[Decl<'_>]) -> DeclId {
 }
 
 /// Error for a name that is declared a second time.
-pub(crate) fn twice(name: &Name, again: Span, first: Span) -> Finding {
-    Finding::new(Code::RPI1002, format!("`{name}` is declared twice"))
-        .at(again, "declared again here")
-        .also(first, "first declared here")
+pub(crate) fn duplicate_name_error(name: &Name, again: Span, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI1002, format!("`{name}` is declared twice"))
+        .primary(again, "declared again here")
+        .secondary(first, "first declared here")
         .help("rename one of them")
 }

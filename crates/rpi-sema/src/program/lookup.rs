@@ -1,8 +1,8 @@
 //! Name lookup in the table of declarations.
 
-use crate::program::{DeclId, DeclKind, Module, ModuleId, Program, Space, Use};
-use rpi_diag::{Code, Finding, Fix, Span};
-use rpi_syntax::{Mode, Name};
+use crate::program::{DeclId, DeclKind, Module, ModuleId, ModuleUse, NameSpace, Program};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_syntax::{Dialect, Name};
 
 /// Result of a name lookup.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -20,14 +20,14 @@ impl Program<'_> {
         let module = self.module(from);
         match module.names.get(name) {
             Some(id) => Lookup::Found(*id),
-            None if name.is_qualified() => self.qualified(module, name),
-            None => self.imported(module, name),
+            None if name.is_qualified() => self.lookup_qualified(module, name),
+            None => self.lookup_used(module, name),
         }
     }
 
     /// Looks up a name in one name space. In Lustre a name can have a different meaning in each name space.
     #[must_use]
-    pub fn lookup_in(&self, space: Space, from: ModuleId, name: &Name) -> Lookup {
+    pub fn lookup_in(&self, space: NameSpace, from: ModuleId, name: &Name) -> Lookup {
         match self.module(from).spaces[space as usize].get(name) {
             Some(id) => Lookup::Found(*id),
             None => self.lookup(from, name),
@@ -36,26 +36,26 @@ impl Program<'_> {
 
     /// Looks up a name among the declarations of the module itself.
     #[must_use]
-    pub fn own(&self, module: ModuleId, name: &Name) -> Option<DeclId> {
+    pub fn lookup_own(&self, module: ModuleId, name: &Name) -> Option<DeclId> {
         self.module(module).names.get(name).copied()
     }
 
-    fn imported(&self, module: &Module, name: &Name) -> Lookup {
+    fn lookup_used(&self, module: &Module, name: &Name) -> Lookup {
         let uses = module.uses.iter();
         let mut found =
             uses.filter_map(|used| Some((used, *self.module(used.module).names.get(name)?)));
         let Some((used, id)) = found.next() else {
-            return self.implied(module, name);
+            return self.lookup_implicit(module, name);
         };
-        used.found.set(true);
+        used.is_used.set(true);
         // Frames with the same name are one frame, wherever they are declared.
-        let is_other = |(_, other): &(&Use, DeclId)| {
+        let is_other = |(_, other): &(&ModuleUse, DeclId)| {
             let both = [id, *other].map(|id| self.decl(id).kind);
             *other != id && !matches!(both, [DeclKind::Frame(_), DeclKind::Frame(_)])
         };
         if let Some((other, _)) = found.find(is_other) {
-            other.found.set(true);
-            let mut clashes = self.clashes.borrow_mut();
+            other.is_used.set(true);
+            let mut clashes = self.ambiguous_names.borrow_mut();
             clashes
                 .entry((used.name, name.clone()))
                 .or_insert(other.name);
@@ -64,15 +64,15 @@ impl Program<'_> {
     }
 
     /// Returns an error for each name that was found in two used modules. Neither takes precedence.
-    pub(crate) fn clashes(&self) -> Vec<Finding> {
-        let clashes = self.clashes.borrow();
+    pub(crate) fn ambiguous_name_errors(&self) -> Vec<Diagnostic> {
+        let clashes = self.ambiguous_names.borrow();
         let clash = |((first, name), other): (&(Span, Name), &Span)| {
-            Finding::new(
+            Diagnostic::new(
                 Code::RPI1002,
                 format!("ambiguous name `{name}`: two used modules declare it"),
             )
-            .at(*first, "declared in this module")
-            .also(*other, "also declared in this module")
+            .primary(*first, "declared in this module")
+            .secondary(*other, "also declared in this module")
             .help(format!(
                 "qualify the name with its module: `module::{name}`"
             ))
@@ -81,21 +81,24 @@ impl Program<'_> {
     }
 
     /// Returns a warning for each module that the root module uses and in which no name has been found so far.
-    pub(crate) fn needless_uses(&self) -> impl Iterator<Item = Finding> + '_ {
+    pub(crate) fn unused_module_warnings(&self) -> impl Iterator<Item = Diagnostic> + '_ {
         let uses = self.root().uses.iter();
-        let needless = uses.filter(|used| !used.found.get());
+        let needless = uses.filter(|used| !used.is_used.get());
         needless.map(|used| {
             let name = &self.module(used.module).name;
-            let finding = Finding::new(Code::RPI1016, format!("module `{name}` is never used"))
-                .at(used.name, "none of its names is used here");
-            finding.fix(Fix::sure("delete it").replace(self.needless_text(used), ""))
+            let diagnostic =
+                Diagnostic::new(Code::RPI1016, format!("module `{name}` is never used"))
+                    .primary(used.name, "none of its names is used here");
+            diagnostic.fix(Fix::sure("delete it").replace(self.unused_use_span(used), ""))
         })
     }
 
     /// Span to delete for an unused module: the whole `use` clause, or the name and a comma.
-    fn needless_text(&self, used: &Use) -> Span {
+    fn unused_use_span(&self, used: &ModuleUse) -> Span {
         let uses = self.root().uses.iter();
-        let beside: Vec<&Use> = uses.filter(|other| other.phrase == used.phrase).collect();
+        let beside: Vec<&ModuleUse> = uses
+            .filter(|other| other.clause_span == used.clause_span)
+            .collect();
         let at = beside.iter().position(|other| other.name == used.name);
         match (at, &beside[..]) {
             (Some(0), [_, next, ..]) => Span {
@@ -106,11 +109,11 @@ impl Program<'_> {
                 start: beside[at - 1].name.end,
                 ..used.name
             },
-            _ => used.phrase,
+            _ => used.clause_span,
         }
     }
 
-    fn implied(&self, module: &Module, name: &Name) -> Lookup {
+    fn lookup_implicit(&self, module: &Module, name: &Name) -> Lookup {
         let mut implicit = self.implicit_of(module).iter();
         match implicit.find_map(|id| self.module(*id).names.get(name)) {
             Some(id) => Lookup::Found(*id),
@@ -119,7 +122,7 @@ impl Program<'_> {
     }
 
     /// Returns the modules in which the undeclared names of a module are looked up, in this order.
-    pub fn used_by(&self, module: ModuleId) -> impl Iterator<Item = ModuleId> + '_ {
+    pub fn lookup_modules(&self, module: ModuleId) -> impl Iterator<Item = ModuleId> + '_ {
         let module = self.module(module);
         let used = module.uses.iter().map(|used| used.module);
         used.chain(self.implicit_of(module).iter().copied())
@@ -128,18 +131,18 @@ impl Program<'_> {
     /// Returns the modules that a module uses implicitly; none in Lustre.
     fn implicit_of(&self, module: &Module) -> &[ModuleId] {
         match module.mode {
-            Mode::Rpi => &self.implicit,
-            Mode::Lustre => &[],
+            Dialect::Rpi => &self.implicit,
+            Dialect::Lustre => &[],
         }
     }
 
-    fn qualified(&self, module: &Module, name: &Name) -> Lookup {
+    fn lookup_qualified(&self, module: &Module, name: &Name) -> Lookup {
         let Some((first, rest)) = name.split_once("::") else {
             return Lookup::Missing;
         };
         let is_it = |id: ModuleId| self.module(id).name == first;
         let used = module.uses.iter().find(|used| is_it(used.module));
-        used.inspect(|used| used.found.set(true));
+        used.inspect(|used| used.is_used.set(true));
         let mut implicit = self.implicit_of(module).iter().copied();
         let used = used.map(|used| used.module);
         let of_module = used.or_else(|| implicit.find(|id| is_it(*id)));
@@ -148,7 +151,7 @@ impl Program<'_> {
     }
 
     /// Returns the names of visible declarations for which `fits` holds, for "did you mean".
-    pub fn visible(
+    pub fn visible_names(
         &self,
         from: ModuleId,
         fits: impl Fn(DeclId) -> bool,

@@ -7,17 +7,17 @@
 mod collect;
 mod lookup;
 
-pub(crate) use collect::twice;
+pub(crate) use collect::duplicate_name_error;
 
 pub use lookup::Lookup;
 
-use crate::hash::Map;
+use crate::hash::FastMap;
 use rpi_diag::Span;
 use rpi_syntax::ast::{
     CommandDecl, ConstDef, DeclaredKind, DeviceDecl, Doc, File, FragmentDecl, FrameDecl, Item,
     ItemKind, NodeDecl, NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
 };
-use rpi_syntax::{Mode, Name};
+use rpi_syntax::{Dialect, Name};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ pub struct Source<'a> {
     /// Name of the module in `use`.
     pub name: Name,
     /// Syntax mode of the module's own file. An included file may have another mode.
-    pub mode: Mode,
+    pub mode: Dialect,
     /// File of the module, then the files that it includes.
     pub files: Vec<&'a File>,
     /// Whether every `.rpi` module uses it implicitly.
@@ -54,7 +54,7 @@ pub struct Decl<'a> {
     /// Module of the declaration.
     pub module: ModuleId,
     /// Syntax mode of the file.
-    pub mode: Mode,
+    pub mode: Dialect,
     /// Kind and syntax tree of the declaration.
     pub kind: DeclKind<'a>,
 }
@@ -103,7 +103,7 @@ pub enum DeclKind<'a> {
 impl DeclKind<'_> {
     /// Returns the kind in words, with an article.
     #[must_use]
-    pub fn what(&self) -> &'static str {
+    pub fn description(&self) -> &'static str {
         match self {
             DeclKind::Const(_) | DeclKind::Broken(DeclaredKind::Const) => "a constant",
             DeclKind::Type(_) | DeclKind::Broken(DeclaredKind::Type) => "a type",
@@ -123,13 +123,13 @@ impl DeclKind<'_> {
 
 /// Use of a module by another module.
 #[derive(Debug)]
-struct Use {
+struct ModuleUse {
     module: ModuleId,
     /// Span of the module's name, and span of the whole `use` clause.
     name: Span,
-    phrase: Span,
+    clause_span: Span,
     /// Whether a name has been found in the module.
-    found: Cell<bool>,
+    is_used: Cell<bool>,
 }
 
 /// Module of a program.
@@ -138,21 +138,21 @@ pub struct Module {
     /// Name of the module.
     pub name: Name,
     /// Syntax mode of the module's file.
-    pub mode: Mode,
+    pub mode: Dialect,
     /// Declarations in text order.
     pub decls: Vec<DeclId>,
     /// Modules that the module uses, in text order.
-    uses: Vec<Use>,
+    uses: Vec<ModuleUse>,
     /// Whether the module uses a missing module. Undefined names may then be a consequence.
     pub lacks_use: bool,
-    names: Map<Name, DeclId>,
+    names: FastMap<Name, DeclId>,
     /// In Lustre, the names of each name space: a type and a node may have the same name.
-    spaces: [Map<Name, DeclId>; Space::COUNT],
+    spaces: [FastMap<Name, DeclId>; NameSpace::COUNT],
 }
 
 /// Name space of a lookup. In Lustre each has separate names.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Space {
+pub enum NameSpace {
     /// Constants and values of enums.
     Value,
     /// Types.
@@ -163,18 +163,18 @@ pub enum Space {
     Contract,
 }
 
-impl Space {
+impl NameSpace {
     const COUNT: usize = 4;
 
     /// Returns the name space of a declaration.
-    fn of(kind: &DeclKind<'_>) -> Space {
+    fn of_decl(kind: &DeclKind<'_>) -> NameSpace {
         match kind {
             DeclKind::Type(_) | DeclKind::Device(_) | DeclKind::Broken(DeclaredKind::Type) => {
-                Space::Type
+                NameSpace::Type
             }
-            DeclKind::Node(node) if node.kind == NodeKind::Contract => Space::Contract,
-            DeclKind::Node(_) | DeclKind::Broken(DeclaredKind::Callable) => Space::Callable,
-            _ => Space::Value,
+            DeclKind::Node(node) if node.kind == NodeKind::Contract => NameSpace::Contract,
+            DeclKind::Node(_) | DeclKind::Broken(DeclaredKind::Callable) => NameSpace::Callable,
+            _ => NameSpace::Value,
         }
     }
 }
@@ -189,7 +189,7 @@ pub struct Program<'a> {
     /// Modules that every `.rpi` module uses implicitly.
     implicit: Vec<ModuleId>,
     /// Ambiguous names: span of the first `use` and the name, mapped to the span of the second `use`.
-    clashes: RefCell<BTreeMap<(Span, Name), Span>>,
+    ambiguous_names: RefCell<BTreeMap<(Span, Name), Span>>,
     /// Modules that the program could use, for suggestions.
     pub library: Library,
     /// Extents of all declarations, in the order of the files.
@@ -206,11 +206,11 @@ pub struct Extent {
 }
 
 impl Extent {
-    fn of(item: &Item) -> Extent {
-        use ItemKind::{Broken, Command, Fragment, Node, Primitive, Task, Test};
+    fn from_item(item: &Item) -> Extent {
+        use ItemKind::{Command, Error, Fragment, Node, Primitive, Task, Test};
         let is_of_units = matches!(
             item.kind,
-            Broken(_) | Command(_) | Fragment(_) | Node(_) | Primitive(_) | Task(_) | Test(_)
+            Error(_) | Command(_) | Fragment(_) | Node(_) | Primitive(_) | Task(_) | Test(_)
         );
         Extent {
             span: item.span,
@@ -259,7 +259,7 @@ impl<'a> Program<'a> {
 
     /// Returns the total length of the declarations in bytes. Size limits grow with it.
     #[must_use]
-    pub fn length(&self) -> usize {
+    pub fn text_len(&self) -> usize {
         let lengths = self.extents.iter().map(|extent| extent.span);
         lengths.map(|span| (span.end - span.start) as usize).sum()
     }

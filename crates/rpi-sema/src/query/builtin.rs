@@ -10,7 +10,7 @@ pub struct Builtin {
     /// Name.
     pub name: &'static str,
     /// Usage: `time: real[s]`, `hold(x, init)`.
-    pub form: String,
+    pub usage: String,
     /// Description.
     pub doc: String,
     /// Whether it has call syntax.
@@ -18,7 +18,7 @@ pub struct Builtin {
 }
 
 /// Operators with call syntax: name, usage, description.
-const CALLS: &[(&str, &str, &str)] = &[
+const CALL_OPERATORS: &[(&str, &str, &str)] = &[
     (
         "present",
         "present(x)",
@@ -105,7 +105,7 @@ const CALLS: &[(&str, &str, &str)] = &[
 ];
 
 /// Conversions to machine integers, as written in `.lus` files.
-const MACHINE: [(&str, &str); 10] = [
+const MACHINE_CONVERSIONS: [(&str, &str); 10] = [
     ("int8", "(int8 x)"),
     ("int16", "(int16 x)"),
     ("int32", "(int32 x)"),
@@ -122,19 +122,19 @@ const MACHINE: [(&str, &str); 10] = [
 pub fn builtins() -> impl Iterator<Item = Builtin> {
     let none = Builtin {
         name: "none",
-        form: "none".to_owned(),
+        usage: "none".to_owned(),
         doc: "The absent value.".to_owned(),
         is_call: false,
     };
-    let machine = MACHINE.iter().map(|(name, form)| Builtin {
+    let machine = MACHINE_CONVERSIONS.iter().map(|(name, form)| Builtin {
         name,
-        form: (*form).to_owned(),
+        usage: (*form).to_owned(),
         doc: "Machine integer of Kind 2 with the lowest bits of `x`.".to_owned(),
         is_call: true,
     });
-    let calls = CALLS.iter().map(|(name, form, doc)| Builtin {
+    let calls = CALL_OPERATORS.iter().map(|(name, form, doc)| Builtin {
         name,
-        form: (*form).to_owned(),
+        usage: (*form).to_owned(),
         doc: (*doc).to_owned(),
         is_call: true,
     });
@@ -152,17 +152,17 @@ pub fn builtin(name: &str) -> Option<Builtin> {
 fn constraints() -> impl Iterator<Item = Builtin> {
     check::constraints().map(|(name, admitted)| Builtin {
         name,
-        form: format!("type T: {name}"),
+        usage: format!("type T: {name}"),
         doc: format!("Constraint of a type parameter: {admitted}."),
         is_call: false,
     })
 }
 
 fn flows() -> impl Iterator<Item = Builtin> {
-    check::predeclared().map(|(name, prim, ty)| Builtin {
+    check::resolve_predeclared().map(|(name, prim, ty)| Builtin {
         name,
-        form: format!("{name}: {ty}"),
-        doc: PrimId::of(prim).map_or_else(String::new, |prim| prim.desc().doc.to_owned()),
+        usage: format!("{name}: {ty}"),
+        doc: PrimId::from_name(prim).map_or_else(String::new, |prim| prim.desc().doc.to_owned()),
         is_call: false,
     })
 }
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn every_operator_that_the_checker_knows_is_told() {
-        for name in check::operator_names() {
+        for name in check::intrinsic_names() {
             // `time` is also a flow.
             let told = builtins().any(|b| b.name == name && b.is_call);
             assert!(told, "{name}");
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn predeclared_flows_have_types() {
-        assert_eq!(builtin("time").unwrap().form, "time: time");
+        assert_eq!(builtin("time").unwrap().usage, "time: time");
         assert_eq!(
             spatial_parts(Scalar::Vector).collect::<Vec<_>>(),
             ["x", "y", "z"]

@@ -18,7 +18,7 @@ pub struct Def {
     /// Span of the name in the declaration.
     pub span: Span,
     /// Span of the whole declaration.
-    pub whole: Span,
+    pub full_span: Span,
     /// Doc comment above the declaration.
     pub doc: Option<Doc>,
     /// Enclosing definition.
@@ -67,13 +67,13 @@ pub enum DefKind {
     /// `test`
     Test,
     /// Static parameter.
-    Static,
+    StaticParam,
     /// Parameter of a command or task.
     Param,
     /// In-port.
     Input,
     /// Value taken over from the preceding command.
-    Given,
+    TakenOver,
     /// Out-port.
     Output,
     /// Flow inside a body.
@@ -85,7 +85,7 @@ pub enum DefKind {
 }
 
 /// Names of the kinds, in the order of the variants.
-const WORDS: &[(DefKind, &str)] = &[
+const KIND_NAMES: &[(DefKind, &str)] = &[
     (DefKind::Module, "module"),
     (DefKind::Const, "constant"),
     (DefKind::Type, "type"),
@@ -103,10 +103,10 @@ const WORDS: &[(DefKind, &str)] = &[
     (DefKind::Task, "task"),
     (DefKind::Step, "step"),
     (DefKind::Test, "test"),
-    (DefKind::Static, "static parameter"),
+    (DefKind::StaticParam, "static parameter"),
     (DefKind::Param, "parameter"),
     (DefKind::Input, "in-port"),
-    (DefKind::Given, "given value"),
+    (DefKind::TakenOver, "given value"),
     (DefKind::Output, "out-port"),
     (DefKind::Local, "flow"),
     (DefKind::Block, "fragment in place"),
@@ -116,8 +116,8 @@ const WORDS: &[(DefKind, &str)] = &[
 impl DefKind {
     /// Returns the kind in words.
     #[must_use]
-    pub fn word(self) -> &'static str {
-        WORDS[self as usize].1
+    pub fn description(self) -> &'static str {
+        KIND_NAMES[self as usize].1
     }
 
     /// Returns whether definitions of this kind can be called.
@@ -129,19 +129,19 @@ impl DefKind {
 
     /// Returns whether definitions of this kind have a value, in a cycle or when a command is loaded.
     #[must_use]
-    pub fn is_value(self) -> bool {
-        use DefKind::{Const, Field, Given, Input, Local, Output, Param, Port, Static};
+    pub fn is_declared_value(self) -> bool {
+        use DefKind::{Const, Field, Input, Local, Output, Param, Port, StaticParam, TakenOver};
         matches!(
             self,
-            Const | Field | Port | Static | Param | Input | Given | Output | Local
+            Const | Field | Port | StaticParam | Param | Input | TakenOver | Output | Local
         )
     }
 
     /// Returns whether definitions of this kind can be named arguments of a call.
     #[must_use]
     pub fn is_parameter(self) -> bool {
-        use DefKind::{Given, Input, Param, Static};
-        matches!(self, Static | Param | Input | Given)
+        use DefKind::{Input, Param, StaticParam, TakenOver};
+        matches!(self, StaticParam | Param | Input | TakenOver)
     }
 
     /// Returns whether definitions of this kind can be read as `parent.name`.
@@ -164,9 +164,9 @@ mod tests {
 
     #[test]
     fn rows_stand_in_the_order_of_the_kinds() {
-        for (k, (kind, _)) in WORDS.iter().enumerate() {
+        for (k, (kind, _)) in KIND_NAMES.iter().enumerate() {
             assert_eq!(*kind as usize, k);
         }
-        assert_eq!(DefKind::State.word(), "state");
+        assert_eq!(DefKind::State.description(), "state");
     }
 }

@@ -1,6 +1,6 @@
 //! Table of definitions and references, with its queries.
 
-use crate::hash::Map;
+use crate::hash::FastMap;
 use crate::program::{Program, Source};
 use crate::query::def::{Def, DefId};
 use rpi_diag::{FileId, Span};
@@ -29,7 +29,7 @@ pub(super) struct Scope {
     /// Definition whose inner scope this is.
     pub(super) owner: Option<DefId>,
     /// Definitions of the names in the scope.
-    pub(super) names: Map<Name, DefId>,
+    pub(super) names: FastMap<Name, DefId>,
     /// Definitions in text order.
     pub(super) order: Vec<DefId>,
     /// Scopes of the modules that a module uses, for names that no enclosing scope defines.
@@ -38,7 +38,7 @@ pub(super) struct Scope {
 
 /// Inner scopes of a definition.
 #[derive(Clone, Copy, Default, Debug)]
-pub(super) struct Inside {
+pub(super) struct InnerScopes {
     /// Scope that contains the members.
     pub(super) members: Option<ScopeId>,
     /// Scope that contains the parameters.
@@ -53,7 +53,7 @@ pub struct Index {
     pub(super) references: Vec<Reference>,
     pub(super) scopes: Vec<Scope>,
     /// Inner scopes of each definition.
-    pub(super) inside: Vec<Inside>,
+    pub(super) inner_scopes: Vec<InnerScopes>,
     /// Scope of the module of each file.
     pub(super) files: Vec<(FileId, ScopeId)>,
 }
@@ -61,7 +61,7 @@ pub struct Index {
 impl Index {
     /// Builds the table of a program. `sources` must be those from which the program was collected.
     #[must_use]
-    pub fn of<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
+    pub fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
         crate::query::build::build(program, sources)
     }
 
@@ -79,7 +79,7 @@ impl Index {
 
     /// Returns the reference at a position, including the positions at both ends of the name.
     #[must_use]
-    pub fn at(&self, file: FileId, offset: u32) -> Option<Reference> {
+    pub fn reference_at(&self, file: FileId, offset: u32) -> Option<Reference> {
         let begins = |r: &Reference| (r.span.file, r.span.start) <= (file, offset);
         let after = self.references.partition_point(begins);
         let last = self.references[..after].last()?;
@@ -129,7 +129,7 @@ impl Index {
     pub fn visible(&self, file: FileId, offset: u32) -> Vec<DefId> {
         let mut found = Vec::new();
         let mut seen = std::collections::BTreeSet::new();
-        for scope in self.chain(self.scope_at(file, offset)) {
+        for scope in self.scope_chain(self.scope_at(file, offset)) {
             let defs = self.scope(scope).order.iter();
             found.extend(defs.filter(|id| seen.insert(&self.def(**id).name)));
         }
@@ -139,8 +139,8 @@ impl Index {
     /// Returns the definitions that can be read as `definition.name`.
     #[must_use]
     pub fn members(&self, def: DefId) -> Vec<DefId> {
-        let owner = self.with_members(def);
-        let Some(scope) = owner.and_then(|owner| self.inside(owner).members) else {
+        let owner = self.member_owner(def);
+        let Some(scope) = owner.and_then(|owner| self.inner_scopes(owner).members) else {
             return Vec::new();
         };
         let order = self.scope(scope).order.iter().copied();
@@ -150,8 +150,8 @@ impl Index {
     /// Returns the member with this name.
     #[must_use]
     pub fn member(&self, def: DefId, name: &str) -> Option<DefId> {
-        let owner = self.with_members(def)?;
-        let scope = self.inside(owner).members?;
+        let owner = self.member_owner(def)?;
+        let scope = self.inner_scopes(owner).members?;
         let found = *self.scope(scope).names.get(name)?;
         self.is_member(Some(owner), found).then_some(found)
     }
@@ -159,18 +159,18 @@ impl Index {
     /// Returns the definitions that can be named arguments of a call: static parameters, then in-ports.
     #[must_use]
     pub fn parameters(&self, def: DefId) -> Vec<DefId> {
-        let scope = self.inside(self.declaration_of(def)).parameters;
+        let scope = self.inner_scopes(self.resolve_alias(def)).parameters;
         let order = scope.map_or(&[][..], |scope| &self.scope(scope).order);
         let is_parameter = |id: &DefId| self.def(*id).kind.is_parameter();
         order.iter().copied().filter(is_parameter).collect()
     }
 
-    pub(super) fn inside(&self, def: DefId) -> Inside {
-        self.inside[def.0 as usize]
+    pub(super) fn inner_scopes(&self, def: DefId) -> InnerScopes {
+        self.inner_scopes[def.0 as usize]
     }
 
     /// Resolves an alias: for `node f = g<<3>>;` returns g.
-    fn declaration_of(&self, def: DefId) -> DefId {
+    fn resolve_alias(&self, def: DefId) -> DefId {
         match (self.def(def).kind.is_callable(), self.def(def).shape) {
             (true, Some(shape)) => shape,
             _ => def,
@@ -178,9 +178,9 @@ impl Index {
     }
 
     /// Returns the definition that has the members: the shape of a value, else the definition itself.
-    pub(super) fn with_members(&self, def: DefId) -> Option<DefId> {
+    pub(super) fn member_owner(&self, def: DefId) -> Option<DefId> {
         let shape = self.def(def).shape;
-        shape.or_else(|| (!self.def(def).kind.is_value()).then_some(def))
+        shape.or_else(|| (!self.def(def).kind.is_declared_value()).then_some(def))
     }
 
     fn is_member(&self, owner: Option<DefId>, id: DefId) -> bool {
@@ -194,7 +194,7 @@ impl Index {
 
     /// Resolves a name in a scope.
     pub(super) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
-        let mut scopes = self.chain(Some(scope)).into_iter();
+        let mut scopes = self.scope_chain(Some(scope)).into_iter();
         let plain = scopes.find_map(|id| self.scope(id).names.get(name).copied());
         plain.or_else(|| self.qualified(scope, name))
     }
@@ -202,7 +202,7 @@ impl Index {
     /// Resolves a qualified name, `motion::Line`.
     fn qualified(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let (module, rest) = name.split_once("::")?;
-        let chain = self.chain(Some(scope));
+        let chain = self.scope_chain(Some(scope));
         let is_meant = |id: &ScopeId| {
             let owner = self.scope(*id).owner;
             self.scope(*id).parent.is_none() && owner.is_some_and(|o| self.def(o).name == module)
@@ -212,7 +212,7 @@ impl Index {
     }
 
     /// Returns a scope, its enclosing scopes, and the modules used there.
-    fn chain(&self, innermost: Option<ScopeId>) -> Vec<ScopeId> {
+    fn scope_chain(&self, innermost: Option<ScopeId>) -> Vec<ScopeId> {
         let around = std::iter::successors(innermost, |id| self.scope(*id).parent);
         let mut chain: Vec<ScopeId> = around.collect();
         if let Some(module) = chain.last() {

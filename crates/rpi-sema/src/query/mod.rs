@@ -22,4 +22,4 @@ mod types;
 pub use builtin::{Builtin, builtin, builtins, spatial_parts};
 pub use def::{Def, DefId, DefKind};
 pub use index::{Index, Reference};
-pub use types::{Typed, type_around, types_of_flows, types_of_read};
+pub use types::{FlowType, flow_types, read_types, type_at};

@@ -5,20 +5,20 @@
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::Expr;
-use crate::typed::{ExprId, Flow, FlowId, Optional, Unit};
+use crate::typed::{ExprId, Flow, FlowId, FlowPresence, Unit};
 use rpi_diag::{FileId, Span};
 use std::collections::BTreeMap;
 
 /// Type of a flow or expression, with its presence.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Typed {
+pub struct FlowType {
     /// Type.
     pub ty: Ty,
     /// Whether the value is absent in some cycles.
     pub optional: bool,
 }
 
-impl std::fmt::Display for Typed {
+impl std::fmt::Display for FlowType {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}{}", self.ty, if self.optional { "?" } else { "" })
     }
@@ -26,14 +26,14 @@ impl std::fmt::Display for Typed {
 
 /// Returns the distinct types of all flows, by the span of the flow's name in its declaration.
 #[must_use]
-pub fn types_of_flows(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<Typed>> {
-    let mut types: BTreeMap<Span, Vec<Typed>> = BTreeMap::new();
+pub fn flow_types(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<FlowType>> {
+    let mut types: BTreeMap<Span, Vec<FlowType>> = BTreeMap::new();
     for (unit, facts) in units.iter().zip(facts) {
         for (id, flow) in (0..).map(FlowId).zip(&unit.flows) {
             if !flow.ty.has_unknown() {
-                once(
+                push_distinct(
                     types.entry(flow.span).or_default(),
-                    of_flow(flow, id, facts),
+                    flow_type(flow, id, facts),
                 );
             }
         }
@@ -41,12 +41,12 @@ pub fn types_of_flows(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<Typ
     types
 }
 
-fn of_flow(flow: &Flow, id: FlowId, facts: &Facts) -> Typed {
+fn flow_type(flow: &Flow, id: FlowId, facts: &Facts) -> FlowType {
     let optional = match flow.optional {
-        Optional::Declared(optional) => optional,
-        Optional::Inferred => facts.flow(id).any(),
+        FlowPresence::Declared(optional) => optional,
+        FlowPresence::Inferred => facts.flow_absence(id).any(),
     };
-    Typed {
+    FlowType {
         ty: flow.ty.clone(),
         optional,
     }
@@ -55,7 +55,7 @@ fn of_flow(flow: &Flow, id: FlowId, facts: &Facts) -> Typed {
 /// Returns the distinct types of a name at a place where it is read: those of the smallest expression that ends with
 /// the name. A flow of a fragment is always present inside it and may be absent for a reader outside.
 #[must_use]
-pub fn types_of_read(units: &[Unit], facts: &[Facts], name: Span) -> Vec<Typed> {
+pub fn read_types(units: &[Unit], facts: &[Facts], name: Span) -> Vec<FlowType> {
     let ends = |e: &Expr| {
         let span = e.span;
         span.file == name.file && span.start <= name.start && span.end == name.end
@@ -63,27 +63,27 @@ pub fn types_of_read(units: &[Unit], facts: &[Facts], name: Span) -> Vec<Typed> 
     let exprs = units.iter().flat_map(|unit| &unit.exprs);
     let found = exprs.filter(|e| ends(e)).map(|e| e.span);
     let smallest = found.min_by_key(|span| span.end - span.start);
-    smallest.map_or_else(Vec::new, |span| types_at(units, facts, span))
+    smallest.map_or_else(Vec::new, |span| types_of_span(units, facts, span))
 }
 
 /// Returns the smallest expression around a position, with its distinct types.
 #[must_use]
-pub fn type_around(
+pub fn type_at(
     units: &[Unit],
     facts: &[Facts],
     file: FileId,
     offset: u32,
-) -> Option<(Span, Vec<Typed>)> {
+) -> Option<(Span, Vec<FlowType>)> {
     let holds = |e: &Expr| e.span.file == file && e.span.start <= offset && offset < e.span.end;
     let known = |e: &Expr| !e.ty.has_unknown();
     let exprs = units.iter().flat_map(|unit| &unit.exprs);
     let around = exprs.filter(|e| holds(e) && known(e)).map(|e| e.span);
     let smallest = around.min_by_key(|span| span.end - span.start)?;
-    Some((smallest, types_at(units, facts, smallest)))
+    Some((smallest, types_of_span(units, facts, smallest)))
 }
 
 /// Returns the distinct types of the outermost expression with exactly this span.
-fn types_at(units: &[Unit], facts: &[Facts], span: Span) -> Vec<Typed> {
+fn types_of_span(units: &[Unit], facts: &[Facts], span: Span) -> Vec<FlowType> {
     let mut types = Vec::new();
     for (unit, facts) in units.iter().zip(facts) {
         let all = (0..).map(ExprId).zip(&unit.exprs);
@@ -92,13 +92,13 @@ fn types_at(units: &[Unit], facts: &[Facts], span: Span) -> Vec<Typed> {
         if let Some((id, expr)) = last.last() {
             let optional = facts.absence(id).any();
             let ty = expr.ty.clone();
-            once(&mut types, Typed { ty, optional });
+            push_distinct(&mut types, FlowType { ty, optional });
         }
     }
     types
 }
 
-fn once(types: &mut Vec<Typed>, one: Typed) {
+fn push_distinct(types: &mut Vec<FlowType>, one: FlowType) {
     if !types.contains(&one) {
         types.push(one);
     }

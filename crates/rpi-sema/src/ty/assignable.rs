@@ -1,14 +1,14 @@
 //! Assignability of types, and the join of two types.
 
 use crate::ty::{Geometry, Member, StructTy, Ty};
-use crate::units::Dim;
+use crate::units::Dimension;
 use rpi_syntax::Name;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// Bindings of the free names of a signature in one call: types and frames.
 #[derive(Clone, Default, Debug)]
-pub struct Subst {
+pub struct Substitution {
     /// Static parameters that are types.
     pub types: BTreeMap<Name, Ty>,
     /// Frames that the signature names but no declaration does; none if not bound yet.
@@ -17,15 +17,15 @@ pub struct Subst {
 
 /// Reason for a type mismatch.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Misfit {
+pub enum TypeMismatchError {
     /// Different kinds of types.
     Kind,
     /// Reals of different dimensions.
     Dimension {
         /// Expected dimension.
-        expected: Dim,
+        expected: Dimension,
         /// Dimension found.
-        found: Dim,
+        found: Dimension,
     },
     /// Spatial values in different frames.
     Frame {
@@ -43,21 +43,21 @@ pub enum Misfit {
     },
 }
 
-impl Misfit {
+impl TypeMismatchError {
     /// Returns the mismatch with expected and found exchanged.
     #[must_use]
-    pub fn turned(self) -> Misfit {
+    pub fn swapped(self) -> TypeMismatchError {
         match self {
-            Misfit::Kind => Misfit::Kind,
-            Misfit::Dimension { expected, found } => Misfit::Dimension {
+            TypeMismatchError::Kind => TypeMismatchError::Kind,
+            TypeMismatchError::Dimension { expected, found } => TypeMismatchError::Dimension {
                 expected: found,
                 found: expected,
             },
-            Misfit::Frame { expected, found } => Misfit::Frame {
+            TypeMismatchError::Frame { expected, found } => TypeMismatchError::Frame {
                 expected: found,
                 found: expected,
             },
-            Misfit::Size { expected, found } => Misfit::Size {
+            TypeMismatchError::Size { expected, found } => TypeMismatchError::Size {
                 expected: found,
                 found: expected,
             },
@@ -69,48 +69,57 @@ impl Misfit {
 ///
 /// # Errors
 /// Returns the reason for the mismatch.
-pub fn fit(expected: &Ty, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
+pub fn check_assignable(
+    expected: &Ty,
+    found: &Ty,
+    subst: &mut Substitution,
+) -> Result<(), TypeMismatchError> {
     match (expected, found) {
         (Ty::Unknown, _) | (_, Ty::Unknown) => Ok(()),
-        (Ty::Generic(name), found) => fit_generic(name, found, subst),
+        (Ty::Generic(name), found) => assign_generic(name, found, subst),
         (Ty::Int | Ty::Subrange(_), Ty::Int | Ty::Subrange(_)) => Ok(()),
-        (Ty::Real(expected), Ty::Real(found)) => fit_dim(*expected, *found),
+        (Ty::Real(expected), Ty::Real(found)) => check_dim(*expected, *found),
         (Ty::Spatial(a, expected), Ty::Spatial(b, found)) if a == b => {
-            fit_geometry(expected, found, subst)
+            check_geometry(expected, found, subst)
         }
         (Ty::Array(a, expected), Ty::Array(b, found)) => match expected == found {
-            true => fit(a, b, subst),
-            false => Err(Misfit::Size {
+            true => check_assignable(a, b, subst),
+            false => Err(TypeMismatchError::Size {
                 expected: *expected,
                 found: *found,
             }),
         },
-        (Ty::Tuple(expected), Ty::Tuple(found)) => fit_tuples(expected, found, subst),
+        (Ty::Tuple(expected), Ty::Tuple(found)) => check_tuples(expected, found, subst),
         (Ty::Struct(a), Ty::Struct(b)) if a.name == b.name || is_instance(b, a) => {
-            fit_members(&a.fields, &b.fields, subst)
+            check_members(&a.fields, &b.fields, subst)
         }
         (Ty::Device(a), Ty::Device(b)) if a.name == b.name => Ok(()),
         _ if expected == found => Ok(()),
-        _ => Err(Misfit::Kind),
+        _ => Err(TypeMismatchError::Kind),
     }
 }
 
 /// Returns whether a struct type is an instance of the generic declaration of another one whose parameters are not
 /// bound.
 fn is_instance(closed: &StructTy, open: &StructTy) -> bool {
-    open.fields.iter().any(|field| field.ty.is_open()) && declared(closed) == declared(open)
+    open.fields.iter().any(|field| field.ty.has_generic())
+        && declaration_name(closed) == declaration_name(open)
 }
 
 /// Name of the struct's declaration, without static arguments.
-fn declared(of: &StructTy) -> Option<&str> {
+fn declaration_name(of: &StructTy) -> Option<&str> {
     of.name.split("<<").next()
 }
 
-fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit> {
+fn assign_generic(
+    name: &Name,
+    found: &Ty,
+    subst: &mut Substitution,
+) -> Result<(), TypeMismatchError> {
     match subst.types.get(name).cloned() {
         // Free names in `found` belong to the caller, even if they have the same name as a parameter here. So they are
         // not bound in `subst`.
-        Some(bound) => fit(&bound, found, &mut Subst::default()),
+        Some(bound) => check_assignable(&bound, found, &mut Substitution::default()),
         None => {
             subst.types.insert(name.clone(), found.clone().widened());
             Ok(())
@@ -118,26 +127,30 @@ fn fit_generic(name: &Name, found: &Ty, subst: &mut Subst) -> Result<(), Misfit>
     }
 }
 
-fn fit_dim(expected: Dim, found: Dim) -> Result<(), Misfit> {
-    match expected.meets(found) {
+fn check_dim(expected: Dimension, found: Dimension) -> Result<(), TypeMismatchError> {
+    match expected.is_compatible(found) {
         true => Ok(()),
-        false => Err(Misfit::Dimension { expected, found }),
+        false => Err(TypeMismatchError::Dimension { expected, found }),
     }
 }
 
-fn fit_geometry(expected: &Geometry, found: &Geometry, subst: &mut Subst) -> Result<(), Misfit> {
+fn check_geometry(
+    expected: &Geometry,
+    found: &Geometry,
+    subst: &mut Substitution,
+) -> Result<(), TypeMismatchError> {
     if let (Some(a), Some(b)) = (expected.dim, found.dim) {
-        fit_dim(a, b)?;
+        check_dim(a, b)?;
     }
-    fit_frame(&expected.of, &found.of, subst)?;
-    fit_frame(&expected.in_frame, &found.in_frame, subst)
+    check_frame(&expected.of, &found.of, subst)?;
+    check_frame(&expected.in_frame, &found.in_frame, subst)
 }
 
-fn fit_frame(
+fn check_frame(
     expected: &Option<Name>,
     found: &Option<Name>,
-    subst: &mut Subst,
-) -> Result<(), Misfit> {
+    subst: &mut Substitution,
+) -> Result<(), TypeMismatchError> {
     let Some(name) = expected else {
         return Ok(());
     };
@@ -150,7 +163,7 @@ fn fit_frame(
         None => name.clone(),
     };
     match found {
-        Some(found) if *found != wanted => Err(Misfit::Frame {
+        Some(found) if *found != wanted => Err(TypeMismatchError::Frame {
             expected: wanted,
             found: found.clone(),
         }),
@@ -159,11 +172,15 @@ fn fit_frame(
 }
 
 /// Tuples are flat: `(a, (b, c))` has the same leaves in the same order as `(a, b, c)`.
-fn fit_tuples(expected: &[Member], found: &[Member], subst: &mut Subst) -> Result<(), Misfit> {
+fn check_tuples(
+    expected: &[Member],
+    found: &[Member],
+    subst: &mut Substitution,
+) -> Result<(), TypeMismatchError> {
     if expected.len() == found.len() {
         // The flattened comparison below must start without the bindings of a failed attempt.
         let mut tried = subst.clone();
-        let fits = fit_members(expected, found, &mut tried);
+        let fits = check_members(expected, found, &mut tried);
         let is_nested = |members: &[Member]| members.iter().any(|m| matches!(m.ty, Ty::Tuple(_)));
         if fits.is_ok() || !is_nested(expected) && !is_nested(found) {
             *subst = tried;
@@ -173,36 +190,42 @@ fn fit_tuples(expected: &[Member], found: &[Member], subst: &mut Subst) -> Resul
     let (mut wanted, mut given) = (Vec::new(), Vec::new());
     expected
         .iter()
-        .for_each(|member| flat(&member.ty, &mut wanted));
-    found.iter().for_each(|member| flat(&member.ty, &mut given));
+        .for_each(|member| flatten(&member.ty, &mut wanted));
+    found
+        .iter()
+        .for_each(|member| flatten(&member.ty, &mut given));
     if wanted.len() != given.len() {
-        return Err(Misfit::Kind);
+        return Err(TypeMismatchError::Kind);
     }
     let mut pairs = wanted.into_iter().zip(given);
-    pairs.try_for_each(|(wanted, given)| fit(wanted, given, subst))
+    pairs.try_for_each(|(wanted, given)| check_assignable(wanted, given, subst))
 }
 
-fn flat<'t>(ty: &'t Ty, parts: &mut Vec<&'t Ty>) {
+fn flatten<'t>(ty: &'t Ty, parts: &mut Vec<&'t Ty>) {
     match ty {
-        Ty::Tuple(members) => members.iter().for_each(|member| flat(&member.ty, parts)),
+        Ty::Tuple(members) => members.iter().for_each(|member| flatten(&member.ty, parts)),
         other => parts.push(other),
     }
 }
 
-fn fit_members(expected: &[Member], found: &[Member], subst: &mut Subst) -> Result<(), Misfit> {
+fn check_members(
+    expected: &[Member],
+    found: &[Member],
+    subst: &mut Substitution,
+) -> Result<(), TypeMismatchError> {
     if expected.len() != found.len() {
-        return Err(Misfit::Kind);
+        return Err(TypeMismatchError::Kind);
     }
     let mut pairs = expected.iter().zip(found);
-    pairs.try_for_each(|(a, b)| fit(&a.ty, &b.ty, subst))
+    pairs.try_for_each(|(a, b)| check_assignable(&a.ty, &b.ty, subst))
 }
 
 /// Returns the type of a value that has both types. Parts unknown in one type are taken from the other.
 ///
 /// # Errors
 /// Returns the reason if the types do not match.
-pub fn join(a: &Ty, b: &Ty) -> Result<Ty, Misfit> {
-    fit(a, b, &mut Subst::default())?;
+pub fn join(a: &Ty, b: &Ty) -> Result<Ty, TypeMismatchError> {
+    check_assignable(a, b, &mut Substitution::default())?;
     Ok(match (a, b) {
         (Ty::Unknown, known) => known.clone(),
         (Ty::Real(a), Ty::Real(b)) => Ty::Real(join_dim(*a, *b)),
@@ -222,8 +245,8 @@ pub fn join(a: &Ty, b: &Ty) -> Result<Ty, Misfit> {
 }
 
 /// Returns the more specific of two compatible dimensions: an angle rather than a plain number.
-fn join_dim(a: Dim, b: Dim) -> Dim {
-    match a == Dim::ONE {
+fn join_dim(a: Dimension, b: Dimension) -> Dimension {
+    match a == Dimension::ONE {
         true => b,
         false => a,
     }
@@ -240,7 +263,7 @@ fn join_geometry(a: &Geometry, b: &Geometry) -> Geometry {
 impl Ty {
     /// Returns the type with the free names of a signature replaced by their bindings.
     #[must_use]
-    pub fn substituted(&self, subst: &Subst) -> Ty {
+    pub fn substituted(&self, subst: &Substitution) -> Ty {
         let members = |members: &[Member]| -> Vec<Member> {
             let member = |m: &Member| Member {
                 name: m.name.clone(),
@@ -266,7 +289,7 @@ impl Ty {
 }
 
 impl Geometry {
-    fn substituted(&self, subst: &Subst) -> Geometry {
+    fn substituted(&self, subst: &Substitution) -> Geometry {
         let frame = |name: &Option<Name>| match name.as_ref().map(|n| (n, subst.frames.get(n))) {
             Some((_, Some(bound))) => bound.clone(),
             Some((name, None)) => Some(name.clone()),
@@ -299,43 +322,52 @@ mod tests {
 
     #[test]
     fn frames_that_are_left_out_meet_all_others_must_agree() {
-        let mut none = Subst::default();
-        assert_eq!(fit(&pose("", ""), &pose("a", "b"), &mut none), Ok(()));
-        assert_eq!(fit(&pose("a", "b"), &pose("", ""), &mut none), Ok(()));
+        let mut none = Substitution::default();
+        assert_eq!(
+            check_assignable(&pose("", ""), &pose("a", "b"), &mut none),
+            Ok(())
+        );
+        assert_eq!(
+            check_assignable(&pose("a", "b"), &pose("", ""), &mut none),
+            Ok(())
+        );
         assert!(matches!(
-            fit(&pose("a", "b"), &pose("a", "c"), &mut none),
-            Err(Misfit::Frame { .. })
+            check_assignable(&pose("a", "b"), &pose("a", "c"), &mut none),
+            Err(TypeMismatchError::Frame { .. })
         ));
         assert_eq!(join(&pose("a", ""), &pose("", "b")), Ok(pose("a", "b")));
     }
 
     #[test]
     fn free_frames_are_bound_by_the_first_argument() {
-        let mut subst = Subst::default();
+        let mut subst = Substitution::default();
         subst.frames.insert("tool".into(), None);
         let wanted = pose("tool", "");
         assert_eq!(
-            fit(&wanted, &pose("arm.tool", "arm.base"), &mut subst),
+            check_assignable(&wanted, &pose("arm.tool", "arm.base"), &mut subst),
             Ok(())
         );
-        assert!(fit(&wanted, &pose("other.tool", ""), &mut subst).is_err());
+        assert!(check_assignable(&wanted, &pose("other.tool", ""), &mut subst).is_err());
         assert_eq!(wanted.substituted(&subst), pose("arm.tool", ""));
     }
 
     #[test]
     fn type_parameters_are_bound_by_the_first_argument() {
-        let mut subst = Subst::default();
+        let mut subst = Substitution::default();
         let t = Ty::Generic("t".into());
-        assert_eq!(fit(&t, &Ty::Real(Dim::LENGTH), &mut subst), Ok(()));
-        assert!(fit(&t, &Ty::REAL, &mut subst).is_err());
-        assert_eq!(t.substituted(&subst), Ty::Real(Dim::LENGTH));
+        assert_eq!(
+            check_assignable(&t, &Ty::Real(Dimension::LENGTH), &mut subst),
+            Ok(())
+        );
+        assert!(check_assignable(&t, &Ty::REAL, &mut subst).is_err());
+        assert_eq!(t.substituted(&subst), Ty::Real(Dimension::LENGTH));
     }
 
     #[test]
     fn a_plain_number_takes_on_an_angle() {
         assert_eq!(
-            join(&Ty::REAL, &Ty::Real(Dim::ANGLE)),
-            Ok(Ty::Real(Dim::ANGLE))
+            join(&Ty::REAL, &Ty::Real(Dimension::ANGLE)),
+            Ok(Ty::Real(Dimension::ANGLE))
         );
     }
 }

@@ -13,19 +13,19 @@ pub struct MachineInt {
 
 impl MachineInt {
     /// Greatest number of bits.
-    pub const MOST: i64 = 64;
+    pub const MAX_BITS: i64 = 64;
 
     /// Creates the type `sint<N>` or `uint<N>`; none if the number of bits is out of range.
     #[must_use]
     pub fn new(signed: bool, bits: i64) -> Option<MachineInt> {
         let bits = u8::try_from(bits).ok()?;
-        let is_some = (1..=Self::MOST).contains(&i64::from(bits));
+        let is_some = (1..=Self::MAX_BITS).contains(&i64::from(bits));
         is_some.then_some(MachineInt { bits, signed })
     }
 
     /// Returns the type with a common name, `int8`, `uint64`.
     #[must_use]
-    pub fn named(name: &str) -> Option<MachineInt> {
+    pub fn from_name(name: &str) -> Option<MachineInt> {
         let (signed, bits) = match name.strip_prefix("uint") {
             Some(bits) => (false, bits),
             None => (true, name.strip_prefix("int")?),
@@ -36,7 +36,7 @@ impl MachineInt {
 
     /// Returns the width as the primitives expect it: the number of bits, negative for a signed type.
     #[must_use]
-    pub fn width(self) -> i64 {
+    pub fn width_literal(self) -> i64 {
         match self.signed {
             true => -i64::from(self.bits),
             false => i64::from(self.bits),
@@ -45,7 +45,7 @@ impl MachineInt {
 
     /// Name of the conversion operator: `int8`, `sint@<25>`.
     #[must_use]
-    pub fn conversion(self) -> String {
+    pub fn conversion_name(self) -> String {
         self.to_string().replace('<', "@<")
     }
 }

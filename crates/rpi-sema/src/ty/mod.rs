@@ -8,11 +8,11 @@ pub(crate) mod machine_int;
 mod print;
 mod subrange;
 
-pub use crate::ty::assignable::{Misfit, Subst, fit, join};
+pub use crate::ty::assignable::{Substitution, TypeMismatchError, check_assignable, join};
 pub use crate::ty::machine_int::MachineInt;
 pub use subrange::Subrange;
 
-use crate::units::Dim;
+use crate::units::Dimension;
 use rpi_image::{Scalar, Value};
 use rpi_syntax::Name;
 use std::rc::Rc;
@@ -31,7 +31,7 @@ pub enum Ty {
     /// `subrange [0, 7] of int`. Only declarations have this type: an expression that reads such a flow is an `int`.
     Subrange(Subrange),
     /// IEEE 754 double with a dimension, in coherent SI units.
-    Real(Dim),
+    Real(Dimension),
     /// Point in time.
     Time,
     /// Duration `time`, a number of ticks.
@@ -60,7 +60,7 @@ pub enum Ty {
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Geometry {
     /// Dimension of a vector's components.
-    pub dim: Option<Dim>,
+    pub dim: Option<Dimension>,
     /// Frame that is located or that moves.
     pub of: Option<Name>,
     /// Frame of reference.
@@ -75,7 +75,7 @@ pub struct EnumTy {
     /// Values in text order.
     pub values: Vec<Name>,
     /// Indices of the values, sorted by name.
-    by_name: Vec<u32>,
+    indices_by_name: Vec<u32>,
 }
 
 impl EnumTy {
@@ -87,16 +87,18 @@ impl EnumTy {
         EnumTy {
             name,
             values,
-            by_name,
+            indices_by_name: by_name,
         }
     }
 
     /// Returns the index of a value, which represents it at run time.
     #[must_use]
-    pub fn place_of(&self, value: &str) -> Option<u32> {
+    pub fn index_of(&self, value: &str) -> Option<u32> {
         let name = |place: &u32| self.values[*place as usize].as_str();
-        let at = self.by_name.partition_point(|place| name(place) < value);
-        let place = self.by_name.get(at)?;
+        let at = self
+            .indices_by_name
+            .partition_point(|place| name(place) < value);
+        let place = self.indices_by_name.get(at)?;
         (name(place) == value).then_some(*place)
     }
 }
@@ -157,7 +159,7 @@ impl DeviceTy {
 
 impl Ty {
     /// Dimensionless real.
-    pub const REAL: Ty = Ty::Real(Dim::ONE);
+    pub const REAL: Ty = Ty::Real(Dimension::ONE);
 
     /// Spatial type with unknown geometry.
     #[must_use]
@@ -190,11 +192,11 @@ impl Ty {
 
     /// Returns whether the type contains an unbound type parameter.
     #[must_use]
-    pub fn is_open(&self) -> bool {
+    pub fn has_generic(&self) -> bool {
         match self {
             Ty::Generic(_) => true,
-            Ty::Array(element, _) => element.is_open(),
-            _ => self.members().iter().any(|member| member.ty.is_open()),
+            Ty::Array(element, _) => element.has_generic(),
+            _ => self.members().iter().any(|member| member.ty.has_generic()),
         }
     }
 
@@ -237,13 +239,13 @@ impl Ty {
     }
 
     /// Calls `visit` with each leaf's path (`.x[2]`) and type, in order.
-    pub fn leaves(&self, visit: &mut impl FnMut(&str, &Ty)) {
+    pub fn for_each_leaf(&self, visit: &mut impl FnMut(&str, &Ty)) {
         self.leaves_below(&mut String::new(), visit);
     }
 
     /// Returns the path of the part with `count` leaves from leaf `at` on: `[2].x`, `[1..3]`.
     #[must_use]
-    pub fn path_of(&self, mut at: usize, count: usize) -> String {
+    pub fn part_path(&self, mut at: usize, count: usize) -> String {
         let (mut ty, mut path) = (self, String::new());
         while at != 0 || ty.leaf_count() != count {
             let (inner, first) = match ty {
@@ -328,14 +330,14 @@ mod tests {
         );
         let ty = Ty::Array(Rc::new(inner), 2);
         let mut seen = Vec::new();
-        ty.leaves(&mut |path, leaf| seen.push(format!("{path}: {leaf}")));
+        ty.for_each_leaf(&mut |path, leaf| seen.push(format!("{path}: {leaf}")));
         assert_eq!(
             seen,
             ["[0].x: int", "[0].on: bool", "[1].x: int", "[1].on: bool"]
         );
         assert_eq!(ty.leaf_count(), 4);
-        let parts = [(0, 4), (1, 1), (2, 2), (3, 1)].map(|(at, count)| ty.path_of(at, count));
+        let parts = [(0, 4), (1, 1), (2, 2), (3, 1)].map(|(at, count)| ty.part_path(at, count));
         assert_eq!(parts, ["", "[0].on", "[1]", "[1].on"]);
-        assert_eq!(Ty::Array(Rc::new(Ty::Int), 5).path_of(1, 3), "[1..3]");
+        assert_eq!(Ty::Array(Rc::new(Ty::Int), 5).part_path(1, 3), "[1..3]");
     }
 }

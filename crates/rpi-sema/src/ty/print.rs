@@ -1,7 +1,7 @@
 //! Formats types in source syntax.
 
 use crate::ty::{Geometry, Member, Ty};
-use crate::units::Dim;
+use crate::units::Dimension;
 use rpi_image::Scalar;
 use std::fmt;
 
@@ -13,7 +13,7 @@ impl fmt::Display for Ty {
             Ty::Int => f.write_str("int"),
             Ty::Machine(machine) => write!(f, "{machine}"),
             Ty::Subrange(range) => write!(f, "subrange {range} of int"),
-            Ty::Real(Dim::ONE) => f.write_str("real"),
+            Ty::Real(Dimension::ONE) => f.write_str("real"),
             Ty::Real(dim) => write!(f, "real[{dim}]"),
             Ty::Time => f.write_str("Time"),
             Ty::Duration => f.write_str("time"),

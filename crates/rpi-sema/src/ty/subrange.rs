@@ -29,14 +29,14 @@ impl Subrange {
 
     /// Returns the value in the range that is nearest to `value`.
     #[must_use]
-    pub fn nearest(self, value: i64) -> i64 {
+    pub fn clamp(self, value: i64) -> i64 {
         let [from, to] = self.bounds();
         value.min(to).max(from)
     }
 
     /// Returns whether `other` contains all values of this range.
     #[must_use]
-    pub fn is_within(self, other: Subrange) -> bool {
+    pub fn is_subset_of(self, other: Subrange) -> bool {
         self.bounds().into_iter().all(|end| other.contains(end))
     }
 
@@ -62,10 +62,10 @@ impl Ty {
     pub fn widened(self) -> Ty {
         match self {
             Ty::Subrange(_) => Ty::Int,
-            Ty::Array(element, n) if element.is_narrow() => {
+            Ty::Array(element, n) if element.has_bare_subrange() => {
                 Ty::Array(Rc::new((*element).clone().widened()), n)
             }
-            Ty::Tuple(members) if members.iter().any(|member| member.ty.is_narrow()) => {
+            Ty::Tuple(members) if members.iter().any(|member| member.ty.has_bare_subrange()) => {
                 let member = |member: &Member| Member {
                     name: member.name.clone(),
                     ty: member.ty.clone().widened(),
@@ -77,11 +77,11 @@ impl Ty {
     }
 
     /// Returns whether the type contains a subrange outside structs.
-    fn is_narrow(&self) -> bool {
+    fn has_bare_subrange(&self) -> bool {
         match self {
             Ty::Subrange(_) => true,
-            Ty::Array(element, _) => element.is_narrow(),
-            Ty::Tuple(members) => members.iter().any(|member| member.ty.is_narrow()),
+            Ty::Array(element, _) => element.has_bare_subrange(),
+            Ty::Tuple(members) => members.iter().any(|member| member.ty.has_bare_subrange()),
             _ => false,
         }
     }

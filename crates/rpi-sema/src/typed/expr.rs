@@ -1,7 +1,7 @@
 //! Typed expressions.
 
 use crate::ty::Ty;
-use crate::typed::ClockOn;
+use crate::typed::DeclaredClock;
 use crate::typed::ExprId;
 use crate::typed::FlowId;
 use crate::typed::Leaf;
@@ -14,7 +14,7 @@ use std::rc::Rc;
 #[derive(Clone, Debug)]
 pub struct Expr {
     /// Kind of the expression, with its operands.
-    pub kind: Kind,
+    pub kind: TypedExprKind,
     /// Type.
     pub ty: Ty,
     /// Span of the expression.
@@ -23,9 +23,9 @@ pub struct Expr {
 
 /// Kind of an expression, with its operands.
 #[derive(Clone, Debug)]
-pub enum Kind {
+pub enum TypedExprKind {
     /// Error that has been reported.
-    Fault,
+    Error,
     /// Constant, leaf by leaf.
     Const(Rc<[Leaf]>),
     /// Literal with a single leaf.
@@ -33,7 +33,7 @@ pub enum Kind {
     /// `none`
     None,
     /// Arbitrary value, which the program leaves open.
-    Outside,
+    Arbitrary,
     /// Read of a flow.
     Flow(FlowId),
     /// Read of a sensor or status port of a device.
@@ -80,7 +80,7 @@ pub enum Kind {
         value: ExprId,
     },
     /// Elementwise operator with its operands.
-    Each(Each, Box<[ExprId]>),
+    Each(ElementwiseOp, Box<[ExprId]>),
     /// `x = y` or `x <> y` on values of any type.
     Equal {
         /// Operands.
@@ -99,7 +99,7 @@ pub enum Kind {
         /// Sampled expression.
         value: ExprId,
         /// Clock of the result.
-        clock: ClockOn,
+        clock: DeclaredClock,
     },
     /// `merge c (...)`: exactly one case is present in each cycle.
     Merge {
@@ -114,7 +114,7 @@ pub enum Kind {
 
 /// Elementwise operator, implemented by one primitive per value type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Each {
+pub enum ElementwiseOp {
     /// `if c then x else y`
     If,
     /// `pre x`
@@ -172,38 +172,42 @@ pub enum Activation {
     },
 }
 
-impl Kind {
+impl TypedExprKind {
     /// Calls `visit` with every operand.
     pub fn operands(&self, visit: &mut impl FnMut(ExprId)) {
         match self {
-            Kind::Fault
-            | Kind::Const(_)
-            | Kind::Literal(_)
-            | Kind::None
-            | Kind::Outside
-            | Kind::Flow(_) => {}
-            Kind::Sensor { device: one, .. }
-            | Kind::Part { base: one, .. }
-            | Kind::Slice { base: one, .. }
-            | Kind::Repeat(one)
-            | Kind::Present(one)
-            | Kind::When { value: one, .. }
-            | Kind::Current(one) => visit(*one),
-            Kind::Select { base, index } => [base, index].into_iter().for_each(|id| visit(*id)),
-            Kind::Replace { base, value, .. } => {
+            TypedExprKind::Error
+            | TypedExprKind::Const(_)
+            | TypedExprKind::Literal(_)
+            | TypedExprKind::None
+            | TypedExprKind::Arbitrary
+            | TypedExprKind::Flow(_) => {}
+            TypedExprKind::Sensor { device: one, .. }
+            | TypedExprKind::Part { base: one, .. }
+            | TypedExprKind::Slice { base: one, .. }
+            | TypedExprKind::Repeat(one)
+            | TypedExprKind::Present(one)
+            | TypedExprKind::When { value: one, .. }
+            | TypedExprKind::Current(one) => visit(*one),
+            TypedExprKind::Select { base, index } => {
+                [base, index].into_iter().for_each(|id| visit(*id))
+            }
+            TypedExprKind::Replace { base, value, .. } => {
                 [base, value].into_iter().for_each(|id| visit(*id));
             }
-            Kind::Build(parts) | Kind::Each(_, parts) => parts.iter().for_each(|id| visit(*id)),
-            Kind::Equal { operands, .. } => operands.iter().for_each(|id| visit(*id)),
-            Kind::Prim(call) => {
+            TypedExprKind::Build(parts) | TypedExprKind::Each(_, parts) => {
+                parts.iter().for_each(|id| visit(*id))
+            }
+            TypedExprKind::Equal { operands, .. } => operands.iter().for_each(|id| visit(*id)),
+            TypedExprKind::Prim(call) => {
                 let operands = call.inputs.iter().chain(&call.params);
                 operands.flatten().for_each(|id| visit(*id));
             }
-            Kind::Call(call) => {
+            TypedExprKind::Call(call) => {
                 call.args.iter().flatten().for_each(|id| visit(*id));
                 call.activation.operands(visit);
             }
-            Kind::Merge { on, cases } => {
+            TypedExprKind::Merge { on, cases } => {
                 visit(*on);
                 cases.iter().for_each(|(_, id)| visit(*id));
             }

@@ -13,7 +13,7 @@ pub enum FlowRole {
     /// Input.
     Input,
     /// Value taken over from the preceding command.
-    Given,
+    TakenOver,
     /// Output.
     Output,
     /// Local flow.
@@ -30,7 +30,7 @@ impl FlowRole {
 
 /// Declared or inferred presence of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Optional {
+pub enum FlowPresence {
     /// Declared; `true` if the flow may be absent.
     Declared(bool),
     /// Inferred from the flow's equation.
@@ -45,13 +45,13 @@ pub struct Flow {
     /// Type of the flow.
     pub ty: Ty,
     /// Whether the flow may be absent.
-    pub optional: Optional,
+    pub optional: FlowPresence,
     /// Role of the flow.
     pub role: FlowRole,
     /// Block that contains the flow.
     pub block: BlockId,
     /// Declared clock; none if there is no clock declaration.
-    pub clock: Option<ClockOn>,
+    pub clock: Option<DeclaredClock>,
     /// Default of an input; none if the caller must give an argument.
     pub default: Option<ExprId>,
     /// Span of the name in the declaration.
@@ -60,7 +60,7 @@ pub struct Flow {
 
 /// Declared clock: the cycles in which a flow has a given value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct ClockOn {
+pub struct DeclaredClock {
     /// Flow that decides about the clock.
     pub flow: FlowId,
     /// Value of the flow: 0 or 1 for a Boolean, the index of an enum's value.

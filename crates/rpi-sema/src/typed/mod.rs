@@ -11,10 +11,10 @@ pub(crate) mod task_step;
 pub(crate) mod traversal;
 mod verify;
 
-pub use crate::typed::task_step::{Handed, TaskStep};
-pub use expr::{Activation, Call, Each, Expr, Kind, PrimCall};
-pub use flow::{ClockOn, Flow, FlowRole, Optional};
-pub use print::print;
+pub use crate::typed::task_step::{TakenOverValue, TaskStep};
+pub use expr::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedExprKind};
+pub use flow::{DeclaredClock, Flow, FlowPresence, FlowRole};
+pub use print::format_unit;
 pub use verify::verify;
 
 use crate::ty::{DeviceTy, Ty};
@@ -90,7 +90,7 @@ pub struct Unit {
     /// Expressions. Operands precede the expressions that use them.
     pub exprs: Vec<Expr>,
     /// Conditions of `if` that depend on static parameters, in ascending order. Other arguments may choose otherwise.
-    pub chosen: Vec<ExprId>,
+    pub static_conditions: Vec<ExprId>,
     /// Body, fragments in place, and states; parents first.
     pub blocks: Vec<Block>,
     /// Whether the unit samples flows (`when`, `merge`, `current`).
@@ -104,7 +104,7 @@ pub struct Unit {
     /// Steps of a task, by what they run.
     pub steps: Vec<TaskStep>,
     /// Repetition counts of a task, each with the span of the number.
-    pub counts: Vec<(Span, ExprId)>,
+    pub repeat_counts: Vec<(Span, ExprId)>,
 }
 
 /// Body, fragment in place, or state of an automaton.
@@ -151,7 +151,7 @@ pub struct Equation {
 #[derive(Clone, Debug)]
 pub struct Target {
     /// Flow or port that is defined.
-    pub place: Place,
+    pub place: TargetPlace,
     /// Type of the target.
     pub ty: Ty,
     /// Span of the target.
@@ -160,7 +160,7 @@ pub struct Target {
 
 /// Destination of an equation's value.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Place {
+pub enum TargetPlace {
     /// Leaves of a flow, from `at` on.
     Flow {
         /// Flow.
@@ -198,7 +198,7 @@ pub struct Claim {
 #[derive(Clone, Debug)]
 pub struct End {
     /// Kind of the end.
-    pub kind: rpi_syntax::ast::EndKind,
+    pub kind: rpi_syntax::ast::CommandEndKind,
     /// Name of the result.
     pub result: Name,
     /// Condition under which the command ends.
@@ -226,7 +226,7 @@ pub struct Automaton {
     /// Index of the initial state.
     pub initial: u32,
     /// Flows that the states define together.
-    pub shared: Vec<Shared>,
+    pub shared: Vec<SharedFlow>,
     /// Span of the automaton.
     pub span: Span,
 }
@@ -257,7 +257,7 @@ pub struct Transition {
 
 /// Flow that several states define.
 #[derive(Clone, Debug)]
-pub struct Shared {
+pub struct SharedFlow {
     /// Flow as read outside the automaton.
     pub flow: FlowId,
     /// Flow inside each state that defines it, in the order of the states.
@@ -269,7 +269,7 @@ pub struct Shared {
     pub default: Option<FlowId>,
 }
 
-impl Shared {
+impl SharedFlow {
     /// Iterates over the flows that contribute: those of the states, then the default.
     pub fn contributions(&self) -> impl Iterator<Item = FlowId> + '_ {
         self.states.iter().copied().chain(self.default)
@@ -277,7 +277,7 @@ impl Shared {
 
     /// Returns whether the flow may be absent because an active state does not define it.
     #[must_use]
-    pub fn is_left_open(&self) -> bool {
+    pub fn is_partially_defined(&self) -> bool {
         self.default.is_none() && !self.missing.is_empty()
     }
 }
@@ -290,7 +290,7 @@ impl Unit {
     pub fn optional_leaves(&self) -> impl Iterator<Item = bool> + '_ {
         let outputs = self.outputs.iter().map(|flow| self.flow(*flow));
         outputs.flat_map(|flow| {
-            let is_optional = flow.optional == Optional::Declared(true);
+            let is_optional = flow.optional == FlowPresence::Declared(true);
             std::iter::repeat_n(is_optional, flow.ty.leaf_count())
         })
     }
@@ -315,7 +315,7 @@ impl Unit {
 
     /// Returns a flow's name qualified by the names of its enclosing blocks.
     #[must_use]
-    pub fn path_of(&self, flow: FlowId) -> String {
+    pub fn flow_path(&self, flow: FlowId) -> String {
         let flow = self.flow(flow);
         let mut path = flow.name.to_string();
         let mut block = Some(flow.block);
@@ -330,7 +330,7 @@ impl Unit {
 
     /// Returns the type of a call's result: the type of the only output, or a tuple of all outputs by name.
     #[must_use]
-    pub fn result(&self) -> Ty {
+    pub fn result_type(&self) -> Ty {
         if let [one] = self.outputs[..] {
             return self.flow(one).ty.clone();
         }
@@ -343,7 +343,7 @@ impl Unit {
 
     /// Returns the device type of a flow; none if the flow is not a device.
     #[must_use]
-    pub fn device(&self, id: FlowId) -> Option<&Rc<DeviceTy>> {
+    pub fn device_type_instance(&self, id: FlowId) -> Option<&Rc<DeviceTy>> {
         match &self.flow(id).ty {
             Ty::Device(device) => Some(device),
             _ => None,

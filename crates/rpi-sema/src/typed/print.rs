@@ -1,18 +1,18 @@
 //! Prints the typed program as text, for tests and debugging.
 
-use crate::typed::Kind;
-use crate::typed::{Block, BlockId, Equation, ExprId, Optional, Place, Unit};
+use crate::typed::TypedExprKind;
+use crate::typed::{Block, BlockId, Equation, ExprId, FlowPresence, TargetPlace, Unit};
 use std::fmt::Write;
 
 /// Formats a unit: its flows with types, and its equations with every operator as a primitive.
 #[must_use]
-pub fn print(unit: &Unit) -> String {
+pub fn format_unit(unit: &Unit) -> String {
     let mut out = format!("{:?} {}\n", unit.kind, unit.name).to_lowercase();
     for flow in &unit.flows {
         let mark = match flow.optional {
-            Optional::Declared(true) => "?",
-            Optional::Declared(false) => "",
-            Optional::Inferred => " (inferred)",
+            FlowPresence::Declared(true) => "?",
+            FlowPresence::Declared(false) => "",
+            FlowPresence::Inferred => " (inferred)",
         };
         let _ = writeln!(out, "  {:?} {}: {}{mark}", flow.role, flow.name, flow.ty);
     }
@@ -48,11 +48,11 @@ fn print_block(unit: &Unit, id: BlockId, block: &Block, out: &mut String) {
 }
 
 fn print_equation(unit: &Unit, equation: &Equation) -> String {
-    let target = |place: &Place| match place {
-        Place::Flow { flow, at: 0 } => unit.flow(*flow).name.to_string(),
-        Place::Flow { flow, at } => format!("{}@{at}", unit.flow(*flow).name),
-        Place::Port { device, port } => format!("{}.port{port}", unit.flow(*device).name),
-        Place::Nowhere => "_".to_owned(),
+    let target = |place: &TargetPlace| match place {
+        TargetPlace::Flow { flow, at: 0 } => unit.flow(*flow).name.to_string(),
+        TargetPlace::Flow { flow, at } => format!("{}@{at}", unit.flow(*flow).name),
+        TargetPlace::Port { device, port } => format!("{}.port{port}", unit.flow(*device).name),
+        TargetPlace::Nowhere => "_".to_owned(),
     };
     let targets: Vec<String> = equation.targets.iter().map(|t| target(&t.place)).collect();
     format!("{} = {}", targets.join(", "), expr(unit, equation.value))
@@ -62,27 +62,31 @@ fn print_equation(unit: &Unit, equation: &Equation) -> String {
 fn expr(unit: &Unit, id: ExprId) -> String {
     let kind = &unit.expr(id).kind;
     let head = match kind {
-        Kind::Fault => "fault".to_owned(),
-        Kind::Const(leaves) => format!("const{}", leaves.len()),
-        Kind::Literal(leaf) => literal(leaf),
-        Kind::None => "none".to_owned(),
-        Kind::Outside => "any".to_owned(),
-        Kind::Flow(flow) => unit.flow(*flow).name.to_string(),
-        Kind::Sensor { port, .. } => format!("sensor{port}"),
-        Kind::Part { at, .. } => format!("part@{at}"),
-        Kind::Slice { from, step, .. } => format!("slice{from}by{step}"),
-        Kind::Select { .. } => "select".to_owned(),
-        Kind::Build(_) => "build".to_owned(),
-        Kind::Repeat(_) => "repeat".to_owned(),
-        Kind::Replace { at, .. } => format!("replace@{at}"),
-        Kind::Each(each, _) => format!("{each:?}").to_lowercase(),
-        Kind::Equal { negated, .. } => if *negated { "differ" } else { "equal" }.to_owned(),
-        Kind::Present(_) => "present".to_owned(),
-        Kind::Prim(call) => call.prim.desc().name.to_owned(),
-        Kind::Call(call) => format!("unit{}", call.unit.0),
-        Kind::When { clock, .. } => format!("when {}={}", unit.flow(clock.flow).name, clock.value),
-        Kind::Merge { .. } => "merge".to_owned(),
-        Kind::Current(_) => "current".to_owned(),
+        TypedExprKind::Error => "fault".to_owned(),
+        TypedExprKind::Const(leaves) => format!("const{}", leaves.len()),
+        TypedExprKind::Literal(leaf) => literal(leaf),
+        TypedExprKind::None => "none".to_owned(),
+        TypedExprKind::Arbitrary => "any".to_owned(),
+        TypedExprKind::Flow(flow) => unit.flow(*flow).name.to_string(),
+        TypedExprKind::Sensor { port, .. } => format!("sensor{port}"),
+        TypedExprKind::Part { at, .. } => format!("part@{at}"),
+        TypedExprKind::Slice { from, step, .. } => format!("slice{from}by{step}"),
+        TypedExprKind::Select { .. } => "select".to_owned(),
+        TypedExprKind::Build(_) => "build".to_owned(),
+        TypedExprKind::Repeat(_) => "repeat".to_owned(),
+        TypedExprKind::Replace { at, .. } => format!("replace@{at}"),
+        TypedExprKind::Each(each, _) => format!("{each:?}").to_lowercase(),
+        TypedExprKind::Equal { negated, .. } => {
+            if *negated { "differ" } else { "equal" }.to_owned()
+        }
+        TypedExprKind::Present(_) => "present".to_owned(),
+        TypedExprKind::Prim(call) => call.prim.desc().name.to_owned(),
+        TypedExprKind::Call(call) => format!("unit{}", call.unit.0),
+        TypedExprKind::When { clock, .. } => {
+            format!("when {}={}", unit.flow(clock.flow).name, clock.value)
+        }
+        TypedExprKind::Merge { .. } => "merge".to_owned(),
+        TypedExprKind::Current(_) => "current".to_owned(),
     };
     let mut operands = Vec::new();
     kind.operands(&mut |operand| operands.push(expr(unit, operand)));
@@ -98,5 +102,5 @@ fn literal(leaf: &crate::typed::Leaf) -> String {
     let as_bool = || leaf.as_bool().map(|v| v.to_string());
     let as_text = || leaf.as_str().map(|v| format!("{v:?}"));
     let known = as_real.or_else(as_int).or_else(as_bool).or_else(as_text);
-    known.unwrap_or_else(|| format!("{:x?}", leaf.cells()))
+    known.unwrap_or_else(|| format!("{:x?}", leaf.slots()))
 }

@@ -16,16 +16,16 @@ pub struct TaskStep {
     /// Arguments, one for each of the unit's [inputs](super::Unit::inputs); none for a default.
     pub args: Vec<Option<ExprId>>,
     /// Values that the command takes over, from each possible predecessor.
-    pub handed: Vec<Handed>,
+    pub taken_over: Vec<TakenOverValue>,
 }
 
 /// Value that a command takes over (`given`) from a preceding command (M7.3).
 #[derive(Clone, Copy, Debug)]
-pub struct Handed {
+pub struct TakenOverValue {
     /// Flow of the command that takes over the value.
     pub flow: FlowId,
     /// Preceding command.
-    pub by: UnitId,
+    pub predecessor: UnitId,
     /// Index among the exports of the preceding command's body.
     pub export: usize,
     /// Span of the step that runs the preceding command.

@@ -1,30 +1,30 @@
 //! Traversal of an expression that visits each subexpression once. Names of pattern parts share subexpressions, so the
 //! expanded tree can be exponentially larger than the source.
 
-use crate::hash::Set;
-use crate::typed::{Expr, Kind};
+use crate::hash::FastSet;
+use crate::typed::{Expr, TypedExprKind};
 use crate::typed::{ExprId, Unit};
 
 /// State of a traversal. A part is returned before its operands, which are visited only if [`enter`](Parts::enter) is
 /// called.
-pub(crate) struct Parts<'u> {
+pub(crate) struct Traversal<'u> {
     unit: &'u Unit,
     open: Vec<ExprId>,
-    entered: Set<ExprId>,
+    call_guard: FastSet<ExprId>,
 }
 
 impl Unit {
     /// Starts a traversal at an expression.
-    pub(crate) fn parts(&self, root: ExprId) -> Parts<'_> {
-        Parts {
+    pub(crate) fn traverse(&self, root: ExprId) -> Traversal<'_> {
+        Traversal {
             unit: self,
             open: vec![root],
-            entered: Set::default(),
+            call_guard: FastSet::default(),
         }
     }
 }
 
-impl<'u> Parts<'u> {
+impl<'u> Traversal<'u> {
     /// Returns the next part.
     pub(crate) fn next(&mut self) -> Option<(ExprId, &'u Expr)> {
         let id = self.open.pop()?;
@@ -34,16 +34,16 @@ impl<'u> Parts<'u> {
     /// Adds the operands of a part, unless they were added before.
     pub(crate) fn enter(&mut self, id: ExprId) {
         let before = self.open.len();
-        let kind: &Kind = &self.unit.expr(id).kind;
+        let kind: &TypedExprKind = &self.unit.expr(id).kind;
         kind.operands(&mut |operand| self.open.push(operand));
         // Expressions without operands are not recorded, which keeps the set small.
-        if self.open.len() > before && !self.entered.insert(id) {
+        if self.open.len() > before && !self.call_guard.insert(id) {
             self.open.truncate(before);
         }
     }
 
     /// Adds further roots.
-    pub(crate) fn also(&mut self, roots: impl IntoIterator<Item = ExprId>) {
+    pub(crate) fn add_roots(&mut self, roots: impl IntoIterator<Item = ExprId>) {
         self.open.extend(roots);
     }
 }

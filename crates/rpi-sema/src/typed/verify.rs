@@ -1,7 +1,7 @@
 //! Invariants of typed units, checked after each pass in tests and debug builds.
 
-use crate::typed::Kind;
-use crate::typed::{Equation, ExprId, Place, Unit, UnitId};
+use crate::typed::TypedExprKind;
+use crate::typed::{Equation, ExprId, TargetPlace, Unit, UnitId};
 
 /// Checks the invariants of a unit of a program with `units` units.
 ///
@@ -35,14 +35,16 @@ fn verify_expr(unit: &Unit, units: usize, id: ExprId) -> Result<(), &'static str
         return Err("an operand does not precede it");
     }
     match &expr.kind {
-        Kind::Flow(flow) if flow.0 as usize >= unit.flows.len() => Err("no such flow"),
-        Kind::Call(call) if call.unit >= UnitId(u32::try_from(units).unwrap_or(u32::MAX)) => {
+        TypedExprKind::Flow(flow) if flow.0 as usize >= unit.flows.len() => Err("no such flow"),
+        TypedExprKind::Call(call)
+            if call.unit >= UnitId(u32::try_from(units).unwrap_or(u32::MAX)) =>
+        {
             Err("no such unit")
         }
-        Kind::Const(leaves) if leaves.len() != expr.ty.leaf_count() => {
+        TypedExprKind::Const(leaves) if leaves.len() != expr.ty.leaf_count() => {
             Err("wrong number of leaves")
         }
-        Kind::Part { base, at } => {
+        TypedExprKind::Part { base, at } => {
             let base = unit.expr(*base);
             let fits = base.ty.has_unknown()
                 || *at as usize + expr.ty.leaf_count() <= base.ty.leaf_count();
@@ -71,7 +73,7 @@ fn verify_equation(unit: &Unit, equation: &Equation) -> Result<(), String> {
         ));
     }
     for target in &equation.targets {
-        if let Place::Flow { flow, at } = target.place {
+        if let TargetPlace::Flow { flow, at } = target.place {
             let count = unit.flow(flow).ty.leaf_count();
             if !unknown && at as usize + target.ty.leaf_count() > count {
                 return Err(format!(

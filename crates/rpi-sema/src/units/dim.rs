@@ -5,7 +5,7 @@ use std::fmt;
 
 /// Base dimension, named after its quantity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Base {
+pub enum BaseDim {
     /// Mass, `kg`.
     Mass,
     /// Length, `m`.
@@ -25,22 +25,22 @@ pub enum Base {
 }
 
 /// Number of base dimensions in [`Base`].
-const KNOWN: usize = 8;
+const BASE_COUNT: usize = 8;
 
 /// Number of free dimensions: those of type parameters while a generic declaration is checked. Three do not enlarge
 /// [`crate::ty::Ty`]. A declaration with more of them is checked in several rounds.
-pub const FREE: usize = 3;
+pub const FREE_COUNT: usize = 3;
 
-const BASES: usize = KNOWN + FREE;
+const EXPONENT_COUNT: usize = BASE_COUNT + FREE_COUNT;
 
 /// Units of the base dimensions, in the order of [`Base`], in which they are printed. Free dimensions have private-use
 /// characters, which the checker replaces by the names of the parameters.
-const BASE_UNITS: [&str; BASES] = [
+const BASE_UNITS: [&str; EXPONENT_COUNT] = [
     "kg", "m", "s", "A", "K", "mol", "cd", "rad", "\u{E000}", "\u{E001}", "\u{E002}",
 ];
 
 /// Dimensions that are printed with a name of their own.
-const NAMED: [(&str, [i32; KNOWN]); 8] = [
+const NAMED_DIMS: [(&str, [i32; BASE_COUNT]); 8] = [
     ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
     ("N*m", [1, 2, -2, 0, 0, 0, 0, 0]),
     ("W", [1, 2, -3, 0, 0, 0, 0, 0]),
@@ -52,7 +52,7 @@ const NAMED: [(&str, [i32; KNOWN]); 8] = [
 ];
 
 /// Common names of quantities, with an article.
-const QUANTITIES: [(&str, [i32; KNOWN]); 20] = [
+const QUANTITIES: [(&str, [i32; BASE_COUNT]); 20] = [
     ("a mass", [1, 0, 0, 0, 0, 0, 0, 0]),
     ("a length", [0, 1, 0, 0, 0, 0, 0, 0]),
     ("an area", [0, 2, 0, 0, 0, 0, 0, 0]),
@@ -77,65 +77,67 @@ const QUANTITIES: [(&str, [i32; KNOWN]); 20] = [
 
 /// Dimension: exponents of the base dimensions.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Dim([Ratio; BASES]);
+pub struct Dimension([Ratio; EXPONENT_COUNT]);
 
-impl Dim {
+impl Dimension {
     /// Dimensionless.
-    pub const ONE: Dim = Dim([Ratio::ZERO; BASES]);
+    pub const ONE: Dimension = Dimension([Ratio::ZERO; EXPONENT_COUNT]);
     /// Length, m.
-    pub const LENGTH: Dim = Dim::base(Base::Length);
+    pub const LENGTH: Dimension = Dimension::base(BaseDim::Length);
     /// Time, s.
-    pub const TIME: Dim = Dim::base(Base::Time);
+    pub const TIME: Dimension = Dimension::base(BaseDim::Time);
     /// Plane angle, rad.
-    pub const ANGLE: Dim = Dim::base(Base::Angle);
+    pub const ANGLE: Dimension = Dimension::base(BaseDim::Angle);
 
     /// Dimension of a base quantity.
     #[must_use]
-    pub const fn base(base: Base) -> Dim {
-        let mut exponents = [Ratio::ZERO; BASES];
+    pub const fn base(base: BaseDim) -> Dimension {
+        let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
         exponents[base as usize] = Ratio::ONE;
-        Dim(exponents)
+        Dimension(exponents)
     }
 
     /// Free dimension number `place`, below [`FREE`]. It equals only itself.
     #[must_use]
-    pub fn free(place: usize) -> Dim {
-        let mut exponents = [Ratio::ZERO; BASES];
-        exponents[KNOWN + place % FREE] = Ratio::ONE;
-        Dim(exponents)
+    pub fn free(place: usize) -> Dimension {
+        let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
+        exponents[BASE_COUNT + place % FREE_COUNT] = Ratio::ONE;
+        Dimension(exponents)
     }
 
     /// Returns whether a free dimension is a factor.
     #[must_use]
     pub fn has_free(self) -> bool {
-        self.0[KNOWN..].iter().any(|exponent| !exponent.is_zero())
+        self.0[BASE_COUNT..]
+            .iter()
+            .any(|exponent| !exponent.is_zero())
     }
 
     /// Returns the character that represents a free dimension in texts.
     #[must_use]
     pub fn free_sign(place: usize) -> &'static str {
-        BASE_UNITS[KNOWN + place % FREE]
+        BASE_UNITS[BASE_COUNT + place % FREE_COUNT]
     }
 
     /// Creates a dimension from integer exponents in the order of [`Base`]; none if one is out of range.
     #[must_use]
-    pub fn whole(exponents: [i32; KNOWN]) -> Option<Dim> {
-        let mut dim = Dim::ONE;
+    pub fn from_exponents(exponents: [i32; BASE_COUNT]) -> Option<Dimension> {
+        let mut dim = Dimension::ONE;
         for (to, from) in dim.0.iter_mut().zip(exponents) {
-            *to = Ratio::whole(from)?;
+            *to = Ratio::from_int(from)?;
         }
         Some(dim)
     }
 
     /// Exponent of a base dimension.
     #[must_use]
-    pub fn exponent(self, base: Base) -> Ratio {
+    pub fn exponent(self, base: BaseDim) -> Ratio {
         self.0[base as usize]
     }
 
     /// Product; none if an exponent is out of range.
     #[must_use]
-    pub fn times(self, other: Dim) -> Option<Dim> {
+    pub fn times(self, other: Dimension) -> Option<Dimension> {
         let mut dim = self;
         for (to, with) in dim.0.iter_mut().zip(other.0) {
             *to = to.plus(with)?;
@@ -145,7 +147,7 @@ impl Dim {
 
     /// Power; none if an exponent is out of range.
     #[must_use]
-    pub fn power(self, exponent: Ratio) -> Option<Dim> {
+    pub fn power(self, exponent: Ratio) -> Option<Dimension> {
         let mut dim = self;
         for to in &mut dim.0 {
             *to = to.times(exponent)?;
@@ -155,54 +157,54 @@ impl Dim {
 
     /// Quotient; none if an exponent is out of range.
     #[must_use]
-    pub fn over(self, other: Dim) -> Option<Dim> {
+    pub fn divided_by(self, other: Dimension) -> Option<Dimension> {
         self.times(other.inverse())
     }
 
     /// Reciprocal.
     #[must_use]
-    pub fn inverse(self) -> Dim {
-        Dim(self.0.map(Ratio::opposite))
+    pub fn inverse(self) -> Dimension {
+        Dimension(self.0.map(Ratio::negate))
     }
 
     /// Returns whether values of both dimensions may be added and compared: equal except for the angle (see
     /// [`crate::units`]).
     #[must_use]
-    pub fn meets(self, other: Dim) -> bool {
+    pub fn is_compatible(self, other: Dimension) -> bool {
         self.without_angle() == other.without_angle()
     }
 
     /// Returns whether the dimension is that of a plain number or an angle.
     #[must_use]
-    pub fn is_plain(self) -> bool {
-        self.meets(Dim::ONE)
+    pub fn is_dimensionless(self) -> bool {
+        self.is_compatible(Dimension::ONE)
     }
 
     /// Common name of a quantity of this dimension, with an article: `a speed`.
     #[must_use]
-    pub fn quantity(self) -> Option<&'static str> {
-        named(&QUANTITIES, self)
+    pub fn quantity_literal(self) -> Option<&'static str> {
+        find_name(&QUANTITIES, self)
     }
 
     /// Returns whether this is a pure reciprocal: no exponent is positive and at least one is negative.
     #[must_use]
-    pub fn is_inverse(self) -> bool {
+    pub fn is_reciprocal(self) -> bool {
         let signed = |e: &&Ratio| !e.is_zero();
         let mut exponents = self.0.iter().filter(signed).peekable();
         exponents.peek().is_some() && exponents.all(|e| e.is_negative())
     }
 
-    fn without_angle(self) -> Dim {
+    fn without_angle(self) -> Dimension {
         let mut dim = self;
-        dim.0[Base::Angle as usize] = Ratio::ZERO;
+        dim.0[BaseDim::Angle as usize] = Ratio::ZERO;
         dim
     }
 
     /// Factors with exponents of one sign, printed without the sign.
-    fn product(self, negative: bool) -> Vec<String> {
+    fn vector_product(self, negative: bool) -> Vec<String> {
         let signed = |e: Ratio| !e.is_zero() && e.is_negative() == negative;
         let factor = |(unit, e): (&str, Ratio)| {
-            let e = if negative { e.opposite() } else { e };
+            let e = if negative { e.negate() } else { e };
             match e == Ratio::ONE {
                 true => unit.to_owned(),
                 false => format!("{unit}^{e}"),
@@ -214,18 +216,18 @@ impl Dim {
 }
 
 /// Looks up a dimension in a table of names.
-fn named(table: &[(&'static str, [i32; KNOWN])], dim: Dim) -> Option<&'static str> {
-    let is = |row: &&(&str, [i32; KNOWN])| Dim::whole(row.1) == Some(dim);
+fn find_name(table: &[(&'static str, [i32; BASE_COUNT])], dim: Dimension) -> Option<&'static str> {
+    let is = |row: &&(&str, [i32; BASE_COUNT])| Dimension::from_exponents(row.1) == Some(dim);
     table.iter().find(is).map(|row| row.0)
 }
 
 /// Formats the dimension as between brackets: `m/s^2`, `N`, `1/s`, `1`.
-impl fmt::Display for Dim {
+impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(name) = named(&NAMED, *self) {
+        if let Some(name) = find_name(&NAMED_DIMS, *self) {
             return f.write_str(name);
         }
-        let (above, below) = (self.product(false), self.product(true));
+        let (above, below) = (self.vector_product(false), self.vector_product(true));
         let above = match above.is_empty() {
             true => "1".to_owned(),
             false => above.join("*"),
@@ -239,36 +241,43 @@ impl fmt::Display for Dim {
 mod tests {
     use super::*;
 
-    fn speed() -> Dim {
-        Dim::LENGTH.over(Dim::TIME).unwrap()
+    fn speed() -> Dimension {
+        Dimension::LENGTH.divided_by(Dimension::TIME).unwrap()
     }
 
     #[test]
     fn printing() {
-        assert_eq!(Dim::ONE.to_string(), "1");
+        assert_eq!(Dimension::ONE.to_string(), "1");
         assert_eq!(speed().to_string(), "m/s");
-        assert_eq!(speed().over(Dim::TIME).unwrap().to_string(), "m/s^2");
-        assert_eq!(Dim::TIME.inverse().to_string(), "1/s");
-        let newton = Dim::whole([1, 1, -2, 0, 0, 0, 0, 0]).unwrap();
+        assert_eq!(
+            speed().divided_by(Dimension::TIME).unwrap().to_string(),
+            "m/s^2"
+        );
+        assert_eq!(Dimension::TIME.inverse().to_string(), "1/s");
+        let newton = Dimension::from_exponents([1, 1, -2, 0, 0, 0, 0, 0]).unwrap();
         assert_eq!(newton.to_string(), "N");
-        let damping = newton.over(speed()).unwrap();
+        let damping = newton.divided_by(speed()).unwrap();
         assert_eq!(damping.to_string(), "kg/s");
-        let root = Dim::LENGTH.power(Ratio::HALF).unwrap();
+        let root = Dimension::LENGTH.power(Ratio::HALF).unwrap();
         assert_eq!(root.to_string(), "m^(1/2)");
     }
 
     #[test]
     fn angles_meet_plain_numbers_and_nothing_else_does() {
-        assert!(Dim::ANGLE.meets(Dim::ONE) && Dim::ANGLE.is_plain());
-        assert_ne!(Dim::ANGLE, Dim::ONE);
-        assert!(!Dim::LENGTH.meets(Dim::ONE));
-        assert!(!speed().meets(Dim::LENGTH));
+        assert!(
+            Dimension::ANGLE.is_compatible(Dimension::ONE) && Dimension::ANGLE.is_dimensionless()
+        );
+        assert_ne!(Dimension::ANGLE, Dimension::ONE);
+        assert!(!Dimension::LENGTH.is_compatible(Dimension::ONE));
+        assert!(!speed().is_compatible(Dimension::LENGTH));
     }
 
     #[test]
     fn exponents_that_do_not_fit_are_refused() {
-        let big = Dim::LENGTH.power(Ratio::whole(100).unwrap()).unwrap();
+        let big = Dimension::LENGTH
+            .power(Ratio::from_int(100).unwrap())
+            .unwrap();
         assert_eq!(big.times(big), None);
-        assert_eq!(big.over(big), Some(Dim::ONE));
+        assert_eq!(big.divided_by(big), Some(Dimension::ONE));
     }
 }

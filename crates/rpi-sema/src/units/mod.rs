@@ -14,7 +14,7 @@ mod ratio;
 mod resolve;
 mod table;
 
-pub use dim::{Base, Dim, FREE};
+pub use dim::{BaseDim, Dimension, FREE_COUNT};
 pub use ratio::Ratio;
-pub use resolve::{Measure, UnitFault, is_unit, resolve};
-pub use table::{Factor, UNITS, UnitRow};
+pub use resolve::{ResolvedUnit, UnitError, is_unit, resolve};
+pub use table::{Factor, UNITS, UnitDef};

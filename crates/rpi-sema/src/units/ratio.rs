@@ -33,14 +33,14 @@ impl Ratio {
 
     /// Creates an integer; none if it is out of range.
     #[must_use]
-    pub fn whole(value: i32) -> Option<Ratio> {
+    pub fn from_int(value: i32) -> Option<Ratio> {
         let num = i8::try_from(value).ok()?;
         Some(Ratio { num, den: 1 })
     }
 
     /// Converts a real to the equal ratio with a denominator of at most 12, within 1e-9; none if there is none.
     #[must_use]
-    pub fn of_real(value: f64) -> Option<Ratio> {
+    pub fn from_real(value: f64) -> Option<Ratio> {
         (1..=12i32).find_map(|den| {
             let num = value * f64::from(den);
             let near = (num - num.round()).abs() < 1e-9 && num.abs() < 1e3;
@@ -55,7 +55,7 @@ impl Ratio {
             let num = self.num.checked_add(other.num)?;
             return Some(Ratio { num, den: 1 });
         }
-        let (a, b) = (self.wide(), other.wide());
+        let (a, b) = (self.expr_leaves(), other.expr_leaves());
         Ratio::new(a.0 * b.1 + b.0 * a.1, a.1 * b.1)
     }
 
@@ -66,13 +66,13 @@ impl Ratio {
             let num = self.num.checked_mul(other.num)?;
             return Some(Ratio { num, den: 1 });
         }
-        let (a, b) = (self.wide(), other.wide());
+        let (a, b) = (self.expr_leaves(), other.expr_leaves());
         Ratio::new(a.0 * b.0, a.1 * b.1)
     }
 
     /// Negation.
     #[must_use]
-    pub fn opposite(self) -> Ratio {
+    pub fn negate(self) -> Ratio {
         Ratio {
             num: -self.num,
             den: self.den,
@@ -91,7 +91,7 @@ impl Ratio {
         self.num < 0
     }
 
-    fn wide(self) -> (i32, i32) {
+    fn expr_leaves(self) -> (i32, i32) {
         (self.num.into(), self.den.into())
     }
 }
@@ -129,14 +129,14 @@ mod tests {
         let third = Ratio::new(1, 3).unwrap();
         assert_eq!(Ratio::HALF.plus(third), Ratio::new(5, 6));
         assert_eq!(Ratio::HALF.times(third), Ratio::new(1, 6));
-        assert_eq!(Ratio::HALF.plus(Ratio::HALF.opposite()), Some(Ratio::ZERO));
+        assert_eq!(Ratio::HALF.plus(Ratio::HALF.negate()), Some(Ratio::ZERO));
     }
 
     #[test]
     fn reals_with_small_denominators_are_ratios() {
-        assert_eq!(Ratio::of_real(0.5), Some(Ratio::HALF));
-        assert_eq!(Ratio::of_real(-2.0), Ratio::whole(-2));
-        assert_eq!(Ratio::of_real(std::f64::consts::PI), None);
-        assert_eq!(Ratio::of_real(f64::NAN), None);
+        assert_eq!(Ratio::from_real(0.5), Some(Ratio::HALF));
+        assert_eq!(Ratio::from_real(-2.0), Ratio::from_int(-2));
+        assert_eq!(Ratio::from_real(std::f64::consts::PI), None);
+        assert_eq!(Ratio::from_real(f64::NAN), None);
     }
 }

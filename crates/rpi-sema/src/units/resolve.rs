@@ -1,22 +1,22 @@
 //! Resolves a unit in the source to a dimension and a factor.
 
-use crate::units::table::{Factor, OTHERWISE, PREFIXES, UNITS, UnitRow};
-use crate::units::{Dim, Ratio};
+use crate::units::table::{ALIASES, Factor, PREFIXES, UNITS, UnitDef};
+use crate::units::{Dimension, Ratio};
 use rpi_diag::{Span, suggest};
 use rpi_syntax::ast::{Unit, UnitFactor};
 
 /// Meaning of a unit.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Measure {
+pub struct ResolvedUnit {
     /// Dimension.
-    pub dim: Dim,
+    pub dim: Dimension,
     /// Factor from this unit to the coherent SI unit.
     pub factor: Factor,
 }
 
 /// Error in a unit.
 #[derive(Clone, PartialEq, Debug)]
-pub enum UnitFault {
+pub enum UnitError {
     /// Undefined unit.
     Unknown {
         /// Name in the source.
@@ -38,16 +38,19 @@ pub enum UnitFault {
 ///
 /// # Errors
 /// Undefined unit, or an exponent out of range.
-pub fn resolve(unit: &Unit, parameter: &dyn Fn(&str) -> Option<Dim>) -> Result<Measure, UnitFault> {
-    let plain = Measure {
-        dim: Dim::ONE,
+pub fn resolve(
+    unit: &Unit,
+    parameter: &dyn Fn(&str) -> Option<Dimension>,
+) -> Result<ResolvedUnit, UnitError> {
+    let plain = ResolvedUnit {
+        dim: Dimension::ONE,
         factor: Factor::ONE,
     };
     unit.factors.iter().try_fold(plain, |whole, part| {
         let part_measure = factor(part, parameter)?;
         let dim = whole.dim.times(part_measure.dim);
-        Ok(Measure {
-            dim: dim.ok_or(UnitFault::Exponent { span: unit.span })?,
+        Ok(ResolvedUnit {
+            dim: dim.ok_or(UnitError::Exponent { span: unit.span })?,
             factor: whole.factor.times(part_measure.factor),
         })
     })
@@ -55,18 +58,18 @@ pub fn resolve(unit: &Unit, parameter: &dyn Fn(&str) -> Option<Dim>) -> Result<M
 
 fn factor(
     part: &UnitFactor,
-    parameter: &dyn Fn(&str) -> Option<Dim>,
-) -> Result<Measure, UnitFault> {
+    parameter: &dyn Fn(&str) -> Option<Dimension>,
+) -> Result<ResolvedUnit, UnitError> {
     let (dim, factor) = match parameter(&part.unit.name) {
         Some(dim) => (dim, Factor::ONE),
         None => {
-            let (prefix, row) = find(&part.unit.name).ok_or_else(|| unknown(part))?;
+            let (prefix, row) = find_unit(&part.unit.name).ok_or_else(|| unknown(part))?;
             (row.dim(), prefix.times(row.factor))
         }
     };
-    let power = Ratio::whole(part.power).and_then(|power| dim.power(power));
-    Ok(Measure {
-        dim: power.ok_or(UnitFault::Exponent {
+    let power = Ratio::from_int(part.power).and_then(|power| dim.power(power));
+    Ok(ResolvedUnit {
+        dim: power.ok_or(UnitError::Exponent {
             span: part.unit.span,
         })?,
         factor: factor.power(part.power),
@@ -76,35 +79,37 @@ fn factor(
 /// Returns whether a unit has this name.
 #[must_use]
 pub fn is_unit(name: &str) -> bool {
-    find(name).is_some()
+    find_unit(name).is_some()
 }
 
 /// Looks up a unit with an optional prefix. A unit without prefix takes precedence: `min` is a minute, `cd` a candela.
-fn find(name: &str) -> Option<(Factor, &'static UnitRow)> {
+fn find_unit(name: &str) -> Option<(Factor, &'static UnitDef)> {
     if let Some(row) = UNITS.iter().find(|row| row.name == name) {
         return Some((Factor::ONE, row));
     }
     PREFIXES.iter().find_map(|(prefix, factor)| {
         let rest = name.strip_prefix(prefix)?;
-        let row = UNITS.iter().find(|row| row.prefixes && row.name == rest)?;
+        let row = UNITS
+            .iter()
+            .find(|row| row.takes_prefix && row.name == rest)?;
         Some((*factor, row))
     })
 }
 
-fn unknown(part: &UnitFactor) -> UnitFault {
-    UnitFault::Unknown {
+fn unknown(part: &UnitFactor) -> UnitError {
+    UnitError::Unknown {
         name: part.unit.name.to_string(),
         span: part.unit.span,
-        near: near(&part.unit.name),
+        near: suggest_unit(&part.unit.name),
     }
 }
 
 /// Suggests a unit: by another name, another case, a product without `*`, or a similar spelling.
-fn near(name: &str) -> Option<String> {
+fn suggest_unit(name: &str) -> Option<String> {
     let common = ["mm", "cm", "km", "kg", "ms", "us", "kN", "mA", "kW", "mV"];
     let all = || UNITS.iter().map(|row| row.name).chain(common);
     let lower = name.to_lowercase();
-    let other = OTHERWISE.iter().find(|row| row.0.to_lowercase() == lower);
+    let other = ALIASES.iter().find(|row| row.0.to_lowercase() == lower);
     let other = other.map(|row| row.1.to_owned());
     let cased = || {
         all()
@@ -113,7 +118,7 @@ fn near(name: &str) -> Option<String> {
     };
     let joined = || {
         let parts = (1..name.len()).filter_map(|at| name.split_at_checked(at));
-        let mut known = parts.filter(|(a, b)| find(a).is_some() && find(b).is_some());
+        let mut known = parts.filter(|(a, b)| find_unit(a).is_some() && find_unit(b).is_some());
         known.next().map(|(a, b)| format!("{a}*{b}"))
     };
     other
@@ -121,8 +126,8 @@ fn near(name: &str) -> Option<String> {
         .or_else(joined)
         .or_else(|| suggest(name, all()))
         .or_else(|| {
-            let near = suggest(name, OTHERWISE.iter().map(|row| row.0))?;
-            let row = OTHERWISE.iter().find(|row| row.0 == near);
+            let near = suggest(name, ALIASES.iter().map(|row| row.0))?;
+            let row = ALIASES.iter().find(|row| row.0 == near);
             row.map(|row| row.1.to_owned())
         })
 }
@@ -131,7 +136,7 @@ fn near(name: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn of(factors: &[(&str, i32)]) -> Result<Measure, UnitFault> {
+    fn of(factors: &[(&str, i32)]) -> Result<ResolvedUnit, UnitError> {
         resolve(&Unit::synthetic(factors.iter().copied()), &|_| None)
     }
 
@@ -160,13 +165,17 @@ mod tests {
 
     #[test]
     fn faults_say_what_is_wrong() {
-        let Err(UnitFault::Unknown { near, .. }) = of(&[("rmp", 1)]) else {
+        let Err(UnitError::Unknown { near, .. }) = of(&[("rmp", 1)]) else {
             panic!("`rmp` must be undefined");
         };
         assert_eq!(near.as_deref(), Some("rpm"));
         for (written, meant) in [("sec", "s"), ("hz", "Hz"), ("As", "A*s"), ("mms", "mm/s")] {
-            assert_eq!(super::near(written).as_deref(), Some(meant), "{written}");
+            assert_eq!(
+                super::suggest_unit(written).as_deref(),
+                Some(meant),
+                "{written}"
+            );
         }
-        assert!(matches!(of(&[("m", 500)]), Err(UnitFault::Exponent { .. })));
+        assert!(matches!(of(&[("m", 500)]), Err(UnitError::Exponent { .. })));
     }
 }

@@ -1,6 +1,6 @@
 //! Table of units and prefixes.
 
-use crate::units::Dim;
+use crate::units::Dimension;
 
 /// Factor from a unit to the coherent SI unit, as a fraction. It is exact for powers of ten, so that `9[mm]` is the
 /// real nearest to 0.009.
@@ -44,7 +44,7 @@ impl Factor {
 
 /// Unit of measure.
 #[derive(Debug)]
-pub struct UnitRow {
+pub struct UnitDef {
     /// Symbol in the source.
     pub name: &'static str,
     /// Name in words.
@@ -52,16 +52,16 @@ pub struct UnitRow {
     /// Factor to the coherent SI unit.
     pub factor: Factor,
     /// Whether the unit may have a prefix.
-    pub prefixes: bool,
+    pub takes_prefix: bool,
     /// Exponents of kg, m, s, A, K, mol, cd, rad.
     exponents: [i32; 8],
 }
 
-impl UnitRow {
+impl UnitDef {
     /// Dimension of the unit.
     #[must_use]
-    pub fn dim(&self) -> Dim {
-        Dim::whole(self.exponents).unwrap_or(Dim::ONE)
+    pub fn dim(&self) -> Dimension {
+        Dimension::from_exponents(self.exponents).unwrap_or(Dimension::ONE)
     }
 }
 
@@ -71,12 +71,12 @@ const fn row(
     (num, den): (f64, f64),
     prefixes: bool,
     exponents: [i32; 8],
-) -> UnitRow {
-    UnitRow {
+) -> UnitDef {
+    UnitDef {
         name,
         doc,
         factor: Factor { num, den },
-        prefixes,
+        takes_prefix: prefixes,
         exponents,
     }
 }
@@ -86,7 +86,7 @@ use std::f64::consts::PI;
 /// All units without prefixes: BIPM, The International System of Units, 9th edition, tables 2, 4 and 8, and units
 /// common for machines.
 #[rustfmt::skip]
-pub const UNITS: &[UnitRow] = &[
+pub const UNITS: &[UnitDef] = &[
     row("m",      "metre",              (1.0, 1.0),            true,  [0, 1, 0, 0, 0, 0, 0, 0]),
     row("g",      "gram",               (1.0, 1e3),            true,  [1, 0, 0, 0, 0, 0, 0, 0]),
     row("s",      "second",             (1.0, 1.0),            true,  [0, 0, 1, 0, 0, 0, 0, 0]),
@@ -129,7 +129,7 @@ pub const UNITS: &[UnitRow] = &[
 ];
 
 /// Other names and spellings of units, each with the unit to suggest.
-pub(super) const OTHERWISE: &[(&str, &str)] = &[
+pub(super) const ALIASES: &[(&str, &str)] = &[
     ("meter", "m"),
     ("metre", "m"),
     ("meters", "m"),

@@ -3,36 +3,36 @@
 //! Flows of a net are checked on the net. Flows with a constant value leave no node in a net, and for a call with
 //! several results the net only shows that the call is needed. These are checked here.
 
-use crate::hash::Set;
+use crate::hash::FastSet;
 use crate::program::Program;
-use crate::typed::Kind;
-use crate::typed::{Equation, Flow, FlowRole, Place, Unit, UnitKind};
-use rpi_diag::{Finding, Span};
-use rpi_net::passes::live::{acts, unused};
+use crate::typed::TypedExprKind;
+use crate::typed::{Equation, Flow, FlowRole, TargetPlace, Unit, UnitKind};
+use rpi_diag::{Diagnostic, Span};
+use rpi_net::passes::mark_live::{has_effect, unused};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns a warning for each local flow that nothing reads, in any instance of its unit. A leading `_` in the name
 /// suppresses the warning.
-pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
+pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
     let decls = program.root().decls.iter();
-    let own: Set<Span> = decls.map(|id| program.decl(*id).span).collect();
+    let own: FastSet<Span> = decls.map(|id| program.decl(*id).span).collect();
     let of_tasks = |unit: &Unit| matches!(unit.kind, UnitKind::Task | UnitKind::Constant);
     let units = units.iter();
     let units = units.filter(|unit| own.contains(&unit.span) && !of_tasks(unit));
     let units: Vec<(&Unit, Vec<bool>)> = units.map(|unit| (unit, read(unit))).collect();
-    let mut unread = places(&units, false).collect::<BTreeSet<Span>>();
+    let mut unread = local_flow_spans(&units, false).collect::<BTreeSet<Span>>();
     if unread.is_empty() {
         return Vec::new();
     }
-    for read in places(&units, true) {
+    for read in local_flow_spans(&units, true) {
         unread.remove(&read);
     }
     let mut found = BTreeMap::new();
     for (unit, _) in &units {
         let equations = unit.blocks.iter().flat_map(|block| &block.equations);
         for (flow, equation) in equations.flat_map(|equation| defined(unit, equation)) {
-            if unread.remove(&flow.span) && !may_act(unit, equation) {
-                found.insert(flow.span, finding(unit, flow, equation));
+            if unread.remove(&flow.span) && !may_have_side_effect(unit, equation) {
+                found.insert(flow.span, diagnostic(unit, flow, equation));
             }
         }
     }
@@ -40,15 +40,19 @@ pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
 }
 
 /// Spans of the local flows that are read, or not read, in some instance.
-fn places<'u>(units: &'u [(&Unit, Vec<bool>)], wanted: bool) -> impl Iterator<Item = Span> + 'u {
+fn local_flow_spans<'u>(
+    units: &'u [(&Unit, Vec<bool>)],
+    wanted: bool,
+) -> impl Iterator<Item = Span> + 'u {
     units.iter().flat_map(move |(unit, read)| {
         let flows = unit.flows.iter().zip(read);
-        let flows = flows.filter(move |(flow, is_read)| **is_read == wanted && is_local(flow));
+        let flows =
+            flows.filter(move |(flow, is_read)| **is_read == wanted && is_checked_local(flow));
         flows.map(|(flow, _)| flow.span)
     })
 }
 
-fn is_local(flow: &Flow) -> bool {
+fn is_checked_local(flow: &Flow) -> bool {
     flow.role == FlowRole::Local && !flow.name.starts_with('_')
 }
 
@@ -57,8 +61,8 @@ fn read(unit: &Unit) -> Vec<bool> {
     let mut read = vec![false; unit.flows.len()];
     for expr in &unit.exprs {
         match &expr.kind {
-            Kind::Flow(flow) => read[flow.0 as usize] = true,
-            Kind::When { clock, .. } => read[clock.flow.0 as usize] = true,
+            TypedExprKind::Flow(flow) => read[flow.0 as usize] = true,
+            TypedExprKind::When { clock, .. } => read[clock.flow.0 as usize] = true,
             _ => {}
         }
     }
@@ -82,22 +86,22 @@ fn defined<'u>(
 ) -> impl Iterator<Item = (&'u Flow, &'u Equation)> {
     let places = equation.targets.iter().map(|target| &target.place);
     places.filter_map(move |place| match place {
-        Place::Flow { flow, .. } => Some((unit.flow(*flow), equation)),
+        TargetPlace::Flow { flow, .. } => Some((unit.flow(*flow), equation)),
         _ => None,
     })
 }
 
 /// Returns whether the only value of an equation may have a side effect. Other such values are checked on the net.
-fn may_act(unit: &Unit, equation: &Equation) -> bool {
-    let is_effect = |kind: &Kind| match kind {
-        Kind::Call(_) => true,
-        Kind::Prim(call) => acts(call.prim.desc()),
+fn may_have_side_effect(unit: &Unit, equation: &Equation) -> bool {
+    let is_effect = |kind: &TypedExprKind| match kind {
+        TypedExprKind::Call(_) => true,
+        TypedExprKind::Prim(call) => has_effect(call.prim.desc()),
         _ => false,
     };
     if equation.targets.len() != 1 {
         return false;
     }
-    let mut parts = unit.parts(equation.value);
+    let mut parts = unit.traverse(equation.value);
     while let Some((id, expr)) = parts.next() {
         if is_effect(&expr.kind) {
             return true;
@@ -108,7 +112,7 @@ fn may_act(unit: &Unit, equation: &Equation) -> bool {
 }
 
 /// Creates the warning. For one of several results it points at the name, because the other results may be needed.
-fn finding(unit: &Unit, flow: &Flow, equation: &Equation) -> Finding {
+fn diagnostic(unit: &Unit, flow: &Flow, equation: &Equation) -> Diagnostic {
     let at = match &equation.targets[..] {
         [_] => unit.expr(equation.value).span,
         _ => flow.span,

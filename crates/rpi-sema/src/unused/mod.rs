@@ -17,32 +17,32 @@ mod steps;
 
 use crate::program::{DeclKind, Program};
 use crate::typed::Unit;
-use rpi_diag::Finding;
-use rpi_syntax::Mode;
-use rpi_syntax::ast::{Visit, Walk};
+use rpi_diag::Diagnostic;
+use rpi_syntax::Dialect;
+use rpi_syntax::ast::{Visitor, Walker};
 
 /// Returns warnings about unused parts of the first module.
 #[must_use]
-pub fn needless(program: &Program<'_>, units: &[Unit]) -> Vec<Finding> {
-    let mut findings: Vec<Finding> = program.needless_uses().collect();
+pub fn unused_warnings(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
+    let mut diagnostics: Vec<Diagnostic> = program.unused_module_warnings().collect();
     // Ports of Lustre programs are often fixed by another tool or model, so they are not checked.
-    if program.root().mode == Mode::Rpi {
-        findings.extend(flows::unread(program, units));
+    if program.root().mode == Dialect::Rpi {
+        diagnostics.extend(flows::unread(program, units));
         for id in &program.root().decls {
             let decl = program.decl(*id);
-            findings.extend(params::unread(decl));
-            findings.extend(states::unreached(decl.kind));
+            diagnostics.extend(params::unread(decl));
+            diagnostics.extend(states::unreached(decl.kind));
             if let DeclKind::Task(task) = decl.kind {
-                findings.extend(steps::unreached(program, decl.module, task));
+                diagnostics.extend(steps::unreached(program, decl.module, task));
             }
         }
     }
-    findings
+    diagnostics
 }
 
 /// Visits the parts of a declaration that can contain unused items.
-fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visit<'a>) {
-    let mut walk = Walk::new(visitor);
+fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visitor<'a>) {
+    let mut walk = Walker::new(visitor);
     match kind {
         DeclKind::Node(node) => walk.node(node),
         DeclKind::Fragment(fragment) => walk.fragment(fragment),
@@ -56,7 +56,11 @@ fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visit<'a>) {
 
 /// Returns the unreachable vertices of a graph that are not only successors of other unreachable vertices. `start` is
 /// the entry vertex. Vertices for which `counts` is false are ignored.
-fn heads(leads: &[&[usize]], start: Option<usize>, counts: impl Fn(usize) -> bool) -> Vec<usize> {
+fn unreachable_heads(
+    leads: &[&[usize]],
+    start: Option<usize>,
+    counts: impl Fn(usize) -> bool,
+) -> Vec<usize> {
     let reached = reached_from(leads, start.into_iter().collect());
     let all = 0..leads.len();
     let mut left: Vec<usize> = all.filter(|at| !reached[*at] && counts(*at)).collect();

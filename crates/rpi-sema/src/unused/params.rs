@@ -1,49 +1,51 @@
 //! Unused parameters and in-ports.
 
-use crate::check::params_of;
+use crate::check::static_params_of;
 use crate::program::{Decl, DeclKind};
 use crate::unused::walk;
-use rpi_diag::{Code, Finding, Fix};
+use rpi_diag::{Code, Diagnostic, Fix};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Signature, VarDecl, Visit};
+use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Signature, VarDecl, Visitor};
 
 /// Name of a parameter or in-port, and the word for its kind in messages.
-type Declared<'a> = (&'a Ident, &'static str);
+type ParamName<'a> = (&'a Ident, &'static str);
 
 /// Parameters that no visited expression reads.
-struct Unread<'a>(Vec<Declared<'a>>);
+struct UnusedParams<'a>(Vec<ParamName<'a>>);
 
-impl<'a> Visit<'a> for Unread<'a> {
-    fn name(&mut self, read: &'a Name) {
+impl<'a> Visitor<'a> for UnusedParams<'a> {
+    fn visit_name(&mut self, read: &'a Name) {
         self.0.retain(|(name, _)| name.name != *read);
     }
 }
 
 /// Returns a warning for each parameter and in-port that a declaration does not read. A leading `_` in the name
 /// suppresses the warning.
-pub(super) fn unread(decl: &Decl<'_>) -> Vec<Finding> {
+pub(super) fn unread(decl: &Decl<'_>) -> Vec<Diagnostic> {
     let mut left = parameters(decl.kind);
     left.retain(|(name, _)| !name.name.starts_with('_'));
-    let mut left = Unread(left);
+    let mut left = UnusedParams(left);
     if !left.0.is_empty() {
         walk(decl.kind, &mut left);
     }
     let told = left.0.into_iter();
-    told.map(|(name, what)| finding(&decl.name, name, what))
+    told.map(|(name, what)| diagnostic(&decl.name, name, what))
         .collect()
 }
 
 /// Returns the parameters and in-ports that a declaration could read. External declarations, contracts and aliases do
 /// not choose their own ports.
-fn parameters(kind: DeclKind<'_>) -> Vec<Declared<'_>> {
+fn parameters(kind: DeclKind<'_>) -> Vec<ParamName<'_>> {
     let vars: [(&[VarDecl], &'static str); 2] = match kind {
         DeclKind::Node(node) if node.kind == NodeKind::Contract => return Vec::new(),
         DeclKind::Node(node) => match node.definition {
-            NodeDef::Body(_) => [(inputs(&node.signature), "in-port"), (&[], "")],
+            NodeDef::Body(_) => [(declare_inputs(&node.signature), "in-port"), (&[], "")],
             NodeDef::Alias(_) => [(&[], ""), (&[], "")],
             NodeDef::Extern => return Vec::new(),
         },
-        DeclKind::Fragment(fragment) => [(inputs(&fragment.signature), "in-port"), (&[], "")],
+        DeclKind::Fragment(fragment) => {
+            [(declare_inputs(&fragment.signature), "in-port"), (&[], "")]
+        }
         DeclKind::Command(command) => [
             (&command.params, "parameter"),
             (&command.given, "given value"),
@@ -52,7 +54,7 @@ fn parameters(kind: DeclKind<'_>) -> Vec<Declared<'_>> {
         DeclKind::Device(_) => [(&[], ""), (&[], "")],
         _ => return Vec::new(),
     };
-    let statics = params_of(kind).into_iter();
+    let statics = static_params_of(kind).into_iter();
     let statics = statics.map(|param| (param.name(), "static parameter"));
     let ports = vars.into_iter().flat_map(|(vars, what)| {
         let names = vars.iter().flat_map(|var| &var.names);
@@ -61,17 +63,17 @@ fn parameters(kind: DeclKind<'_>) -> Vec<Declared<'_>> {
     statics.chain(ports).collect()
 }
 
-fn inputs(signature: &Signature) -> &[VarDecl] {
+fn declare_inputs(signature: &Signature) -> &[VarDecl] {
     signature.inputs.as_deref().unwrap_or_default()
 }
 
-fn finding(of: &Name, name: &Ident, what: &str) -> Finding {
+fn diagnostic(of: &Name, name: &Ident, what: &str) -> Diagnostic {
     let Ident { name, span } = name;
-    Finding::new(
+    Diagnostic::new(
         Code::RPI1017,
         format!("`{of}` does not use its {what} `{name}`"),
     )
-    .at(*span, "never read")
+    .primary(*span, "never read")
     .help(format!("delete it, or rename it to `_{name}` to keep it"))
     .fix(Fix::maybe("mark it as intentionally unused").insert_before(*span, "_"))
 }

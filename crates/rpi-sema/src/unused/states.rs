@@ -1,59 +1,59 @@
 //! Unreachable states of automata.
 
-use crate::hash::Map;
+use crate::hash::FastMap;
 use crate::program::DeclKind;
-use crate::unused::heads;
+use crate::unused::unreachable_heads;
 use crate::unused::walk;
-use rpi_diag::{Code, Finding};
-use rpi_syntax::ast::{Automaton, State, Visit};
+use rpi_diag::{Code, Diagnostic};
+use rpi_syntax::ast::{Automaton, State, Visitor};
 
 /// Warnings about the automata of a declaration.
-struct Unreached(Vec<Finding>);
+struct UnreachableStates(Vec<Diagnostic>);
 
-impl<'a> Visit<'a> for Unreached {
-    fn looks_into_expressions(&self) -> bool {
+impl<'a> Visitor<'a> for UnreachableStates {
+    fn visits_expressions(&self) -> bool {
         false
     }
 
-    fn automaton(&mut self, automaton: &'a Automaton) {
-        self.0.extend(of_automaton(automaton));
+    fn visit_automaton(&mut self, automaton: &'a Automaton) {
+        self.0.extend(check_automaton(automaton));
     }
 }
 
 /// Returns a warning for each unreachable state. A state that only follows another unreachable state is not reported.
-pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Finding> {
-    let mut found = Unreached(Vec::new());
+pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Diagnostic> {
+    let mut found = UnreachableStates(Vec::new());
     walk(kind, &mut found);
     found.0
 }
 
-fn of_automaton(automaton: &Automaton) -> impl Iterator<Item = Finding> + '_ {
+fn check_automaton(automaton: &Automaton) -> impl Iterator<Item = Diagnostic> + '_ {
     let states = &automaton.states;
-    let mut places: Map<&str, usize> = Map::default();
+    let mut places: FastMap<&str, usize> = FastMap::default();
     for (at, state) in states.iter().enumerate() {
         places.entry(state.name.name.as_str()).or_insert(at);
     }
     let leads = states.iter().map(|state| targets(state, &places));
     let leads: Vec<Vec<usize>> = leads.collect();
     let leads: Vec<&[usize]> = leads.iter().map(|to| &to[..]).collect();
-    let start = states.iter().position(|state| state.initial);
-    let told = heads(&leads, start, |_| true);
-    told.into_iter().map(|at| finding(&states[at]))
+    let start = states.iter().position(|state| state.is_initial);
+    let told = unreachable_heads(&leads, start, |_| true);
+    told.into_iter().map(|at| diagnostic(&states[at]))
 }
 
-fn targets(state: &State, places: &Map<&str, usize>) -> Vec<usize> {
+fn targets(state: &State, places: &FastMap<&str, usize>) -> Vec<usize> {
     let transitions = state.unless.iter().chain(&state.until);
     let found = transitions.filter_map(|one| places.get(one.target.name.as_str()));
     found.copied().collect()
 }
 
-fn finding(state: &State) -> Finding {
+fn diagnostic(state: &State) -> Diagnostic {
     let name = &state.name;
-    Finding::new(
+    Diagnostic::new(
         Code::RPI3103,
         format!("state `{}` is unreachable", name.name),
     )
-    .at(name.span, "this state is never active")
+    .primary(name.span, "this state is never active")
     .help(format!(
         "add a transition to it (`then {}`), or delete it",
         name.name

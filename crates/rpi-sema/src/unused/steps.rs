@@ -1,13 +1,17 @@
 //! Unreachable steps of tasks.
 
 use crate::program::{DeclKind, Lookup, ModuleId, Program};
-use crate::unused::heads;
-use rpi_diag::{Code, Finding, Span};
+use crate::unused::unreachable_heads;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Ident, Next, OnResult, Run, Step, StepKind, TaskDecl};
+use rpi_syntax::ast::{Ident, NextStep, ResultPattern, Run, Step, StepKind, TaskDecl};
 
 /// Returns a warning for each unreachable step. A step that only follows another unreachable step is not reported.
-pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl) -> Vec<Finding> {
+pub(super) fn unreached(
+    program: &Program<'_>,
+    module: ModuleId,
+    task: &TaskDecl,
+) -> Vec<Diagnostic> {
     let mut steps = Steps {
         program,
         module,
@@ -15,14 +19,14 @@ pub(super) fn unreached(program: &Program<'_>, module: ModuleId, task: &TaskDecl
     };
     let start = steps.list(&task.steps, None, &[]);
     let leads: Vec<&[usize]> = steps.all.iter().map(|step| &step.leads[..]).collect();
-    let told = heads(&leads, start, |at| steps.all[at].place.is_some());
+    let told = unreachable_heads(&leads, start, |at| steps.all[at].place.is_some());
     let places = told.into_iter().filter_map(|at| steps.all[at].place);
-    places.map(finding).collect()
+    places.map(diagnostic).collect()
 }
 
 /// Step of a task and its successors.
 #[derive(Default)]
-struct Node<'a> {
+struct StepVertex<'a> {
     /// Name of the step and span of what it runs; for several steps, of the first. None for a step that runs nothing.
     place: Option<(Option<&'a Ident>, Span)>,
     leads: Vec<usize>,
@@ -32,7 +36,7 @@ struct Node<'a> {
 struct Steps<'p, 'a> {
     program: &'p Program<'p>,
     module: ModuleId,
-    all: Vec<Node<'a>>,
+    all: Vec<StepVertex<'a>>,
 }
 
 impl<'a> Steps<'_, 'a> {
@@ -45,7 +49,8 @@ impl<'a> Steps<'_, 'a> {
         around: &[(&'a Name, usize)],
     ) -> Option<usize> {
         let first = self.all.len();
-        self.all.resize_with(first + steps.len(), Node::default);
+        self.all
+            .resize_with(first + steps.len(), StepVertex::default);
         let mut names = around.to_vec();
         for (at, step) in (first..).zip(steps) {
             if let StepKind::Run(run) = &step.kind {
@@ -70,7 +75,7 @@ impl<'a> Steps<'_, 'a> {
         at: usize,
         next: Option<usize>,
         names: &[(&'a Name, usize)],
-    ) -> Node<'a> {
+    ) -> StepVertex<'a> {
         let (place, leads) = match &step.kind {
             StepKind::Run(run) => (place_of(step), self.targets(run, next, names)),
             StepKind::Repeat { count, steps } => {
@@ -84,21 +89,21 @@ impl<'a> Steps<'_, 'a> {
                 let starts: Vec<usize> = starts.collect();
                 (place_of(step), starts.into_iter().chain(next).collect())
             }
-            StepKind::Start(_) | StepKind::Broken(_) => (None, next.into_iter().collect()),
+            StepKind::Start(_) | StepKind::Error(_) => (None, next.into_iter().collect()),
         };
-        Node { place, leads }
+        StepVertex { place, leads }
     }
 
     /// Returns the successors of a step: the targets of its branches, and the next step unless the branches cover all
     /// results.
     fn targets(&self, run: &Run, next: Option<usize>, names: &[(&'a Name, usize)]) -> Vec<usize> {
         let branches = run.branches.iter();
-        let to = branches.clone().filter_map(|branch| match &branch.then {
-            Next::Step(label) => named(names, &label.name),
-            Next::End(_) => None,
+        let to = branches.clone().filter_map(|branch| match &branch.next {
+            NextStep::Step(label) => named(names, &label.name),
+            NextStep::End(_) => None,
         });
-        let is_any = |on: &OnResult| matches!(on, OnResult::Any(_));
-        let mut on = branches.flat_map(|branch| &branch.on);
+        let is_any = |on: &ResultPattern| matches!(on, ResultPattern::Any(_));
+        let mut on = branches.flat_map(|branch| &branch.results);
         // A command with branches has one for each result. A task returns no result except `fail`.
         let goes_on = run.branches.is_empty() || self.is_task(run) && !on.any(is_any);
         to.chain(next.filter(|_| goes_on)).collect()
@@ -123,7 +128,7 @@ fn place_of(step: &Step) -> Option<(Option<&Ident>, Span)> {
         StepKind::Run(run) => Some((run.label.as_ref(), run.callee.span)),
         StepKind::Repeat { steps, .. } => first_in(steps),
         StepKind::Parallel(strands) => strands.iter().find_map(|strand| first_in(&strand.steps)),
-        StepKind::Start(_) | StepKind::Broken(_) => None,
+        StepKind::Start(_) | StepKind::Error(_) => None,
     }
 }
 
@@ -132,7 +137,7 @@ fn first_in(steps: &[Step]) -> Option<(Option<&Ident>, Span)> {
     Some((None, span))
 }
 
-fn finding((label, span): (Option<&Ident>, Span)) -> Finding {
+fn diagnostic((label, span): (Option<&Ident>, Span)) -> Diagnostic {
     let (what, help) = match label {
         Some(Ident { name, .. }) => (
             format!("step `{name}`"),
@@ -143,7 +148,7 @@ fn finding((label, span): (Option<&Ident>, Span)) -> Finding {
             "the step before it never continues with the next one: name this step and add a branch to it, or delete it".to_owned(),
         ),
     };
-    Finding::new(Code::RPI8007, format!("{what} is unreachable"))
-        .at(span, "this step never runs")
+    Diagnostic::new(Code::RPI8007, format!("{what} is unreachable"))
+        .primary(span, "this step never runs")
         .help(help)
 }

@@ -85,7 +85,7 @@ impl Arg {
 impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}={}(", self.tag, self.name)?;
-        separated(f, &self.args, |f, arg| arg.fmt(f))?;
+        write_separated(f, &self.args, |f, arg| arg.fmt(f))?;
         f.write_char(')')
     }
 }
@@ -93,17 +93,17 @@ impl fmt::Display for Message {
 impl fmt::Display for Arg {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Arg::Text(text) => quoted(f, text),
+            Arg::Text(text) => write_quoted(f, text),
             Arg::Number(number) => write!(f, "{number:?}"),
             Arg::List(list) => {
                 f.write_char('[')?;
-                separated(f, list, |f, arg| arg.fmt(f))?;
+                write_separated(f, list, |f, arg| arg.fmt(f))?;
                 f.write_char(']')
             }
             Arg::Map(entries) => {
                 f.write_char('{')?;
-                separated(f, entries, |f, (key, arg)| {
-                    quoted(f, key)?;
+                write_separated(f, entries, |f, (key, arg)| {
+                    write_quoted(f, key)?;
                     write!(f, ":{arg}")
                 })?;
                 f.write_char('}')
@@ -112,7 +112,7 @@ impl fmt::Display for Arg {
     }
 }
 
-fn separated<T>(
+fn write_separated<T>(
     f: &mut fmt::Formatter<'_>,
     items: &[T],
     mut each: impl FnMut(&mut fmt::Formatter<'_>, &T) -> fmt::Result,
@@ -128,7 +128,7 @@ fn separated<T>(
 
 /// Writes a text in quotes. Quotes and backslashes are escaped; a line break becomes a space, as the protocol has no
 /// escape for it.
-fn quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
+fn write_quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     f.write_char('"')?;
     for sign in text.chars() {
         match sign {

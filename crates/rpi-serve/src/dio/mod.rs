@@ -3,9 +3,9 @@
 //! A request is answered by `ok` or `err` with its tag. A subscription pushes `ns`, `nc`, `rs`, `st`, `da`, `dr` and
 //! `ds` with its tag. Keys of exports are sent with the prefix `out`, keys of inputs with `in`.
 
-mod front;
+mod connection;
 mod message;
 mod parse;
-mod sink;
+mod subscriber;
 
-pub(crate) use front::DioFront;
+pub(crate) use connection::DioConnection;

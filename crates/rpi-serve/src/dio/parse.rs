@@ -3,13 +3,13 @@
 use super::message::{Arg, Message};
 
 /// Maximum nesting depth of lists and maps; the protocol needs three levels.
-const DEPTH: usize = 16;
+const MAX_DEPTH: usize = 16;
 
 /// Syntax error of a message.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct Malformed {
+pub(crate) struct ParseError {
     /// Byte offset of the error.
-    pub(crate) at: usize,
+    pub(crate) offset: usize,
     /// Expected syntax at this offset.
     pub(crate) expected: &'static str,
 }
@@ -18,49 +18,52 @@ pub(crate) struct Malformed {
 ///
 /// # Errors
 /// If the text is not a message.
-pub(crate) fn parse(text: &str) -> Result<Message, Malformed> {
-    let mut reader = Reader { text, at: 0 };
+pub(crate) fn parse(text: &str) -> Result<Message, ParseError> {
+    let mut reader = Parser { text, offset: 0 };
     let tag = reader.identifier()?;
-    reader.sign('=', "'='")?;
+    reader.expect('=', "'='")?;
     let name = reader.identifier()?;
-    reader.sign('(', "'('")?;
-    let args = reader.several(')', |reader| reader.arg(DEPTH))?;
-    reader.blanks();
+    reader.expect('(', "'('")?;
+    let args = reader.separated(')', |reader| reader.arg(MAX_DEPTH))?;
+    reader.skip_blanks();
     match reader.rest().is_empty() {
         true => Ok(Message { tag, name, args }),
         false => Err(reader.expected("the end")),
     }
 }
 
-struct Reader<'a> {
+struct Parser<'a> {
     text: &'a str,
-    at: usize,
+    offset: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> Parser<'a> {
     fn rest(&self) -> &'a str {
-        &self.text[self.at..]
+        &self.text[self.offset..]
     }
 
-    fn expected(&self, expected: &'static str) -> Malformed {
-        let at = self.at;
-        Malformed { at, expected }
+    fn expected(&self, expected: &'static str) -> ParseError {
+        let at = self.offset;
+        ParseError {
+            offset: at,
+            expected,
+        }
     }
 
-    fn blanks(&mut self) {
+    fn skip_blanks(&mut self) {
         let rest = self.rest();
-        self.at += rest.len() - rest.trim_start().len();
+        self.offset += rest.len() - rest.trim_start().len();
     }
 
-    fn next_is(&mut self, sign: char) -> bool {
-        self.blanks();
+    fn accept(&mut self, sign: char) -> bool {
+        self.skip_blanks();
         let found = self.rest().starts_with(sign);
-        self.at += if found { sign.len_utf8() } else { 0 };
+        self.offset += if found { sign.len_utf8() } else { 0 };
         found
     }
 
-    fn sign(&mut self, sign: char, expected: &'static str) -> Result<(), Malformed> {
-        match self.next_is(sign) {
+    fn expect(&mut self, sign: char, expected: &'static str) -> Result<(), ParseError> {
+        match self.accept(sign) {
             true => Ok(()),
             false => Err(self.expected(expected)),
         }
@@ -68,14 +71,14 @@ impl<'a> Reader<'a> {
 
     /// Skips blanks and returns the longest prefix of characters that satisfy `fits`.
     fn word(&mut self, fits: fn(char) -> bool) -> &'a str {
-        self.blanks();
+        self.skip_blanks();
         let rest = self.rest();
         let word = &rest[..rest.find(|c| !fits(c)).unwrap_or(rest.len())];
-        self.at += word.len();
+        self.offset += word.len();
         word
     }
 
-    fn identifier(&mut self) -> Result<String, Malformed> {
+    fn identifier(&mut self) -> Result<String, ParseError> {
         let word = self.word(|c| c.is_ascii_alphanumeric() || c == '_');
         match word.starts_with(|c: char| !c.is_ascii_digit()) {
             true => Ok(word.to_owned()),
@@ -84,84 +87,84 @@ impl<'a> Reader<'a> {
     }
 
     /// Parses items separated by commas, up to and including `end`.
-    fn several<T>(
+    fn separated<T>(
         &mut self,
         end: char,
-        mut each: impl FnMut(&mut Self) -> Result<T, Malformed>,
-    ) -> Result<Vec<T>, Malformed> {
+        mut each: impl FnMut(&mut Self) -> Result<T, ParseError>,
+    ) -> Result<Vec<T>, ParseError> {
         let mut items = Vec::new();
-        if self.next_is(end) {
+        if self.accept(end) {
             return Ok(items);
         }
         loop {
             items.push(each(self)?);
-            if self.next_is(end) {
+            if self.accept(end) {
                 return Ok(items);
             }
-            self.sign(',', "',' or the closing bracket")?;
+            self.expect(',', "',' or the closing bracket")?;
         }
     }
 
-    fn arg(&mut self, depth: usize) -> Result<Arg, Malformed> {
+    fn arg(&mut self, depth: usize) -> Result<Arg, ParseError> {
         if depth == 0 {
             return Err(self.expected("less nesting"));
         }
-        self.blanks();
+        self.skip_blanks();
         match self.rest().chars().next() {
             Some('"') => self.string().map(Arg::Text),
             Some('[') => {
-                self.at += 1;
-                self.several(']', |reader| reader.arg(depth - 1))
+                self.offset += 1;
+                self.separated(']', |reader| reader.arg(depth - 1))
                     .map(Arg::List)
             }
             Some('{') => {
-                self.at += 1;
-                self.several('}', |reader| reader.entry(depth - 1))
+                self.offset += 1;
+                self.separated('}', |reader| reader.entry(depth - 1))
                     .map(Arg::Map)
             }
             _ => self.number(),
         }
     }
 
-    fn entry(&mut self, depth: usize) -> Result<(String, Arg), Malformed> {
-        self.blanks();
+    fn entry(&mut self, depth: usize) -> Result<(String, Arg), ParseError> {
+        self.skip_blanks();
         let key = match self.rest().starts_with('"') {
             true => self.string()?,
             false => self.identifier()?,
         };
-        self.sign(':', "':'")?;
+        self.expect(':', "':'")?;
         Ok((key, self.arg(depth)?))
     }
 
-    fn number(&mut self) -> Result<Arg, Malformed> {
-        let start = self.at;
+    fn number(&mut self) -> Result<Arg, ParseError> {
+        let start = self.offset;
         let word = self.word(|c| c.is_ascii_alphanumeric() || "+-.".contains(c));
         let number = word.starts_with(|c: char| "+-.".contains(c) || c.is_ascii_digit());
         let read = word.parse().ok().filter(|_| number);
-        read.map(Arg::Number).ok_or(Malformed {
-            at: start,
+        read.map(Arg::Number).ok_or(ParseError {
+            offset: start,
             expected: "a value",
         })
     }
 
-    fn string(&mut self) -> Result<String, Malformed> {
-        let start = self.at;
-        self.at += 1;
+    fn string(&mut self) -> Result<String, ParseError> {
+        let start = self.offset;
+        self.offset += 1;
         let mut plain = String::new();
         loop {
             let rest = self.rest();
             let Some(stop) = rest.find(['"', '\\']) else {
-                self.at = start;
+                self.offset = start;
                 return Err(self.expected("a closing quote"));
             };
             plain.push_str(&rest[..stop]);
-            self.at += stop + 1;
+            self.offset += stop + 1;
             if rest.as_bytes()[stop] == b'"' {
                 return Ok(plain);
             }
             let escaped = self.rest().chars().next();
             plain.extend(escaped);
-            self.at += escaped.map_or(0, char::len_utf8);
+            self.offset += escaped.map_or(0, char::len_utf8);
         }
     }
 }
@@ -171,7 +174,10 @@ mod tests {
     use super::*;
 
     fn back(text: &str) -> String {
-        parse(text).map_or_else(|e| format!("{} at {}", e.expected, e.at), |m| m.to_string())
+        parse(text).map_or_else(
+            |e| format!("{} at {}", e.expected, e.offset),
+            |m| m.to_string(),
+        )
     }
 
     #[test]

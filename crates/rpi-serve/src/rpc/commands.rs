@@ -2,39 +2,39 @@
 
 use serde_json::{Value, json};
 
-use super::front::{Answer, Call, RpcFront};
-use super::params::{an_object, literal};
-use super::sink;
-use crate::state::{Record, Reply, ServerState};
+use super::connection::{Call, MethodResult, RpcConnection};
+use super::params::{literal, object_type};
+use super::subscriber;
+use crate::state::{CommandRecord, Reply, ServerState};
 
 /// Loads a command of a program or a net.
-pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("command")?;
-    let told = call.told_period(front, load.period_ns);
-    let reply = call.later(move |name| told("command", name));
-    front.take_up(load.session)?;
-    front.office.desk().load(&load, reply);
+    let told = call.period_answer(front, load.period_ns);
+    let reply = call.deferred_reply(move |name| told("command", name));
+    front.take_over_session(load.session)?;
+    front.state.lock().load(&load, reply);
     Ok(None)
 }
 
 /// Applies an operation to a command, after a check that the client may act on it.
 pub(super) fn one(
-    front: &mut RpcFront,
+    front: &mut RpcConnection,
     call: &Call<'_>,
     what: fn(&mut ServerState, &str, Reply),
-) -> Answer {
-    let reply = call.later(|_| json!({}));
+) -> MethodResult {
+    let reply = call.deferred_reply(|_| json!({}));
     let command = call.text("command")?;
-    front.may_act(&[command])?;
-    what(&mut front.office.desk(), command, reply);
+    front.ensure_may_act(&[command])?;
+    what(&mut front.state.lock(), command, reply);
     Ok(None)
 }
 
 /// Sets inputs of a command, all between the same two cycles.
-pub(super) fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let command = call.text("command")?;
-    front.may_act(&[command])?;
-    let values = call.needed("values", an_object())?;
+    front.ensure_may_act(&[command])?;
+    let values = call.required("values", object_type())?;
     let texts = values
         .iter()
         .map(|(key, value)| (key.as_str(), literal(value)));
@@ -43,13 +43,16 @@ pub(super) fn set(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         .iter()
         .map(|(key, text)| (command, *key, text.as_str()));
     let values: Vec<_> = values.collect();
-    front.office.desk().set(&values, call.later(|_| json!({})));
+    front
+        .state
+        .lock()
+        .set(&values, call.deferred_reply(|_| json!({})));
     Ok(None)
 }
 
 /// Returns the state, the ports and the values of a command.
-pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let state = front.office.desk();
+pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let state = front.state.lock();
     let (_, record) = state.objects.commands.find(call.text("command")?)?;
     let mut told = description(record);
     if let Some(bound_ns) = state.core.bound_ns(record) {
@@ -59,10 +62,10 @@ pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 }
 
 /// Returns all commands with their states.
-pub(super) fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    let state = front.office.desk();
+pub(super) fn list_commands(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
+    let state = front.state.lock();
     let told = state.objects.commands.all().map(|(name, record)| {
-        let mut told = sink::status(&record.status);
+        let mut told = subscriber::status(&record.status);
         told["command"] = json!(name);
         told["title"] = json!(record.title);
         told
@@ -70,12 +73,12 @@ pub(super) fn list_commands(front: &mut RpcFront, _: &Call<'_>) -> Answer {
     Ok(Some(json!({"commands": told.collect::<Value>()})))
 }
 
-fn description(record: &Record) -> Value {
-    let mut told = sink::status(&record.status);
+fn description(record: &CommandRecord) -> Value {
+    let mut told = subscriber::status(&record.status);
     told["title"] = json!(record.title);
     told["cycles"] = json!(record.cycles());
     told["period"] = json!(seconds(record.period_ns()));
-    told["values"] = sink::values(&record.values());
+    told["values"] = subscriber::values(&record.values());
     if let Some((count, worst)) = record.overruns() {
         told["overruns"] = json!({
             "count": count,

@@ -4,27 +4,27 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::front::{Answer, Call, RpcFront, meant};
-use super::params::{an_object, literal};
-use super::sink;
-use crate::state::{Failure, NewDevice, PARAMETERS};
+use super::connection::{Call, MethodResult, RpcConnection, suggestion};
+use super::params::{literal, object_type};
+use super::subscriber;
+use crate::state::{ApiError, NewDevice, PARAMETERS};
 
 /// Returns all devices.
-pub(super) fn list_devices(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    let state = front.office.desk();
-    let devices: Value = state.devices.all().map(sink::device).collect();
+pub(super) fn list_devices(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
+    let state = front.state.lock();
+    let devices: Value = state.devices.all().map(subscriber::device).collect();
     Ok(Some(json!({"devices": devices})))
 }
 
 /// Adds a simulated device.
-pub(super) fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let parameters = call.optional("parameters", an_object())?;
+pub(super) fn add_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let parameters = call.optional("parameters", object_type())?;
     let parameters = parameters.into_iter().flatten();
     for (key, _) in parameters.clone() {
         if !PARAMETERS.contains(&key.as_str()) {
-            let meant = meant(key, PARAMETERS.into_iter());
+            let meant = suggestion(key, PARAMETERS.into_iter());
             let known = PARAMETERS.join(", ");
-            return Err(Failure::Bad(format!(
+            return Err(ApiError::Invalid(format!(
                 "parameters: unknown parameter {key}, expected one of {known}{meant}"
             )));
         }
@@ -38,14 +38,14 @@ pub(super) fn add_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
         kind: call.text("type")?,
         parameters: &parameters,
     };
-    let reply = call.later(|name| json!({"device": name}));
-    front.office.desk().add_device(&new, reply);
+    let reply = call.deferred_reply(|name| json!({"device": name}));
+    front.state.lock().add_device(&new, reply);
     Ok(None)
 }
 
 /// Removes a simulated device.
-pub(super) fn remove_device(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let reply = call.later(|_| json!({}));
-    front.office.desk().remove_device(call.text("name")?, reply);
+pub(super) fn remove_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let reply = call.deferred_reply(|_| json!({}));
+    front.state.lock().remove_device(call.text("name")?, reply);
     Ok(None)
 }

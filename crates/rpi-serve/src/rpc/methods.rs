@@ -3,11 +3,11 @@
 
 use serde_json::json;
 
-use super::front::{Answer, Call, RpcFront};
+use super::connection::{Call, MethodResult, RpcConnection};
 use super::{commands, devices, rules, sessions, tasks, watch};
 use crate::state::ServerState;
 
-type Act = fn(&mut RpcFront, &Call<'_>) -> Answer;
+type Handler = fn(&mut RpcConnection, &Call<'_>) -> MethodResult;
 
 /// A method.
 pub(super) struct Method {
@@ -16,7 +16,7 @@ pub(super) struct Method {
     pub(super) params: &'static [&'static str],
     /// Whether a malformed request or an unknown parameter is an error. An emergency stop must not fail because of one.
     pub(super) is_checked: bool,
-    pub(super) act: Act,
+    pub(super) handler: Handler,
 }
 
 const COMMAND: &[&str] = &["command"];
@@ -92,13 +92,13 @@ pub(super) const METHODS: &[Method] = &[
         tasks::load,
     ),
     method("task.start", TASK, |front, call| {
-        tasks::one(front, call, ServerState::start_task)
+        tasks::task_op(front, call, ServerState::start_task)
     }),
     method("task.cancel", TASK, |front, call| {
-        tasks::one(front, call, ServerState::cancel_task)
+        tasks::task_op(front, call, ServerState::cancel_task)
     }),
     method("task.unload", TASK, |front, call| {
-        tasks::one(front, call, ServerState::unload_task)
+        tasks::task_op(front, call, ServerState::unload_task)
     }),
     method("task.describe", TASK, tasks::describe),
     method("tasks", &[], tasks::list),
@@ -106,7 +106,7 @@ pub(super) const METHODS: &[Method] = &[
         name: "emergency.stop",
         params: &["by"],
         is_checked: false,
-        act: tasks::stop,
+        handler: tasks::stop,
     },
     method("emergency.reset", &[], tasks::reset),
     method("emergency.state", &[], tasks::state),
@@ -121,12 +121,12 @@ pub(super) const METHODS: &[Method] = &[
     method("ping", &[], |_, _| Ok(Some(json!({})))),
 ];
 
-const fn method(name: &'static str, params: &'static [&'static str], act: Act) -> Method {
+const fn method(name: &'static str, params: &'static [&'static str], act: Handler) -> Method {
     Method {
         name,
         params,
         is_checked: true,
-        act,
+        handler: act,
     }
 }
 

@@ -1,16 +1,16 @@
 //! The native interface: JSON-RPC 2.0 over the websocket `/rpc`, or one message per line over a Unix socket.
 
-mod answers;
 mod commands;
+mod connection;
 mod devices;
-mod front;
 mod methods;
 mod params;
+mod reply_target;
 mod rules;
 mod sessions;
-mod sink;
+mod subscriber;
 mod tasks;
 mod watch;
 
-pub(crate) use front::RpcFront;
+pub(crate) use connection::RpcConnection;
 pub use methods::methods;

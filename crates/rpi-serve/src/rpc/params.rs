@@ -2,42 +2,42 @@
 
 use std::time::Duration;
 
-use rpi_core::OnOverrun;
+use rpi_core::CommandOverrunPolicy;
 use serde_json::{Map, Value, json};
 
-use super::front::{Call, RpcFront};
-use crate::state::{Failure, Language, Load};
+use super::connection::{Call, RpcConnection};
+use crate::state::{ApiError, Language, LoadRequest};
 
 impl<'a> Call<'a> {
     /// Returns the load request. `named` is the parameter with the name of the command or task within the text.
-    pub(super) fn load(&self, named: &str) -> Result<Load<'a>, Failure> {
+    pub(super) fn load(&self, named: &str) -> Result<LoadRequest<'a>, ApiError> {
         let languages = [("rpi", Language::Rpi), ("rpinet", Language::Rpinet)];
         let language = self.one_of("language", &languages)?;
-        Ok(Load {
+        Ok(LoadRequest {
             session: self.text("session")?,
-            title: self.optional("title", a_text())?.unwrap_or_default(),
+            title: self.optional("title", text_type())?.unwrap_or_default(),
             language: language.unwrap_or(Language::Rpi),
             text: self.text("text")?,
-            command: self.optional(named, a_text())?,
+            command: self.optional(named, text_type())?,
             period_ns: u64::try_from(self.seconds("period", 0.0)?.as_nanos()).unwrap_or(u64::MAX),
             on_overrun: self.on_overrun()?,
         })
     }
 
     /// Returns the overrun policy, if there is one.
-    fn on_overrun(&self) -> Result<Option<OnOverrun>, Failure> {
-        let text = self.optional("on_overrun", a_text())?;
+    fn on_overrun(&self) -> Result<Option<CommandOverrunPolicy>, ApiError> {
+        let text = self.optional("on_overrun", text_type())?;
         let policy = text.map(str::parse).transpose();
-        policy.map_err(|why| Failure::Bad(format!("on_overrun: {why}")))
+        policy.map_err(|why| ApiError::Invalid(format!("on_overrun: {why}")))
     }
 
     /// Returns a function that makes the answer to a load: the name and the period, and whether the period was rounded.
-    pub(super) fn told_period(
+    pub(super) fn period_answer(
         &self,
-        front: &RpcFront,
+        front: &RpcConnection,
         asked_ns: u64,
     ) -> impl FnOnce(&str, String) -> Value + Send + 'static {
-        let period_ns = front.office.desk().defaults.period(asked_ns);
+        let period_ns = front.state.lock().defaults.round_period(asked_ns);
         move |kind, name| {
             let mut told = json!({"period": period_ns as f64 * 1e-9});
             told[kind] = json!(name);
@@ -49,8 +49,8 @@ impl<'a> Call<'a> {
     }
 
     /// Returns a Boolean parameter; false if it is missing.
-    pub(super) fn flag(&self, key: &str) -> Result<bool, Failure> {
-        Ok(self.optional(key, a_flag())?.unwrap_or(false))
+    pub(super) fn boolean(&self, key: &str) -> Result<bool, ApiError> {
+        Ok(self.optional(key, boolean_type())?.unwrap_or(false))
     }
 
     /// Returns the value that belongs to a parameter with a fixed set of words; `None` if it is missing.
@@ -58,13 +58,13 @@ impl<'a> Call<'a> {
         &self,
         key: &str,
         words: &[(&str, T)],
-    ) -> Result<Option<T>, Failure> {
-        let Some(word) = self.optional(key, a_text())? else {
+    ) -> Result<Option<T>, ApiError> {
+        let Some(word) = self.optional(key, text_type())? else {
             return Ok(None);
         };
         let found = words.iter().find(|(known, _)| *known == word);
         let known = || words.iter().map(|(known, _)| *known).collect::<Vec<_>>();
-        let bad = || Failure::Bad(format!("{key}: expected one of {}", known().join(", ")));
+        let bad = || ApiError::Invalid(format!("{key}: expected one of {}", known().join(", ")));
         found.map(|(_, meant)| Some(*meant)).ok_or_else(bad)
     }
 
@@ -72,41 +72,46 @@ impl<'a> Call<'a> {
     pub(super) fn optional<T>(
         &self,
         key: &str,
-        (what, read): Kind<'a, T>,
-    ) -> Result<Option<T>, Failure> {
+        (what, read): ParamType<'a, T>,
+    ) -> Result<Option<T>, ApiError> {
         match self.params.get(key) {
             None | Some(Value::Null) => Ok(None),
             Some(value) => {
-                let bad = || Failure::Bad(format!("{key}: expected {what}, found {}", kind(value)));
+                let bad = || {
+                    ApiError::Invalid(format!(
+                        "{key}: expected {what}, found {}",
+                        type_name(value)
+                    ))
+                };
                 read(value).map(Some).ok_or_else(bad)
             }
         }
     }
 
     /// Returns a required parameter, or an error if it is missing or its value has the wrong type.
-    pub(super) fn needed<T>(&self, key: &str, kind: Kind<'a, T>) -> Result<T, Failure> {
-        let lacks = || Failure::Bad(format!("the parameter {key} is missing: {}", kind.0));
+    pub(super) fn required<T>(&self, key: &str, kind: ParamType<'a, T>) -> Result<T, ApiError> {
+        let lacks = || ApiError::Invalid(format!("the parameter {key} is missing: {}", kind.0));
         self.optional(key, kind)?.ok_or_else(lacks)
     }
 
     /// Returns a required text.
-    pub(super) fn text(&self, key: &str) -> Result<&'a str, Failure> {
-        self.needed(key, a_text())
+    pub(super) fn text(&self, key: &str) -> Result<&'a str, ApiError> {
+        self.required(key, text_type())
     }
 
     /// Returns a list of texts; an empty one if the parameter is missing.
-    pub(super) fn texts(&self, key: &str) -> Result<Vec<&'a str>, Failure> {
-        Ok(self.optional(key, some_texts())?.unwrap_or_default())
+    pub(super) fn texts(&self, key: &str) -> Result<Vec<&'a str>, ApiError> {
+        Ok(self.optional(key, texts_type())?.unwrap_or_default())
     }
 
     /// Returns a duration given in seconds; `unless_said` seconds if the parameter is missing.
-    pub(super) fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, Failure> {
-        let seconds = self.optional(key, a_number())?.unwrap_or(unless_said);
+    pub(super) fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, ApiError> {
+        let seconds = self.optional(key, number_type())?.unwrap_or(unless_said);
         let time = Duration::try_from_secs_f64(seconds);
         let usable = time.ok().filter(|time| *time <= LONGEST);
         let most = LONGEST.as_secs();
         let bad = || {
-            Failure::Bad(format!(
+            ApiError::Invalid(format!(
                 "{key}: expected 0 to {most} seconds, found {seconds:?}"
             ))
         };
@@ -118,34 +123,34 @@ impl<'a> Call<'a> {
 const LONGEST: Duration = Duration::from_secs(3600);
 
 /// Type of a parameter: its description for error messages and the function that reads it.
-pub(super) type Kind<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
+pub(super) type ParamType<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
 
 /// Returns the type of texts.
-pub(super) fn a_text<'a>() -> Kind<'a, &'a str> {
+pub(super) fn text_type<'a>() -> ParamType<'a, &'a str> {
     ("a text", Value::as_str)
 }
 
-fn a_flag<'a>() -> Kind<'a, bool> {
+fn boolean_type<'a>() -> ParamType<'a, bool> {
     ("true or false", Value::as_bool)
 }
 
-fn a_number<'a>() -> Kind<'a, f64> {
+fn number_type<'a>() -> ParamType<'a, f64> {
     ("a number", Value::as_f64)
 }
 
 /// Returns the type of objects.
-pub(super) fn an_object<'a>() -> Kind<'a, &'a Map<String, Value>> {
+pub(super) fn object_type<'a>() -> ParamType<'a, &'a Map<String, Value>> {
     ("an object", Value::as_object)
 }
 
-fn some_texts<'a>() -> Kind<'a, Vec<&'a str>> {
+fn texts_type<'a>() -> ParamType<'a, Vec<&'a str>> {
     ("a list of texts", |value| {
         value.as_array()?.iter().map(Value::as_str).collect()
     })
 }
 
 /// Describes the type of a JSON value for error messages.
-fn kind(value: &Value) -> &'static str {
+fn type_name(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",
         Value::Bool(_) => "true or false",

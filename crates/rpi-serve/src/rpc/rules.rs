@@ -2,65 +2,65 @@
 
 use serde_json::json;
 
-use super::front::{Answer, Call, RpcFront};
-use crate::condition::{self, Expr, Saying};
-use crate::state::{Failure, Make};
+use super::connection::{Call, MethodResult, RpcConnection};
+use crate::condition::{self, Expr, FactExpr};
+use crate::state::{ApiError, RuleRequest};
 
 /// Schedules `command` as the successor of `after`, for all regular ends of `after` or for some of its results.
-pub(super) fn schedule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let after = call.text("after")?;
-    let said = |saying| Expr::Said(after.to_owned(), saying);
+    let said = |saying| Expr::Fact(after.to_owned(), saying);
     let results = call.texts("results")?;
-    let regular = said(Saying::Regular);
+    let regular = said(FactExpr::Regular);
     let results = results
         .iter()
-        .map(|r| said(Saying::Result((*r).to_owned())));
+        .map(|r| said(FactExpr::Result((*r).to_owned())));
     let when = match results.reduce(|a, b| Expr::Or(a.into(), b.into())) {
         Some(any) => Expr::And(regular.into(), any.into()),
         None => regular,
     };
-    let make = Make {
+    let make = RuleRequest {
         when: &when,
         stop: &[],
         cancel: &[],
         start: &[call.text("command")?],
         maker: front.client,
-        keep: call.flag("keep")?,
+        keep: call.boolean("keep")?,
     };
-    front.may_act(make.start)?;
+    front.ensure_may_act(make.start)?;
     front
-        .office
-        .desk()
-        .make_rule(&make, call.later(|name| json!({"rule": name})));
+        .state
+        .lock()
+        .make_rule(&make, call.deferred_reply(|name| json!({"rule": name})));
     Ok(None)
 }
 
 /// Makes a rule.
-pub(super) fn make_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let when = condition::parse(call.text("when")?).map_err(Failure::Bad)?;
-    let make = Make {
+pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let when = condition::parse(call.text("when")?).map_err(ApiError::Invalid)?;
+    let make = RuleRequest {
         when: &when,
         stop: &call.texts("stop")?,
         cancel: &call.texts("cancel")?,
         start: &call.texts("start")?,
         maker: front.client,
-        keep: call.flag("keep")?,
+        keep: call.boolean("keep")?,
     };
-    front.office.desk().rules.may_say(&make)?;
+    front.state.lock().rules.ensure_rule_size(&make)?;
     [make.stop, make.cancel, make.start]
         .iter()
-        .try_for_each(|names| front.may_act(names))?;
+        .try_for_each(|names| front.ensure_may_act(names))?;
     front
-        .office
-        .desk()
-        .make_rule(&make, call.later(|name| json!({"rule": name})));
+        .state
+        .lock()
+        .make_rule(&make, call.deferred_reply(|name| json!({"rule": name})));
     Ok(None)
 }
 
 /// Withdraws a rule.
-pub(super) fn withdraw(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let reply = call.later(|_| json!({}));
+pub(super) fn withdraw(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let reply = call.deferred_reply(|_| json!({}));
     let rule = call.text("rule")?;
-    front.office.desk().withdraw(front.client, rule, reply);
+    front.state.lock().withdraw(front.client, rule, reply);
     Ok(None)
 }

@@ -2,17 +2,17 @@
 
 use serde_json::json;
 
-use super::front::{Answer, Call, RpcFront};
-use super::params::a_text;
+use super::connection::{Call, MethodResult, RpcConnection};
+use super::params::text_type;
 use crate::limits::OnLoss;
-use crate::state::Failure;
+use crate::state::ApiError;
 
 /// Opens a session.
-pub(super) fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn open_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let on_loss = call.one_of("on_loss", &OnLoss::ALL)?;
-    let name = call.optional("name", a_text())?;
-    let shared = call.flag("shared")?;
-    let mut state = front.office.desk();
+    let name = call.optional("name", text_type())?;
+    let shared = call.boolean("shared")?;
+    let mut state = front.state.lock();
     let session = state.open_session(name.unwrap_or_default(), on_loss, (front.client, shared))?;
     drop(state);
     front.sessions.push(session.clone());
@@ -20,24 +20,24 @@ pub(super) fn open_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 }
 
 /// Aborts all commands of a session and closes it.
-pub(super) fn close_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn close_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let session = call.text("session")?;
-    front.may_act(&[session])?;
-    front.office.desk().abort_session(session)?;
+    front.ensure_may_act(&[session])?;
+    front.state.lock().abort_session(session)?;
     front.sessions.retain(|own| own != session);
     Ok(Some(json!({})))
 }
 
-impl RpcFront {
+impl RpcConnection {
     /// Takes over a session whose client has disconnected. Returns an error if the session belongs to another client.
-    pub(super) fn take_up(&mut self, session: &str) -> Result<(), Failure> {
-        self.may_act(&[session])?;
+    pub(super) fn take_over_session(&mut self, session: &str) -> Result<(), ApiError> {
+        self.ensure_may_act(&[session])?;
         if self
-            .office
-            .desk()
+            .state
+            .lock()
             .objects
             .sessions
-            .take_up(session, self.client)
+            .take_over_session(session, self.client)
         {
             self.sessions.push(session.to_owned());
         }

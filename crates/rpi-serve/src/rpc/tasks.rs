@@ -2,45 +2,45 @@
 
 use serde_json::{Value, json};
 
-use super::front::{Answer, Call, RpcFront};
-use super::sink;
-use crate::state::{Failure, ServerState};
+use super::connection::{Call, MethodResult, RpcConnection};
+use super::subscriber;
+use crate::state::{ApiError, ServerState};
 
 /// Loads a task of a program.
-pub(super) fn load(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("task")?;
-    let told = call.told_period(front, load.period_ns);
-    let reply = call.later(move |name| told("task", name));
-    front.take_up(load.session)?;
-    front.office.desk().load_task(&load, reply);
+    let told = call.period_answer(front, load.period_ns);
+    let reply = call.deferred_reply(move |name| told("task", name));
+    front.take_over_session(load.session)?;
+    front.state.lock().load_task(&load, reply);
     Ok(None)
 }
 
 /// Applies an operation to a task, after a check that the client may act on it.
-pub(super) fn one(
-    front: &mut RpcFront,
+pub(super) fn task_op(
+    front: &mut RpcConnection,
     call: &Call<'_>,
-    what: fn(&mut ServerState, &str) -> Result<(), Failure>,
-) -> Answer {
+    what: fn(&mut ServerState, &str) -> Result<(), ApiError>,
+) -> MethodResult {
     let task = call.text("task")?;
-    front.may_act(&[task])?;
-    what(&mut front.office.desk(), task)?;
+    front.ensure_may_act(&[task])?;
+    what(&mut front.state.lock(), task)?;
     Ok(Some(json!({})))
 }
 
 /// Returns the progress of a task.
-pub(super) fn describe(front: &mut RpcFront, call: &Call<'_>) -> Answer {
-    let state = front.office.desk();
-    Ok(Some(sink::task(
+pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let state = front.state.lock();
+    Ok(Some(subscriber::task(
         state.objects.tasks.status(call.text("task")?)?,
     )))
 }
 
 /// Subscribes to a task.
-pub(super) fn watch(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("task")?;
     let sink = front.sink(Some(("task", name)))?;
-    let mut state = front.office.desk();
+    let mut state = front.state.lock();
     state.objects.tasks.status(name)?;
     call.answer(json!({}));
     state.objects.tasks.watch(name, sink)?;
@@ -48,10 +48,10 @@ pub(super) fn watch(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 }
 
 /// Returns all tasks with their progress.
-pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    let state = front.office.desk();
+pub(super) fn list(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
+    let state = front.state.lock();
     let tasks = state.objects.tasks.all().map(|(name, title, status)| {
-        let mut told = sink::task(status);
+        let mut told = subscriber::task(status);
         told["task"] = json!(name);
         told["title"] = json!(title);
         told
@@ -60,30 +60,32 @@ pub(super) fn list(front: &mut RpcFront, _: &Call<'_>) -> Answer {
 }
 
 /// Emergency stop. Every authenticated client may request it.
-pub(super) fn stop(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn stop(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     // A malformed `by` must not prevent the stop.
     let by = call.params.get("by").and_then(Value::as_str);
-    let reply = call.later(|_| json!({}));
+    let reply = call.deferred_reply(|_| json!({}));
     let by = by.unwrap_or("a client");
-    front.office.desk().emergency_stop(by, reply);
+    front.state.lock().emergency_stop(by, reply);
     Ok(None)
 }
 
 /// Resets an emergency stop.
-pub(super) fn reset(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    front.office.desk().reset_emergency()?;
+pub(super) fn reset(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
+    front.state.lock().reset_emergency()?;
     Ok(Some(json!({})))
 }
 
 /// Returns whether an emergency stop is in force, and who requested it.
-pub(super) fn state(front: &mut RpcFront, _: &Call<'_>) -> Answer {
-    Ok(Some(sink::emergency(front.office.desk().emergency.by())))
+pub(super) fn state(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
+    Ok(Some(subscriber::emergency(
+        front.state.lock().emergency.by(),
+    )))
 }
 
 /// Subscribes to the emergency stop.
-pub(super) fn watch_emergency(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn watch_emergency(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let sink = front.sink(None)?;
     call.answer(json!({}));
-    front.office.desk().emergency.watch(sink);
+    front.state.lock().emergency.watch(sink);
     Ok(None)
 }

@@ -4,19 +4,19 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::front::{Answer, Call, RpcFront};
-use super::sink::RpcSink;
-use crate::state::{Failure, TOO_CURIOUS, Watching};
+use super::connection::{Call, MethodResult, RpcConnection};
+use super::subscriber::RpcSubscriber;
+use crate::state::{ApiError, TOO_MANY_SUBSCRIPTIONS, WatchRequest};
 
 /// Subscribes to a command.
-pub(super) fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn watch_command(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("command")?;
-    let watching = Watching {
+    let watching = WatchRequest {
         period: call.seconds("period", 0.02)?,
-        settle: Duration::ZERO,
+        end_delay: Duration::ZERO,
         sink: front.sink(Some(("command", name)))?,
     };
-    let mut state = front.office.desk();
+    let mut state = front.state.lock();
     state.objects.commands.find(name)?;
     call.answer(json!({}));
     state.objects.commands.watch(name, watching)?;
@@ -24,40 +24,43 @@ pub(super) fn watch_command(front: &mut RpcFront, call: &Call<'_>) -> Answer {
 }
 
 /// Subscribes to a rule.
-pub(super) fn watch_rule(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn watch_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("rule")?;
     let sink = front.sink(Some(("rule", name)))?;
-    let mut state = front.office.desk();
-    state.rules.find_rule(name)?;
+    let mut state = front.state.lock();
+    state.rules.ensure_rule_exists(name)?;
     call.answer(json!({}));
     state.watch_rule(name, sink)?;
     Ok(None)
 }
 
 /// Subscribes to a session.
-pub(super) fn watch_session(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn watch_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("session")?;
     let sink = front.sink(Some(("session", name)))?;
-    front.office.desk().objects.sessions.watch(name, sink)?;
+    front.state.lock().objects.sessions.watch(name, sink)?;
     Ok(Some(json!({})))
 }
 
 /// Subscribes to all devices.
-pub(super) fn watch_devices(front: &mut RpcFront, call: &Call<'_>) -> Answer {
+pub(super) fn watch_devices(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let sink = front.sink(None)?;
     call.answer(json!({}));
-    front.office.desk().devices.watch(sink);
+    front.state.lock().devices.watch(sink);
     Ok(None)
 }
 
-impl RpcFront {
+impl RpcConnection {
     /// Creates a subscriber for updates about an object, given by kind and name.
     pub(super) fn sink(
         &self,
         about: Option<(&'static str, &str)>,
-    ) -> Result<Box<RpcSink>, Failure> {
-        let out = self.out.post().ok_or(TOO_CURIOUS)?;
+    ) -> Result<Box<RpcSubscriber>, ApiError> {
+        let out = self
+            .outbox
+            .subscription_sender()
+            .ok_or(TOO_MANY_SUBSCRIPTIONS)?;
         let about = about.map(|(kind, name)| (kind, name.to_owned()));
-        Ok(Box::new(RpcSink { about, out }))
+        Ok(Box::new(RpcSubscriber { about, out }))
     }
 }

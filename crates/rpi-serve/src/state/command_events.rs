@@ -1,56 +1,57 @@
 //! Effects of the core's notices on the records of commands.
 
-use rpi_device::Jump;
-use rpi_runtime::control::{Cause, CommandId, Ending, State, Why};
-use rpi_runtime::run::jump_text;
+use rpi_device::Discontinuity;
+use rpi_runtime::control::{AbortReason, Cause, CommandId, CommandState, Ending};
+use rpi_runtime::run::actuator_discontinuity_text;
 
 use super::commands::Commands;
 use super::core_link::CoreLink;
+use super::deferred::CommandOp;
 use super::devices::Devices;
 use super::eval::start_eval;
-use super::journal::Journal;
-use super::owed::Debt;
-use super::place::Place;
-use super::record::{Record, results, yields};
-use super::types::{Failure, Phase, cause, why};
+use super::event_log::EventLog;
+use super::record::{CommandRecord, has_yielded, results};
+use super::source_location::SourceLocation;
+use super::types::{ApiError, Phase, cause_text, fault_text};
 
 /// A command is in the core's table. `may_start` is an error during an emergency stop.
-pub(super) fn inserted(
+pub(super) fn on_inserted(
     commands: &mut Commands,
     number: u64,
-    may_start: Result<(), Failure>,
+    may_start: Result<(), ApiError>,
     core: &mut CoreLink,
 ) {
     let Some(record) = commands.get_mut(number) else {
         return;
     };
-    record.set_phase(Phase::Is(State::Ready));
+    record.set_phase(Phase::Core(CommandState::Ready));
     let (eval, abandoned) = (record.eval.is_some(), record.unload_at_end);
     if eval {
         start_eval(commands, number, may_start, core);
     } else if abandoned {
         // Its client disconnected while it was loaded.
-        commands.owe(number, Debt::Unload, core);
+        commands.defer(number, CommandOp::Unload, core);
     }
 }
 
 /// A command has changed its state.
-pub(super) fn phase(commands: &mut Commands, id: CommandId, state: State) {
+pub(super) fn phase(commands: &mut Commands, id: CommandId, state: CommandState) {
     if let Some(record) = commands.record_of(id) {
-        record.set_phase(Phase::Is(state));
+        record.set_phase(Phase::Core(state));
     }
 }
 
 /// A command has left a device moving, which brakes on its own.
-pub(super) fn braked(commands: &mut Commands, id: CommandId, device: String) {
+pub(super) fn on_braked(commands: &mut Commands, id: CommandId, device: String) {
     let Some(record) = commands.record_of(id) else {
         return;
     };
-    if record.status.place.is_none()
+    if record.status.location.is_none()
         && let Some(image) = &record.image
     {
-        let place = image.place_of_device(&device);
-        record.status.place = place.map(|p| Place::of_node(p, record.text.as_deref()));
+        let place = image.location_of_device(&device);
+        record.status.location =
+            place.map(|p| SourceLocation::from_node(p, record.text.as_deref()));
     }
     if !record.status.braked.contains(&device) {
         record.status.braked.push(device);
@@ -58,21 +59,21 @@ pub(super) fn braked(commands: &mut Commands, id: CommandId, device: String) {
 }
 
 /// The first set-points of a command do not continue those of its predecessor. Reported even if the policy allows it.
-pub(super) fn jumped(
+pub(super) fn on_discontinuity(
     commands: &mut Commands,
     id: CommandId,
-    (jump, devices): (&Jump, &Devices),
-    log: &mut Journal,
+    (jump, devices): (&Discontinuity, &Devices),
+    log: &mut EventLog,
 ) {
-    let jump = jump_text(jump, &devices.actuator(jump.resource));
+    let jump = actuator_discontinuity_text(jump, &devices.actuator_name(jump.resource));
     let number = commands.numbered(id).map(|(number, _)| number);
     let Some((number, record)) = number.zip(commands.record_of(id)) else {
         return;
     };
     let line = format!("{} takes over with a jump: {jump}", record.called(number));
-    record.subscriptions.tell_jump(&jump);
-    record.status.jump.get_or_insert(jump);
-    log.note(format_args!("{line}"));
+    record.subscriptions.report_discontinuity(&jump);
+    record.status.discontinuity.get_or_insert(jump);
+    log.write(format_args!("{line}"));
 }
 
 /// A command has ended. `stopped` says that a rule has stopped it and started a successor.
@@ -80,7 +81,7 @@ pub(super) fn ended(
     commands: &mut Commands,
     id: CommandId,
     (ending, stopped): (Ending, bool),
-    log: &mut Journal,
+    log: &mut EventLog,
 ) {
     let number = commands.numbered(id).map(|(number, _)| number);
     let Some((number, record)) = number.zip(commands.record_of(id)) else {
@@ -88,31 +89,35 @@ pub(super) fn ended(
     };
     note_ending(record, ending, stopped);
     let how = record.status.result.clone();
-    let how = how.unwrap_or_else(|| match why(&ending) {
-        Some(why) => format!("{}, {why}", cause(&ending)),
-        None => cause(&ending).to_owned(),
+    let how = how.unwrap_or_else(|| match fault_text(&ending) {
+        Some(why) => format!("{}, {why}", cause_text(&ending)),
+        None => cause_text(&ending).to_owned(),
     });
-    log.note(format_args!(
+    log.write(format_args!(
         "{} has ended: {how}, error {}",
         record.called(number),
         ending.error
     ));
 }
 
-fn note_ending(record: &mut Record, ending: Ending, stopped: bool) {
+fn note_ending(record: &mut CommandRecord, ending: Ending, stopped: bool) {
     if let (Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
         record.status.result = results(image).get(k).map(|name| (*name).to_owned());
     }
     if let (Cause::Fault(fault), Some(image)) = (ending.cause, &record.image) {
-        let place = image.place_of(fault.cell);
-        record.status.place = place.map(|p| Place::of_node(p, record.text.as_deref()));
+        let place = image.location_of(fault.slot);
+        record.status.location =
+            place.map(|p| SourceLocation::from_node(p, record.text.as_deref()));
     }
-    if ending.cause == Cause::Aborted(Why::Overrun) {
+    if ending.cause == Cause::Aborted(AbortReason::Overrun) {
         let worst = record.overruns();
         let fragment = worst.and_then(|(_, worst)| record.fragment(worst.fragment));
-        record.status.place = fragment.map(Place::of_fragment);
+        record.status.location = fragment.map(SourceLocation::from_fragment);
     }
-    let yielded = record.image.as_ref().is_some_and(|i| yields(i, &ending));
+    let yielded = record
+        .image
+        .as_ref()
+        .is_some_and(|i| has_yielded(i, &ending));
     (record.status.ending, record.status.taken_over) = (Some(ending), stopped || yielded);
-    record.set_phase(Phase::Is(State::Terminated));
+    record.set_phase(Phase::Core(CommandState::Terminated));
 }

@@ -5,100 +5,100 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rpi_image::Image;
-use rpi_runtime::control::{Adopted, CommandId, Refused, State};
+use rpi_runtime::control::{AdoptedCommand, CommandError, CommandId, CommandState};
 
 use super::core_link::CoreLink;
+use super::deferred::CommandOp;
 use super::devices::Devices;
-use super::number_of;
-use super::owed::Debt;
-use super::pending::Then;
-use super::record::Record;
-use super::types::{Failure, Phase};
-use super::watch::{Exported, Watching};
+use super::parse_number;
+use super::pending::OnAnswer;
+use super::record::CommandRecord;
+use super::subscriptions::{Exported, WatchRequest};
+use super::types::{ApiError, Phase};
 
 /// The commands by number. A command that the core knows can also be found by its id there; each id belongs to one
 /// command.
 #[derive(Default)]
 pub(crate) struct Commands {
-    records: BTreeMap<u64, Record>,
+    records: BTreeMap<u64, CommandRecord>,
     by_id: BTreeMap<CommandId, u64>,
 }
 
 impl Commands {
     /// Adds a command that is being loaded.
-    pub(super) fn insert(&mut self, number: u64, record: Record) {
+    pub(super) fn insert(&mut self, number: u64, record: CommandRecord) {
         self.records.insert(number, record);
     }
 
     /// Returns the command with this number.
-    pub(super) fn get(&self, number: u64) -> Option<&Record> {
+    pub(super) fn get(&self, number: u64) -> Option<&CommandRecord> {
         self.records.get(&number)
     }
 
     /// Returns the command with this number.
-    pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut Record> {
+    pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut CommandRecord> {
         self.records.get_mut(&number)
     }
 
     /// Returns all commands by number, also those for a single cycle.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (u64, &Record)> + Clone {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u64, &CommandRecord)> + Clone {
         self.records
             .iter()
             .map(|(number, record)| (*number, record))
     }
 
     /// Returns a command and its number by name.
-    pub(crate) fn find(&self, name: &str) -> Result<(u64, &Record), Failure> {
-        let number = number_of(name, 'n');
+    pub(crate) fn find(&self, name: &str) -> Result<(u64, &CommandRecord), ApiError> {
+        let number = parse_number(name, 'n');
         let found = number.and_then(|n| Some((n, self.records.get(&n)?)));
-        found.ok_or_else(|| Failure::Unknown(format!("command {name}")))
+        found.ok_or_else(|| ApiError::Unknown(format!("command {name}")))
     }
 
     /// Returns all commands with their names, except those for a single cycle.
-    pub(crate) fn all(&self) -> impl Iterator<Item = (String, &Record)> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = (String, &CommandRecord)> {
         let commands = self.records.iter().filter(|(_, r)| r.eval.is_none());
         commands.map(|(number, record)| (format!("n{number}"), record))
     }
 
     /// Returns the id of a command in the core.
-    pub(super) fn core_id(&self, name: &str) -> Result<CommandId, Failure> {
+    pub(super) fn command_id(&self, name: &str) -> Result<CommandId, ApiError> {
         let (_, record) = self.find(name)?;
-        let loading = || Failure::Bad(format!("{name} is still being loaded"));
+        let loading = || ApiError::Invalid(format!("{name} is still being loaded"));
         record.id.ok_or_else(loading)
     }
 
     /// Returns the command with this id in the core.
-    pub(super) fn record_of(&mut self, id: CommandId) -> Option<&mut Record> {
+    pub(super) fn record_of(&mut self, id: CommandId) -> Option<&mut CommandRecord> {
         let number = self.by_id.get(&id)?;
         self.records.get_mut(number)
     }
 
     /// Returns the command with this id in the core, and its number.
-    pub(super) fn numbered(&self, id: CommandId) -> Option<(u64, &Record)> {
+    pub(super) fn numbered(&self, id: CommandId) -> Option<(u64, &CommandRecord)> {
         let number = *self.by_id.get(&id)?;
         Some((number, self.records.get(&number)?))
     }
 
     /// Returns the numbers of the commands of a session.
-    pub(super) fn of_session(&self, session: u64) -> impl Iterator<Item = (u64, &Record)> {
+    pub(super) fn of_session(&self, session: u64) -> impl Iterator<Item = (u64, &CommandRecord)> {
         self.iter().filter(move |(_, r)| r.session == session)
     }
 
     /// Returns whether a command runs.
     pub(super) fn any_runs(&self) -> bool {
-        self.records.values().any(Record::runs)
+        self.records.values().any(CommandRecord::runs)
     }
 
     /// Called when a command is on its way to the core. Its loading is finished once the core has answered.
-    pub(super) fn adopted(
+    pub(super) fn register_adopted(
         &mut self,
         number: u64,
-        adopted: Adopted,
+        adopted: AdoptedCommand,
         image: Arc<Image>,
         bytes: usize,
         core: &mut CoreLink,
     ) {
-        let Adopted { id, ticket, board } = adopted;
+        let AdoptedCommand { id, ticket, board } = adopted;
         self.by_id.insert(id, number);
         let mut reply = None;
         if let Some(record) = self.records.get_mut(&number) {
@@ -108,24 +108,24 @@ impl Commands {
             record.board = Some(board);
             reply = record.loading.take();
         }
-        core.asked(Ok(ticket), Then::Inserted(number), reply);
+        core.track_request(Ok(ticket), OnAnswer::CommandInserted(number), reply);
     }
 
     /// Removes a command that could not be loaded.
-    pub(super) fn remove(&mut self, number: u64) -> Option<Record> {
+    pub(super) fn remove(&mut self, number: u64) -> Option<CommandRecord> {
         self.records.remove(&number)
     }
 
     /// Removes a command that the core has freed.
-    pub(super) fn forget(&mut self, id: CommandId) -> Option<Record> {
+    pub(super) fn forget(&mut self, id: CommandId) -> Option<CommandRecord> {
         let number = self.by_id.remove(&id)?;
         self.records.remove(&number)
     }
 
     /// Applies an operation to a command in the table, as soon as the queue has room.
-    pub(super) fn owe(&self, number: u64, debt: Debt, core: &mut CoreLink) {
+    pub(super) fn defer(&self, number: u64, debt: CommandOp, core: &mut CoreLink) {
         if let Some(id) = self.records.get(&number).and_then(|r| r.id) {
-            core.owe_by_id(id, debt);
+            core.defer_by_id(id, debt);
         }
     }
 
@@ -136,26 +136,26 @@ impl Commands {
         };
         record.unload_at_end = true;
         if record.has_ended() {
-            self.owe(number, Debt::Unload, core);
+            self.defer(number, CommandOp::Unload, core);
         }
     }
 
     /// Lets a command run, or wait for its rule. A command that is only ready is unloaded.
-    pub(super) fn leave(&mut self, number: u64, core: &mut CoreLink) {
+    pub(super) fn leave_running(&mut self, number: u64, core: &mut CoreLink) {
         self.unload_at_end(number, core);
         let phase = self.records.get(&number).map(|r| r.status.phase);
-        if phase == Some(Phase::Is(State::Ready)) {
-            self.owe(number, Debt::Unload, core);
+        if phase == Some(Phase::Core(CommandState::Ready)) {
+            self.defer(number, CommandOp::Unload, core);
         }
     }
 
     /// Ends a command: a running one is cancelled and then unloaded, any other one is unloaded.
-    pub(super) fn retire(&mut self, number: u64, core: &mut CoreLink) {
+    pub(super) fn cancel_and_unload(&mut self, number: u64, core: &mut CoreLink) {
         let phase = self.records.get(&number).map(|r| r.status.phase);
         self.unload_at_end(number, core);
         match phase {
-            Some(Phase::Is(State::Running)) => self.owe(number, Debt::Cancel, core),
-            Some(Phase::Is(_)) => self.owe(number, Debt::Unload, core),
+            Some(Phase::Core(CommandState::Running)) => self.defer(number, CommandOp::Cancel, core),
+            Some(Phase::Core(_)) => self.defer(number, CommandOp::Unload, core),
             _ => {}
         }
     }
@@ -164,12 +164,12 @@ impl Commands {
     pub(super) fn unload_if_abandoned(&self, id: CommandId, core: &mut CoreLink) {
         let found = self.numbered(id);
         if found.is_some_and(|(_, r)| r.unload_at_end && r.eval.is_none()) {
-            core.owe_by_id(id, Debt::Unload);
+            core.defer_by_id(id, CommandOp::Unload);
         }
     }
 
     /// Subscribes to a command: reports its state now and at each change, and its exports.
-    pub(crate) fn watch(&mut self, name: &str, watching: Watching) -> Result<(), Failure> {
+    pub(crate) fn watch(&mut self, name: &str, watching: WatchRequest) -> Result<(), ApiError> {
         let (number, _) = self.find(name)?;
         if let Some(record) = self.records.get_mut(&number) {
             let exported = Exported::new(record.board.as_deref(), record.image.as_deref());
@@ -188,16 +188,16 @@ impl Commands {
     /// Removes the subscriptions of disconnected clients.
     pub(super) fn forget_deaf(&mut self) {
         let records = self.records.values_mut();
-        records.for_each(|r| r.subscriptions.forget_deaf());
+        records.for_each(|r| r.subscriptions.drop_disconnected());
     }
 
     /// Converts a refusal of the core to an error with the display names of actuator and command.
-    pub(super) fn refusal(&self, why: Refused, devices: &Devices) -> Failure {
-        let Refused::Held { resource, by } = why else {
-            return Failure::Refused(why);
+    pub(super) fn refusal_error(&self, why: CommandError, devices: &Devices) -> ApiError {
+        let CommandError::ResourceHeld { resource, by } = why else {
+            return ApiError::Refused(why);
         };
-        let actuator = devices.actuator(resource);
-        Failure::Held(match self.numbered(by) {
+        let actuator = devices.actuator_name(resource);
+        ApiError::ResourceHeld(match self.numbered(by) {
             Some((number, record)) => {
                 let title = record.title.as_str();
                 let gap = if title.is_empty() { "" } else { " " };

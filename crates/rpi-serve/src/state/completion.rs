@@ -12,36 +12,36 @@ use std::time::Instant;
 use rpi_image::{PortType, Role, Scalar, Value};
 use rpi_net::passes::Conjunction;
 use rpi_net::{Net, Node};
-use rpi_runtime::control::{CommandId, State};
+use rpi_runtime::control::{CommandId, CommandState};
 
 use super::commands::Commands;
-use super::journal::Journal;
-use super::record::Record;
+use super::event_log::EventLog;
+use super::record::CommandRecord;
 use super::types::Phase;
 
 /// For each Boolean export of a net, the conjunction of flows under which it is true.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Reasons(BTreeMap<String, Conjunction>);
+pub(crate) struct ResultConditions(BTreeMap<String, Conjunction>);
 
 /// Reason why the completion result cannot be determined.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Unclear {
+pub(crate) enum CompletionError {
     /// Several pairs of results differ only in the cancel flag.
-    Several,
+    Ambiguous,
     /// No pair does, and there is no single result that could mean completion.
-    None,
+    NotFound,
 }
 
-impl Reasons {
+impl ResultConditions {
     /// Analyses the Boolean exports of a net. An export that is never true has no entry.
-    pub(super) fn of(net: &Net) -> Reasons {
+    pub(super) fn from_net(net: &Net) -> ResultConditions {
         let exports = net.nodes.iter().filter(|n| n.desc().role == Role::Export);
         let reason = |node: &Node| {
             let key = node.params.iter().find_map(Value::as_str)?;
             let flow = node.inputs.first().filter(|_| is_boolean(node))?;
-            Some((key.to_owned(), Conjunction::of(net, flow)?))
+            Some((key.to_owned(), Conjunction::from_flow(net, flow)?))
         };
-        Reasons(exports.filter_map(reason).collect())
+        ResultConditions(exports.filter_map(reason).collect())
     }
 
     /// Returns the result among `results` that means completion, or, if `cancelled`, completion of the cancellation.
@@ -52,26 +52,26 @@ impl Reasons {
         &self,
         results: &[&'a str],
         cancelled: bool,
-    ) -> Result<&'a str, Unclear> {
+    ) -> Result<&'a str, CompletionError> {
         let mut pairs = results.iter().flat_map(|a| {
-            let twins = results.iter().filter(|b| self.are_twins(a, b));
+            let twins = results.iter().filter(|b| self.are_counterparts(a, b));
             twins.map(move |b| if cancelled { *b } else { *a })
         });
         match (pairs.next(), pairs.next(), results) {
             (Some(only), None, _) => Ok(only),
-            (Some(_), Some(_), _) => Err(Unclear::Several),
+            (Some(_), Some(_), _) => Err(CompletionError::Ambiguous),
             // A net without support for cancelling has no pair. Then a single result means completion, as an error
             // result never comes alone.
             (None, _, [only]) if self.0.get(*only).is_some_and(|r| r.cancelled.is_none()) => {
                 Ok(only)
             }
-            (None, _, _) => Err(Unclear::None),
+            (None, _, _) => Err(CompletionError::NotFound),
         }
     }
 
     /// Returns whether two results have the same condition, except that the net was not cancelled for the first one and
     /// was for the second one.
-    fn are_twins(&self, completed: &str, cancelled: &str) -> bool {
+    fn are_counterparts(&self, completed: &str, cancelled: &str) -> bool {
         let (Some(a), Some(b)) = (self.0.get(completed), self.0.get(cancelled)) else {
             return false;
         };
@@ -81,50 +81,51 @@ impl Reasons {
 
 fn is_boolean(node: &Node) -> bool {
     let port = node.desc().inputs.first();
-    port.is_some_and(|p| matches!(p.ty, PortType::One(Scalar::Bool)))
+    port.is_some_and(|p| matches!(p.ty, PortType::Scalar(Scalar::Bool)))
 }
 
 /// What is known about the completion result of one command.
 #[derive(Default)]
 pub(super) struct Completion {
     /// For each exported Boolean, the conditions under which it can be true.
-    pub(super) reasons: Reasons,
+    pub(super) reasons: ResultConditions,
     /// Keys of the results that end the command: its session has made rules that stop it when one of them is true.
-    ends_by: Vec<String>,
+    end_results: Vec<String>,
     /// Key of the result that is reported as true because another command has taken over.
-    completed: Option<String>,
+    completion_result: Option<String>,
 }
 
 impl Completion {
     /// Notes a result that ends the command.
     pub(super) fn add_end(&mut self, key: &str) {
-        if !self.ends_by.iter().any(|known| known == key) {
-            self.ends_by.push(key.to_owned());
+        if !self.end_results.iter().any(|known| known == key) {
+            self.end_results.push(key.to_owned());
         }
     }
 
     /// Determines the completion result after a takeover. `values` are the current exports. Returns `None` if one of
     /// the results that end the command is true anyway.
-    fn complete(
+    fn resolve_completion(
         &mut self,
         cancelled: bool,
         values: &[(String, String)],
-    ) -> Option<Result<String, Unclear>> {
-        let up = |(key, value): &(String, String)| value == "true" && self.ends_by.contains(key);
-        if self.ends_by.is_empty() || values.iter().any(up) {
+    ) -> Option<Result<String, CompletionError>> {
+        let up =
+            |(key, value): &(String, String)| value == "true" && self.end_results.contains(key);
+        if self.end_results.is_empty() || values.iter().any(up) {
             return None;
         }
-        let results: Vec<&str> = self.ends_by.iter().map(String::as_str).collect();
+        let results: Vec<&str> = self.end_results.iter().map(String::as_str).collect();
         let found = self.reasons.completion(&results, cancelled);
         let found = found.map(str::to_owned);
-        self.completed = found.as_ref().ok().cloned();
+        self.completion_result = found.as_ref().ok().cloned();
         Some(found)
     }
 }
 
 /// Called when a rule has fired: determines the completion result of each command that it stopped in favour of a
 /// successor.
-pub(super) fn note_takeover(commands: &mut Commands, stopped: &[CommandId], log: &mut Journal) {
+pub(super) fn record_takeover(commands: &mut Commands, stopped: &[CommandId], log: &mut EventLog) {
     for command in stopped {
         let Some(record) = commands.record_of(*command) else {
             continue;
@@ -134,31 +135,31 @@ pub(super) fn note_takeover(commands: &mut Commands, stopped: &[CommandId], log:
             Some(Err(why)) => format!("and is not reported as complete: {why}"),
             None => continue,
         };
-        log.note(format_args!("{} was taken over, {how}", record.title));
+        log.write(format_args!("{} was taken over, {how}", record.title));
     }
 }
 
-fn complete(record: &mut Record) -> Option<Result<String, Unclear>> {
+fn complete(record: &mut CommandRecord) -> Option<Result<String, CompletionError>> {
     let cancelled = match record.status.phase {
-        Phase::Is(State::Running) => false,
-        Phase::Is(State::Cancelling) => true,
+        Phase::Core(CommandState::Running) => false,
+        Phase::Core(CommandState::Cancelling) => true,
         _ => return None,
     };
     let values = record.values();
-    record.completion.complete(cancelled, &values)
+    record.completion.resolve_completion(cancelled, &values)
 }
 
 /// Reports the completion results of the stopped commands: first as true, then as false again. A waiting client sees
 /// the change, and a later one does not take it for a result that a rule could still use.
-pub(super) fn tell_completions(commands: &mut Commands, stopped: &[CommandId]) {
+pub(super) fn report_completions(commands: &mut Commands, stopped: &[CommandId]) {
     for value in [true, false] {
         for command in stopped {
             let Some(record) = commands.record_of(*command) else {
                 continue;
             };
-            if let Some(key) = record.completion.completed.clone() {
+            if let Some(key) = record.completion.completion_result.clone() {
                 record.publish_now();
-                record.subscriptions.tell_flag(&key, value);
+                record.subscriptions.report_flag(&key, value);
             }
         }
     }
@@ -166,32 +167,33 @@ pub(super) fn tell_completions(commands: &mut Commands, stopped: &[CommandId]) {
 
 /// Returns whether the firing of a rule cannot be reported yet, because a command that it stopped is not known to have
 /// run.
-pub(super) fn is_early(commands: &Commands, stopped: &[CommandId]) -> bool {
+pub(super) fn must_delay_report(commands: &Commands, stopped: &[CommandId]) -> bool {
     let now = Instant::now();
     stopped.iter().any(|command| {
         let found = commands.numbered(*command);
         found.is_some_and(|(_, record)| {
-            record.completion.completed.is_some() && record.subscriptions.is_held_back(now)
+            record.completion.completion_result.is_some()
+                && record.subscriptions.is_withheld_from_any(now)
         })
     })
 }
 
-impl std::fmt::Display for Unclear {
+impl std::fmt::Display for CompletionError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Unclear::Several => "several of its results differ only in the cancel flag",
-            Unclear::None => "none of its results has a counterpart for cancellation",
+            CompletionError::Ambiguous => "several of its results differ only in the cancel flag",
+            CompletionError::NotFound => "none of its results has a counterpart for cancellation",
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::loader::{Language, Origin};
+    use super::super::loader::{Language, Source};
     use super::*;
 
     /// Analyses a net with these exports and the flows `c` (cancelled), `n` (not cancelled), `d` and `e` (inputs).
-    fn reasons(exports: &[(&str, &str)]) -> Reasons {
+    fn reasons(exports: &[(&str, &str)]) -> ResultConditions {
         let mut text = "{c=Cancel(),n=Core::BooleanNot(inValue=c.outCancel),\
             d=Core::BooleanNetcommIn(Key='d'),e=Core::BooleanNetcommIn(Key='e'),\
             nd=Core::BooleanAnd(inFirst=n.outValue,inSecond=d.outValue),\
@@ -202,12 +204,14 @@ mod tests {
         for (key, flow) in exports {
             text += &format!(",x{key}=Core::BooleanNetcommOut(inValue={flow},Key='{key}')");
         }
-        let origin = Origin {
+        let origin = Source {
             language: Language::Rpinet,
             text: (text + "}").into(),
             command: None,
         };
-        origin.net(|net| Ok(Reasons::of(net))).unwrap()
+        origin
+            .net(|net| Ok(ResultConditions::from_net(net)))
+            .unwrap()
     }
 
     #[test]
@@ -224,7 +228,7 @@ mod tests {
         assert_eq!(motion.completion(&results, true), Ok("_1"));
         assert_eq!(
             motion.completion(&["_2", "_4", "_1"], false),
-            Err(Unclear::None)
+            Err(CompletionError::NotFound)
         );
     }
 
@@ -238,10 +242,13 @@ mod tests {
         ]);
         assert_eq!(
             two.completion(&["a", "b", "c", "d"], false),
-            Err(Unclear::Several)
+            Err(CompletionError::Ambiguous)
         );
-        assert_eq!(two.completion(&[], false), Err(Unclear::None));
-        assert_eq!(two.completion(&["other"], false), Err(Unclear::None));
+        assert_eq!(two.completion(&[], false), Err(CompletionError::NotFound));
+        assert_eq!(
+            two.completion(&["other"], false),
+            Err(CompletionError::NotFound)
+        );
     }
 
     #[test]
@@ -252,10 +259,13 @@ mod tests {
             ("error", "e.outValue"),
         ]);
         assert_eq!(plain.completion(&["done"], false), Ok("done"));
-        assert_eq!(plain.completion(&["cancelled"], false), Err(Unclear::None));
+        assert_eq!(
+            plain.completion(&["cancelled"], false),
+            Err(CompletionError::NotFound)
+        );
         assert_eq!(
             plain.completion(&["done", "error"], false),
-            Err(Unclear::None)
+            Err(CompletionError::NotFound)
         );
     }
 }

@@ -1,21 +1,21 @@
 //! Connection to the control core: requests go to the cycle, events come from it.
 
-use rpi_runtime::control::{CommandId, Control, Event, Rejected, RuleId, Ticket};
+use rpi_runtime::control::{CommandId, Control, Event, RequestError, RuleId, Ticket};
 
 use super::commands::Commands;
-use super::owed::{Debt, Owed, Owing};
-use super::pending::{Errand, PendingRequests, Then};
-use super::record::Record;
-use super::types::{Failure, Reply};
+use super::deferred::{CommandOp, DeferredOp, DeferredOps};
+use super::pending::{OnAnswer, PendingRequest, PendingRequests};
+use super::record::CommandRecord;
+use super::types::{ApiError, Reply};
 
 /// Entries of the request queue reserved for the server itself.
-const RESERVED: usize = 1024;
+const RESERVED_ENTRIES: usize = 1024;
 
 /// The connection to the control core, with the requests that it has not answered and those that are not sent yet.
 pub(crate) struct CoreLink {
     pub(super) control: Control,
     pending: PendingRequests,
-    deferred: Owed,
+    deferred: DeferredOps,
 }
 
 impl CoreLink {
@@ -24,7 +24,7 @@ impl CoreLink {
         CoreLink {
             control,
             pending: PendingRequests::default(),
-            deferred: Owed::default(),
+            deferred: DeferredOps::default(),
         }
     }
 
@@ -35,10 +35,10 @@ impl CoreLink {
 
     /// Registers what follows once the cycle has answered a request. If the request could not be sent, reports the
     /// error to `reply` and returns false.
-    pub(super) fn asked(
+    pub(super) fn track_request(
         &mut self,
-        ticket: Result<Ticket, Rejected>,
-        then: Then,
+        ticket: Result<Ticket, RequestError>,
+        then: OnAnswer,
         reply: Option<Reply>,
     ) -> bool {
         self.pending.track(ticket, then, reply)
@@ -49,25 +49,28 @@ impl CoreLink {
         &mut self,
         commands: &Commands,
         name: &str,
-        what: impl FnOnce(&mut Control, CommandId) -> Result<Ticket, Rejected>,
+        what: impl FnOnce(&mut Control, CommandId) -> Result<Ticket, RequestError>,
         reply: Reply,
     ) {
-        match self.may_ask().and_then(|()| commands.core_id(name)) {
+        match self
+            .ensure_queue_space()
+            .and_then(|()| commands.command_id(name))
+        {
             Ok(id) => {
                 let ticket = what(&mut self.control, id);
-                self.asked(ticket, Then::Nothing, Some(reply));
+                self.track_request(ticket, OnAnswer::Nothing, Some(reply));
             }
             Err(why) => reply(Err(why)),
         }
     }
 
     /// Returns the upper bound on the command's time per tick in nanoseconds, once it is loaded.
-    pub(crate) fn bound_ns(&self, record: &Record) -> Option<u64> {
+    pub(crate) fn bound_ns(&self, record: &CommandRecord) -> Option<u64> {
         Some(self.control.bound_ns(record.id?))
     }
 
     /// Removes the pending request with this ticket.
-    pub(super) fn answered(&mut self, ticket: Ticket) -> Option<Errand> {
+    pub(super) fn answered(&mut self, ticket: Ticket) -> Option<PendingRequest> {
         self.pending.take(ticket)
     }
 
@@ -77,31 +80,32 @@ impl CoreLink {
     }
 
     /// Applies an operation to a command, as soon as the queue has room.
-    pub(super) fn owe_by_id(&mut self, id: CommandId, debt: Debt) {
-        self.owe_it(Owing::Command(id, debt));
+    pub(super) fn defer_by_id(&mut self, id: CommandId, debt: CommandOp) {
+        self.push_deferred(DeferredOp::Command(id, debt));
     }
 
     /// Withdraws a rule, as soon as the queue has room.
-    pub(super) fn owe_rule(&mut self, id: RuleId) {
-        self.owe_it(Owing::Rule(id));
+    pub(super) fn defer_withdrawal(&mut self, id: RuleId) {
+        self.push_deferred(DeferredOp::Rule(id));
     }
 
-    fn owe_it(&mut self, owing: Owing) {
+    fn push_deferred(&mut self, owing: DeferredOp) {
         self.deferred.push(owing);
         self.pay();
     }
 
     /// Sends the deferred requests, as far as the queue has room.
     pub(super) fn pay(&mut self) {
-        self.deferred.pay(&mut self.control, &mut self.pending);
+        self.deferred
+            .send_deferred(&mut self.control, &mut self.pending);
     }
 
     /// Returns an error if only the reserved entries of the queue are free. Those are for deferred requests and running
     /// tasks.
-    pub(super) fn may_ask(&self) -> Result<(), Failure> {
-        match self.deferred.is_empty() && self.control.room() > RESERVED {
+    pub(super) fn ensure_queue_space(&self) -> Result<(), ApiError> {
+        match self.deferred.is_empty() && self.control.free_requests() > RESERVED_ENTRIES {
             true => Ok(()),
-            false => Err(Failure::Busy),
+            false => Err(ApiError::QueueFull),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Settings of the server that apply to all commands.
 
-use rpi_core::{Continuity, OnOverrun};
+use rpi_core::{CommandOverrunPolicy, Continuity};
 
 /// Tick and policies of the server for commands.
 #[derive(Clone, Copy, Debug)]
@@ -8,14 +8,14 @@ pub(crate) struct CommandDefaults {
     /// Length of a tick in nanoseconds; at least 1.
     pub(super) tick_ns: u64,
     /// Policy for a command whose cycles take too long, unless its client specifies one.
-    pub(super) on_overrun: OnOverrun,
+    pub(super) on_overrun: CommandOverrunPolicy,
     /// Policy for a takeover with a jump; `None` for the default of the language.
     pub(super) continuity: Option<Continuity>,
 }
 
 impl CommandDefaults {
     /// Rounds a period up to whole ticks, at least one.
-    pub(crate) fn period(&self, wanted_ns: u64) -> u64 {
+    pub(crate) fn round_period(&self, wanted_ns: u64) -> u64 {
         let ticks = wanted_ns.div_ceil(self.tick_ns).max(1);
         ticks.saturating_mul(self.tick_ns)
     }

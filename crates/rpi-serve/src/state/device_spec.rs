@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use rpi_image::Scalar;
 use rpi_kin::AxisLimits;
-use rpi_sim::cell::{ArmSpec, DeviceSpec, Enforced, Kind};
+use rpi_sim::cell::{ArmSpec, DeviceKind, DeviceSpec, EnforcedLimits};
 
-use super::types::{DeviceInfo, Failure};
+use super::types::{ApiError, DeviceInfo};
 use crate::peer::Peer;
 
 /// Parameters of a simulated device that are used. Clients of the reference system send further ones.
@@ -29,21 +29,21 @@ pub(crate) struct NewDevice<'a> {
 }
 
 /// Returns the name of the type of a device of the cell.
-pub(super) fn kind_name(kind: &Kind) -> &'static str {
+pub(super) fn kind_name(kind: &DeviceKind) -> &'static str {
     match kind {
-        Kind::Arm(_) => "arm",
-        Kind::Io(_) => "io",
-        Kind::Base(_) => "base",
-        Kind::Gripper(_) => "gripper",
-        Kind::Force(_) => "force-torque",
+        DeviceKind::Arm(_) => "arm",
+        DeviceKind::Io(_) => "io",
+        DeviceKind::Base(_) => "base",
+        DeviceKind::Gripper(_) => "gripper",
+        DeviceKind::Force(_) => "force-torque",
     }
 }
 
 /// Returns the description of a device, with the interface names of the DirectIO protocol.
-pub(super) fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
+pub(super) fn device_info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
     let plain = |name| (name, Vec::new());
     let interfaces = match &spec.kind {
-        Kind::Arm(arm) => {
+        DeviceKind::Arm(arm) => {
             let joints = arm.model.axes().to_string();
             vec![
                 ("robotarm", vec![("jointcount".to_owned(), joints)]),
@@ -51,9 +51,9 @@ pub(super) fn info(spec: &DeviceSpec, kind: &str) -> DeviceInfo {
                 plain("cartesianposition"),
             ]
         }
-        Kind::Io(_) => vec![plain("io")],
-        Kind::Base(_) => vec![plain("robotbase"), plain("cartesianposition")],
-        Kind::Gripper(_) | Kind::Force(_) => Vec::new(),
+        DeviceKind::Io(_) => vec![plain("io")],
+        DeviceKind::Base(_) => vec![plain("robotbase"), plain("cartesianposition")],
+        DeviceKind::Gripper(_) | DeviceKind::Force(_) => Vec::new(),
     };
     DeviceInfo {
         name: spec.name.clone(),
@@ -71,24 +71,24 @@ pub(crate) const KINDS: &[(&str, &[&str])] = &[
 ];
 
 /// Creates the specification of a simulated device. `tick` is in seconds.
-pub(super) fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure> {
+pub(super) fn device_spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, ApiError> {
     let known = KINDS.iter().find(|(kind, _)| *kind == new.kind);
     let unknown = || {
         let known: Vec<&str> = KINDS.iter().map(|(kind, _)| *kind).collect();
         let known = known.join(", ");
-        Failure::Unknown(format!("device type {}; known types: {known}", new.kind))
+        ApiError::Unknown(format!("device type {}; known types: {known}", new.kind))
     };
     let (_, models) = known.ok_or_else(unknown)?;
     let models = models.iter().filter_map(|id| rpi_kin::models::by_id(id));
-    let lengths = reals(new, "link_lengths")?.unwrap_or_default();
+    let lengths = parse_reals(new, "link_lengths")?.unwrap_or_default();
     let reach: f64 = lengths.iter().sum();
-    let farness = |model: &&rpi_kin::ArmModel| (stretched(model) - reach).abs();
+    let farness = |model: &&rpi_kin::ArmModel| (stretched_length(model) - reach).abs();
     let model = models.min_by(|a, b| farness(a).total_cmp(&farness(b)));
     let model = model.ok_or_else(unknown)?;
     let limits = limits(new, model.limits, tick)?;
     Ok(DeviceSpec {
         name: new.name.to_owned(),
-        kind: Kind::Arm(ArmSpec {
+        kind: DeviceKind::Arm(ArmSpec {
             model,
             joints: limits
                 .iter()
@@ -98,7 +98,7 @@ pub(super) fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure
             tool: Default::default(),
             surface: None,
             limits,
-            enforced: Enforced {
+            enforced: EnforcedLimits {
                 // As in the reference system's simulation: its clients plan paths without regard to joint velocities.
                 position: true,
                 velocity: false,
@@ -114,7 +114,7 @@ pub(super) fn spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, Failure
 }
 
 /// Returns the distance of the flange from the base of the stretched arm in m.
-fn stretched(model: &rpi_kin::ArmModel) -> f64 {
+fn stretched_length(model: &rpi_kin::ArmModel) -> f64 {
     let zero = vec![0.0; model.axes()];
     model.forward(&zero).translation.vector.norm()
 }
@@ -122,14 +122,14 @@ fn stretched(model: &rpi_kin::ArmModel) -> f64 {
 /// Returns the limits of the model, overridden by those of the client. The client's motions end with full deceleration.
 /// An arm with a low jerk limit would swing back after the last set-point, so the limit allows full acceleration within
 /// one tick.
-fn limits(new: &NewDevice<'_>, own: &[AxisLimits], tick: f64) -> Result<Vec<AxisLimits>, Failure> {
+fn limits(new: &NewDevice<'_>, own: &[AxisLimits], tick: f64) -> Result<Vec<AxisLimits>, ApiError> {
     let mut limits = own.to_vec();
     let mut set = |key: &str, place: fn(&mut AxisLimits) -> &mut f64| {
-        let given = reals(new, key)?.unwrap_or_default();
+        let given = parse_reals(new, key)?.unwrap_or_default();
         let axes = limits.iter_mut().zip(given);
         axes.filter(|(_, value)| value.is_finite())
             .for_each(|(axis, value)| *place(axis) = value);
-        Ok::<(), Failure>(())
+        Ok::<(), ApiError>(())
     };
     set("min_joint", |axis| &mut axis.position.lower)?;
     set("max_joint", |axis| &mut axis.position.upper)?;
@@ -143,18 +143,18 @@ fn limits(new: &NewDevice<'_>, own: &[AxisLimits], tick: f64) -> Result<Vec<Axis
     };
     match limits.iter().all(sound) {
         true => Ok(limits),
-        false => Err(Failure::Bad(
+        false => Err(ApiError::Invalid(
             "limits must be positive and their ranges not empty".to_owned(),
         )),
     }
 }
 
-fn reals(new: &NewDevice<'_>, key: &str) -> Result<Option<Vec<f64>>, Failure> {
+fn parse_reals(new: &NewDevice<'_>, key: &str) -> Result<Option<Vec<f64>>, ApiError> {
     let Some(text) = new.parameters.get(key) else {
         return Ok(None);
     };
-    let bad = || Failure::Bad(format!("{key} must be a list of reals"));
-    let values = rpi_literal::read_array(text, Scalar::Real).map_err(|_| bad())?;
+    let bad = || ApiError::Invalid(format!("{key} must be a list of reals"));
+    let values = rpi_literal::parse_array(text, Scalar::Real).map_err(|_| bad())?;
     let values: Option<Vec<_>> = values.ok_or_else(bad)?.into_iter().collect();
     let reals = values
         .ok_or_else(bad)?

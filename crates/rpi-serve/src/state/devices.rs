@@ -2,32 +2,32 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rpi_core::{Command, LoadFault};
+use rpi_core::{Command, LoadError};
 use rpi_image::Image;
 use rpi_sim::cell::DeviceSpec;
-use rpi_sim::{Cell, Part};
+use rpi_sim::{Cell, NamedDevice};
 
 use super::bank;
 use super::commands::Commands;
-use super::device_spec::{NewDevice, info, kind_name, spec};
-use super::journal::Journal;
-use super::loader::Twin;
+use super::device_spec::{NewDevice, device_info, device_spec, kind_name};
+use super::event_log::EventLog;
+use super::loader::DeviceReplica;
 use super::subscribers::Subscribers;
-use super::types::{DeviceInfo, Failure, Sink, Update};
-use crate::fair::Taken;
+use super::types::{ApiError, DeviceInfo, Subscriber, Update};
+use crate::fair_share::Usage;
 use crate::limits::Limits;
 use crate::peer::Peer;
 
 /// The devices by slot, their replica for the loader, and the subscribers to changes.
 pub(crate) struct Devices {
-    places: Vec<Option<DeviceInfo>>,
+    slots: Vec<Option<DeviceInfo>>,
     /// Peer of the client that added the device in each slot. A device outlives the connection of its client.
     makers: Vec<Option<Peer>>,
-    pub(super) watchers: Subscribers,
-    twin: Arc<Mutex<Twin>>,
+    pub(super) subscribers: Subscribers,
+    twin: Arc<Mutex<DeviceReplica>>,
     seed: u64,
     /// Number of devices of the cell, which come first. Clients cannot remove them.
-    own: usize,
+    cell_count: usize,
     /// Length of a tick in seconds.
     tick: f64,
     /// Maximum length of a device name in bytes.
@@ -35,41 +35,41 @@ pub(crate) struct Devices {
 }
 
 /// Name of the device limit in messages.
-const DEVICES: &str = "devices";
+const DEVICE_LIMIT: &str = "devices";
 
 /// Characters that are not allowed in a device name, because protocols and pages use them as delimiters.
-const SET_OFF: &[char] = &['"', '\\', '<', '>'];
+const FORBIDDEN_CHARS: &[char] = &['"', '\\', '<', '>'];
 
 impl Devices {
     /// Creates the table with the devices of a cell and empty slots for more.
-    pub(super) fn of(cell: &Cell, limits: &Limits, tick_ns: u64) -> Devices {
+    pub(super) fn from_cell(cell: &Cell, limits: &Limits, tick_ns: u64) -> Devices {
         let infos = cell
             .devices
             .iter()
-            .map(|spec| Some(info(spec, kind_name(&spec.kind))));
+            .map(|spec| Some(device_info(spec, kind_name(&spec.kind))));
         let mut places: Vec<Option<DeviceInfo>> = infos.collect();
         places.resize(limits.devices.max(places.len()), None);
         Devices {
             makers: vec![None; places.len()],
-            places,
-            watchers: Subscribers::default(),
-            twin: Arc::new(Mutex::new(Twin {
+            slots: places,
+            subscribers: Subscribers::default(),
+            twin: Arc::new(Mutex::new(DeviceReplica {
                 bank: bank(cell, limits.devices, tick_ns),
                 generation: 0,
             })),
             seed: cell.seed,
-            own: cell.devices.len(),
+            cell_count: cell.devices.len(),
             tick: tick_ns as f64 * 1e-9,
-            longest: limits.name,
+            longest: limits.name_bytes,
         }
     }
 
     /// Returns the replica of the devices for the loader.
-    pub(super) fn twin(&self) -> Arc<Mutex<Twin>> {
+    pub(super) fn twin(&self) -> Arc<Mutex<DeviceReplica>> {
         Arc::clone(&self.twin)
     }
 
-    fn lock_twin(&self) -> MutexGuard<'_, Twin> {
+    fn lock_twin(&self) -> MutexGuard<'_, DeviceReplica> {
         self.twin.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -79,36 +79,39 @@ impl Devices {
     }
 
     /// Loads a command for these devices.
-    pub(super) fn load(&self, image: &Arc<Image>) -> Result<Command, Vec<LoadFault>> {
+    pub(super) fn load(&self, image: &Arc<Image>) -> Result<Command, Vec<LoadError>> {
         Command::load(Arc::clone(image), &mut self.lock_twin().bank)
     }
 
     /// Returns all devices.
     pub(crate) fn all(&self) -> impl Iterator<Item = &DeviceInfo> {
-        self.places.iter().flatten()
+        self.slots.iter().flatten()
     }
 
     /// Returns whether any device moves.
-    pub(super) fn move_still(&self) -> bool {
+    pub(super) fn any_moving(&self) -> bool {
         self.all().any(|info| info.moving)
     }
 
     /// Returns the name of the device of an actuator. The upper 16 bits of `resource` are the device slot.
-    pub(super) fn name(&self, resource: u32) -> String {
-        let info = self.places.get((resource >> 16) as usize);
+    pub(super) fn device_name(&self, resource: u32) -> String {
+        let info = self.slots.get((resource >> 16) as usize);
         let info = info.and_then(Option::as_ref);
         info.map_or_else(|| "a device".to_owned(), |info| info.name.clone())
     }
 
     /// Returns the display name of an actuator: device and index.
-    pub(super) fn actuator(&self, resource: u32) -> String {
-        format!("{}[{}]", self.name(resource), resource & 0xffff)
+    pub(super) fn actuator_name(&self, resource: u32) -> String {
+        format!("{}[{}]", self.device_name(resource), resource & 0xffff)
     }
 
     /// Subscribes to devices: reports all of them now, and changes later.
-    pub(crate) fn watch(&mut self, mut sink: Box<dyn Sink>) {
-        if self.all().all(|info| sink.tell(&Update::DeviceAdded(info))) {
-            self.watchers.push(sink);
+    pub(crate) fn watch(&mut self, mut sink: Box<dyn Subscriber>) {
+        if self
+            .all()
+            .all(|info| sink.notify(&Update::DeviceAdded(info)))
+        {
+            self.subscribers.push(sink);
         }
     }
 
@@ -116,14 +119,14 @@ impl Devices {
     ///
     /// # Errors
     /// If the name is not allowed or belongs to a device of another type.
-    pub(super) fn is_there(&self, new: &NewDevice<'_>) -> Result<bool, Failure> {
+    pub(super) fn is_there(&self, new: &NewDevice<'_>) -> Result<bool, ApiError> {
         let Some(place) = self.find(new.name) else {
-            return self.may_be_named(new.name).map(|()| false);
+            return self.ensure_valid_name(new.name).map(|()| false);
         };
-        let info = self.places[place].as_ref();
+        let info = self.slots[place].as_ref();
         match info.is_some_and(|i| i.kind == new.kind) {
             true => Ok(true),
-            false => Err(Failure::Bad(format!(
+            false => Err(ApiError::Invalid(format!(
                 "a device {} of another type exists already",
                 new.name
             ))),
@@ -131,13 +134,13 @@ impl Devices {
     }
 
     /// Returns an error if the name is not allowed. It is shown unescaped in pages, messages and the log.
-    fn may_be_named(&self, name: &str) -> Result<(), Failure> {
+    fn ensure_valid_name(&self, name: &str) -> Result<(), ApiError> {
         if name.len() > self.longest {
-            return Err(Failure::Limit("bytes of a name"));
+            return Err(ApiError::Limit("bytes of a name"));
         }
-        let is_bad = |c: char| c.is_control() || SET_OFF.contains(&c);
+        let is_bad = |c: char| c.is_control() || FORBIDDEN_CHARS.contains(&c);
         match name.trim().is_empty() || name.contains(is_bad) {
-            true => Err(Failure::Bad(format!(
+            true => Err(ApiError::Invalid(format!(
                 "{name:?} is not a device name: it must not be blank or contain line breaks, quotes, `\\`, `<` or `>`"
             ))),
             false => Ok(()),
@@ -148,49 +151,49 @@ impl Devices {
     pub(super) fn add(
         &mut self,
         new: &NewDevice<'_>,
-    ) -> Result<(usize, Part, DeviceInfo), Failure> {
-        let spec = spec(new, self.tick)?;
-        let place = self.place_for(new.peer)?;
+    ) -> Result<(usize, NamedDevice, DeviceInfo), ApiError> {
+        let spec = device_spec(new, self.tick)?;
+        let place = self.free_slot(new.peer)?;
         self.makers[place] = Some(new.peer);
         // Two equal parts: one for the cycle, one for resolving names outside of it.
         let (own, twins) = (self.part(&spec, place), self.part(&spec, place));
-        self.change_twin(place, Some(twins));
-        let info = info(&spec, new.kind);
-        self.places[place] = Some(info.clone());
+        self.change_replica(place, Some(twins));
+        let info = device_info(&spec, new.kind);
+        self.slots[place] = Some(info.clone());
         Ok((place, own, info))
     }
 
-    fn part(&self, spec: &DeviceSpec, place: usize) -> Part {
-        Part::new(spec, self.tick, self.seed, place)
+    fn part(&self, spec: &DeviceSpec, place: usize) -> NamedDevice {
+        NamedDevice::new(spec, self.tick, self.seed, place)
     }
 
     /// Empties a slot.
     pub(super) fn clear(&mut self, place: usize) {
-        self.change_twin(place, None);
-        self.places[place] = None;
+        self.change_replica(place, None);
+        self.slots[place] = None;
     }
 
-    fn change_twin(&mut self, place: usize, part: Option<Part>) {
+    fn change_replica(&mut self, place: usize, part: Option<NamedDevice>) {
         let mut twin = self.lock_twin();
         twin.bank.swap(place, part);
         twin.generation += 1;
     }
 
     /// Returns a free slot for a device of this peer, or an error if its share is used up.
-    fn place_for(&self, peer: Peer) -> Result<usize, Failure> {
-        let made = self.places.iter().zip(&self.makers).skip(self.own);
+    fn free_slot(&self, peer: Peer) -> Result<usize, ApiError> {
+        let made = self.slots.iter().zip(&self.makers).skip(self.cell_count);
         let made = made.filter(|(device, _)| device.is_some());
         let own = made.clone().filter(|(_, maker)| **maker == Some(peer));
-        let taken = Taken::by_peer(made.count(), own.count());
-        let room = taken.admit(1, self.places.len() - self.own);
-        room.map_err(|full| Failure::limit(full, DEVICES))?;
-        let free = self.places.iter().position(Option::is_none);
-        free.ok_or(Failure::Limit(DEVICES))
+        let taken = Usage::for_peer(made.count(), own.count());
+        let room = taken.admit(1, self.slots.len() - self.cell_count);
+        room.map_err(|full| ApiError::limit(full, DEVICE_LIMIT))?;
+        let free = self.slots.iter().position(Option::is_none);
+        free.ok_or(ApiError::Limit(DEVICE_LIMIT))
     }
 
     fn find(&self, name: &str) -> Option<usize> {
         let is = |info: &Option<DeviceInfo>| info.as_ref().is_some_and(|i| i.name == name);
-        self.places.iter().position(is)
+        self.slots.iter().position(is)
     }
 
     /// Returns the slot of a removable device and the ended commands that used it.
@@ -198,16 +201,18 @@ impl Devices {
         &self,
         name: &str,
         commands: &Commands,
-    ) -> Result<(usize, Vec<u64>), Failure> {
-        let unknown = || Failure::Unknown(format!("device {name}"));
+    ) -> Result<(usize, Vec<u64>), ApiError> {
+        let unknown = || ApiError::Unknown(format!("device {name}"));
         let place = self.find(name).ok_or_else(unknown)?;
-        if place < self.own {
-            return Err(Failure::InUse(format!("device {name} belongs to the cell")));
+        if place < self.cell_count {
+            return Err(ApiError::InUse(format!(
+                "device {name} belongs to the cell"
+            )));
         }
         let users = commands.iter().filter(|(_, r)| r.uses(name));
         let (ended, holding): (Vec<_>, Vec<_>) = users.partition(|(_, r)| r.has_ended());
         match holding.first() {
-            Some((number, record)) => Err(Failure::InUse(format!(
+            Some((number, record)) => Err(ApiError::InUse(format!(
                 "device {name} is held by n{number} ({}): unload it first",
                 record.title
             ))),
@@ -216,29 +221,29 @@ impl Devices {
     }
 
     /// Called when the cycle has added a device. Returns its name.
-    pub(super) fn added(&mut self, info: DeviceInfo, log: &mut Journal) -> String {
-        self.watchers.tell(&Update::DeviceAdded(&info));
-        log.note(format_args!("device {} was added", info.name));
+    pub(super) fn added(&mut self, info: DeviceInfo, log: &mut EventLog) -> String {
+        self.subscribers.tell(&Update::DeviceAdded(&info));
+        log.write(format_args!("device {} was added", info.name));
         info.name
     }
 
     /// Called when the error code of the device in a slot changes, or when the device starts or stops moving.
-    pub(super) fn changed(&mut self, place: usize, code: i64, moving: bool, log: &mut Journal) {
-        let Some(Some(info)) = self.places.get_mut(place) else {
+    pub(super) fn changed(&mut self, place: usize, code: i64, moving: bool, log: &mut EventLog) {
+        let Some(Some(info)) = self.slots.get_mut(place) else {
             return;
         };
         info.moving = moving;
         if std::mem::replace(&mut info.code, code) != code {
             let name = &info.name;
-            self.watchers.tell(&Update::DeviceCondition(name, code));
-            let how = rpi_sim::code::Code(code);
-            log.note(format_args!("device {name}: {how}"));
+            self.subscribers.tell(&Update::DeviceCondition(name, code));
+            let how = rpi_sim::error_code::ErrorCode(code);
+            log.write(format_args!("device {name}: {how}"));
         }
     }
 
     /// Called when the cycle has removed a device.
-    pub(super) fn gone(&mut self, name: &str, log: &mut Journal) {
-        self.watchers.tell(&Update::DeviceRemoved(name));
-        log.note(format_args!("device {name} was removed"));
+    pub(super) fn gone(&mut self, name: &str, log: &mut EventLog) {
+        self.subscribers.tell(&Update::DeviceRemoved(name));
+        log.write(format_args!("device {name} was removed"));
     }
 }

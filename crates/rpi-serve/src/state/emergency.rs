@@ -8,58 +8,58 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::core_link::CoreLink;
-use super::pending::{Then, answer};
+use super::pending::{OnAnswer, answer};
 use super::subscribers::Subscribers;
-use super::types::{Failure, Reply, Sink, Update};
+use super::types::{ApiError, Reply, Subscriber, Update};
 
 /// State of the emergency stop.
 #[derive(Default)]
 pub(crate) struct Emergency {
     /// Flag read by the cycle.
-    alarm: Arc<AtomicBool>,
+    stop_flag: Arc<AtomicBool>,
     /// Whether the request that marks the end of all earlier ones is still to be sent.
-    waits: bool,
+    must_repeat: bool,
     /// Who requested the stop; `None` after a reset.
-    by: Option<String>,
+    requested_by: Option<String>,
     pub(super) watchers: Subscribers,
 }
 
 /// Maximum number of characters kept of the requester's name.
-const LONGEST: usize = 200;
+const MAX_NAME_CHARS: usize = 200;
 
 /// Returns the name of a requester in the form that is kept and logged: one line of limited length.
 pub(super) fn requester(by: &str) -> String {
     by.chars()
         .filter(|c| !c.is_control())
-        .take(LONGEST)
+        .take(MAX_NAME_CHARS)
         .collect()
 }
 
 impl Emergency {
     /// Returns the flag that the cycle reads.
-    pub(crate) fn alarm(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.alarm)
+    pub(crate) fn stop_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.stop_flag)
     }
 
     /// Returns who requested the emergency stop in force.
     pub(crate) fn by(&self) -> Option<&str> {
-        self.by.as_deref()
+        self.requested_by.as_deref()
     }
 
     /// Sets the flag: the cycle stops everything in its next tick.
     pub(super) fn raise(&mut self, by: String) {
-        self.alarm.store(true, Ordering::Relaxed);
+        self.stop_flag.store(true, Ordering::Relaxed);
         // The first requester is kept.
-        self.by.get_or_insert(by);
+        self.requested_by.get_or_insert(by);
     }
 
     /// Sends the stop as an ordinary request too, which is carried out after all pending ones.
-    pub(super) fn ask_behind(&mut self, core: &mut CoreLink, reply: Option<Reply>) {
+    pub(super) fn send_stop_request(&mut self, core: &mut CoreLink, reply: Option<Reply>) {
         let ticket = core.control.emergency_stop();
-        self.waits = ticket.is_err();
+        self.must_repeat = ticket.is_err();
         match ticket {
             Ok(ticket) => {
-                core.asked(Ok(ticket), Then::Stopped, reply);
+                core.track_request(Ok(ticket), OnAnswer::Stopped, reply);
             }
             // The flag has stopped everything already, so the client need not wait for the repeated request.
             Err(_) => answer(reply, Ok(String::new())),
@@ -67,27 +67,27 @@ impl Emergency {
     }
 
     /// Repeats the request if the queue was full.
-    pub(super) fn keep_stopped(&mut self, core: &mut CoreLink) {
-        if self.waits {
-            self.ask_behind(core, None);
+    pub(super) fn repeat_stop_request(&mut self, core: &mut CoreLink) {
+        if self.must_repeat {
+            self.send_stop_request(core, None);
         }
     }
 
     /// Called when all earlier requests were carried out: clears the flag.
-    pub(super) fn has_stopped(&mut self) {
-        self.alarm.store(false, Ordering::Relaxed);
+    pub(super) fn clear_stop_flag(&mut self) {
+        self.stop_flag.store(false, Ordering::Relaxed);
     }
 
     /// Resets the emergency stop: commands can be started again. Returns whether one was in force.
     ///
     /// # Errors
     /// If a device still moves or earlier requests are pending.
-    pub(super) fn reset(&mut self, moving: bool) -> Result<bool, Failure> {
-        let still = self.alarm.load(Ordering::Relaxed) || moving;
-        if self.by.is_some() && still {
-            return Err(Failure::InUse("devices are still braking".to_owned()));
+    pub(super) fn reset(&mut self, moving: bool) -> Result<bool, ApiError> {
+        let still = self.stop_flag.load(Ordering::Relaxed) || moving;
+        if self.requested_by.is_some() && still {
+            return Err(ApiError::InUse("devices are still braking".to_owned()));
         }
-        let was_stopped = self.by.take().is_some();
+        let was_stopped = self.requested_by.take().is_some();
         if was_stopped {
             self.tell();
         }
@@ -95,21 +95,21 @@ impl Emergency {
     }
 
     /// Subscribes to the emergency stop: reports its state now and at each change.
-    pub(crate) fn watch(&mut self, sink: Box<dyn Sink>) {
-        let by = self.by.as_deref();
+    pub(crate) fn watch(&mut self, sink: Box<dyn Subscriber>) {
+        let by = self.requested_by.as_deref();
         self.watchers.add(sink, &Update::Emergency(by));
     }
 
     /// Reports the state to all subscribers.
     pub(super) fn tell(&mut self) {
-        let by = self.by.as_deref();
+        let by = self.requested_by.as_deref();
         self.watchers.tell(&Update::Emergency(by));
     }
 
     /// Returns an error if an emergency stop is in force.
-    pub(super) fn may_start(&self) -> Result<(), Failure> {
-        match &self.by {
-            Some(by) => Err(Failure::Stopped(by.clone())),
+    pub(super) fn ensure_not_stopped(&self) -> Result<(), ApiError> {
+        match &self.requested_by {
+            Some(by) => Err(ApiError::EmergencyStop(by.clone())),
             None => Ok(()),
         }
     }

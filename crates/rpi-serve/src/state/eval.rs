@@ -1,22 +1,22 @@
 //! Evaluation of a net for one cycle and its exports. Clients use it to read sensors and to compute kinematics.
 
-use rpi_runtime::control::{State, Why};
+use rpi_runtime::control::{AbortReason, CommandState};
 
 use super::commands::Commands;
 use super::core_link::CoreLink;
-use super::owed::Debt;
-use super::pending::Then;
-use super::types::{Failure, Phase, Reply};
-use super::watch::texts;
+use super::deferred::CommandOp;
+use super::pending::OnAnswer;
+use super::subscriptions::export_texts;
+use super::types::{ApiError, Phase, Reply};
 
 /// Callback for the exports after one cycle: key and value.
-pub(crate) type Take = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
+pub(crate) type EvalCallback = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
 
 /// A client that waits for the single cycle.
 pub(crate) struct Eval {
     /// Callback for the error, if the cycle does not take place.
     pub(super) reply: Reply,
-    pub(super) take: Take,
+    pub(super) callback: EvalCallback,
 }
 
 /// Reports the exports of evaluations that have run, and unloads their commands.
@@ -25,7 +25,7 @@ pub(super) fn finish_evals(commands: &mut Commands, core: &mut CoreLink) {
     let over: Vec<u64> = evals
         .filter(|(_, r)| {
             let ran = r.board.as_ref().is_some_and(|b| b.cycles() > 0);
-            ran || matches!(r.status.phase, Phase::Is(State::Terminated))
+            ran || matches!(r.status.phase, Phase::Core(CommandState::Terminated))
         })
         .map(|(number, _)| number)
         .collect();
@@ -38,18 +38,18 @@ fn finish_eval(commands: &mut Commands, number: u64, core: &mut CoreLink) {
     let Some(record) = commands.get_mut(number) else {
         return;
     };
-    let cells = record.board.as_ref().and_then(|b| b.read());
+    let cells = record.board.as_ref().and_then(|b| b.read_consistent());
     let exports = record.image.as_ref().map_or(&[][..], |i| &i.exports);
-    let values = cells.map(|cells| texts(exports, &cells));
+    let values = cells.map(|cells| export_texts(exports, &cells));
     record.unload_at_end = true;
     if let Some(eval) = record.eval.take() {
         match values {
-            Some(values) => (eval.take)(values),
-            None => (eval.reply)(Err(Failure::Bad("the net did not run".to_owned()))),
+            Some(values) => (eval.callback)(values),
+            None => (eval.reply)(Err(ApiError::Invalid("the net did not run".to_owned()))),
         }
     }
-    commands.owe(number, Debt::Abort(Why::Request), core);
-    commands.owe(number, Debt::Unload, core);
+    commands.defer(number, CommandOp::Abort(AbortReason::Request), core);
+    commands.defer(number, CommandOp::Unload, core);
 }
 
 /// Starts the command of an evaluation. `may_start` is an error during an emergency stop; then only a command without
@@ -57,7 +57,7 @@ fn finish_eval(commands: &mut Commands, number: u64, core: &mut CoreLink) {
 pub(super) fn start_eval(
     commands: &mut Commands,
     number: u64,
-    may_start: Result<(), Failure>,
+    may_start: Result<(), ApiError>,
     core: &mut CoreLink,
 ) {
     let Some(record) = commands.get(number) else {
@@ -69,26 +69,21 @@ pub(super) fn start_eval(
         .is_some_and(|i| !i.actuators.is_empty());
     let started = match may_start {
         Err(why) if moves => Err(why),
-        _ => record.id.map_or(Err(Failure::Busy), |id| {
-            core.control.start(id).map_err(Failure::from)
+        _ => record.id.map_or(Err(ApiError::QueueFull), |id| {
+            core.control.start(id).map_err(ApiError::from)
         }),
     };
     match started {
-        Ok(ticket) => drop(core.asked(Ok(ticket), Then::Eval(number), None)),
-        Err(why) => give_up_eval(commands, number, why, core),
+        Ok(ticket) => drop(core.track_request(Ok(ticket), OnAnswer::Eval(number), None)),
+        Err(why) => fail_eval(commands, number, why, core),
     }
 }
 
 /// Reports that the cycle does not take place, and unloads the command.
-pub(super) fn give_up_eval(
-    commands: &mut Commands,
-    number: u64,
-    why: Failure,
-    core: &mut CoreLink,
-) {
+pub(super) fn fail_eval(commands: &mut Commands, number: u64, why: ApiError, core: &mut CoreLink) {
     let record = commands.get_mut(number);
     if let Some(eval) = record.and_then(|r| r.eval.take()) {
         (eval.reply)(Err(why));
     }
-    commands.owe(number, Debt::Unload, core);
+    commands.defer(number, CommandOp::Unload, core);
 }

@@ -4,16 +4,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rpi_core::{Command, Continuity, OnOverrun};
+use rpi_core::{Command, CommandOverrunPolicy, Continuity};
 use rpi_driver::{Compiled, Input, Program};
 use rpi_image::Image;
-use rpi_net::{Given, Net};
+use rpi_net::{CommandInput, Net};
 use rpi_sim::SimBank;
 
-use super::completion::Reasons;
-use super::queue::Queue;
-use crate::fair::Client;
-use crate::script::Script;
+use super::completion::ResultConditions;
+use super::load_queue::LoadQueue;
+use crate::fair_share::Client;
+use crate::task_bundle::TaskBundle;
 
 /// Language of a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,7 +26,7 @@ pub(crate) enum Language {
 
 /// Kind of object to load from a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum What {
+pub(crate) enum JobKind {
     /// One of its commands.
     Command,
     /// One of its tasks.
@@ -34,23 +34,23 @@ pub(crate) enum What {
 }
 
 /// A load job.
-pub(crate) struct Job {
-    pub(crate) what: What,
+pub(crate) struct LoadJob {
+    pub(crate) kind: JobKind,
     /// Number of the command or task.
     pub(crate) number: u64,
     pub(crate) session: u64,
     /// Client whose turn the job takes in the queue.
     pub(crate) client: Option<Client>,
-    pub(crate) origin: Origin,
+    pub(crate) origin: Source,
     pub(crate) period_ns: u64,
     pub(crate) tick_ns: u64,
     /// Policy for cycles that take too long.
-    pub(crate) on_overrun: OnOverrun,
+    pub(crate) on_overrun: CommandOverrunPolicy,
 }
 
 /// Source of a command or task.
 #[derive(Clone)]
-pub(crate) struct Origin {
+pub(crate) struct Source {
     pub(crate) language: Language,
     pub(crate) text: Arc<str>,
     /// Name of the command or task within the text; `None` if there is only one.
@@ -58,41 +58,41 @@ pub(crate) struct Origin {
 }
 
 /// Result of a load job.
-pub(crate) enum Made {
+pub(crate) enum LoadOutput {
     /// A command, ready to run.
-    Command(Loaded),
+    Command(LoadedCommand),
     /// A task, ready to run.
-    Task(Script),
+    Task(TaskBundle),
 }
 
 /// A loaded command with its analysis results.
-pub(crate) struct Loaded {
+pub(crate) struct LoadedCommand {
     pub(crate) command: Box<Command>,
     pub(crate) image: Arc<Image>,
-    pub(super) reasons: Reasons,
+    pub(super) reasons: ResultConditions,
     /// Inputs that are taken over when the command starts (after `given`).
-    pub(super) given: Vec<Given>,
+    pub(super) takeover_inputs: Vec<CommandInput>,
     /// Generation of the devices for which the names were resolved: see [`Twin`].
     pub(crate) generation: u64,
 }
 
 /// A copy of the cycle's devices in the same slots, for resolving names outside the cycle thread.
-pub(crate) struct Twin {
+pub(crate) struct DeviceReplica {
     pub(crate) bank: SimBank,
     /// Number of changes of the devices.
     pub(crate) generation: u64,
 }
 
 /// Callback for the result of a load job, or for all errors.
-pub(crate) type Done = Box<dyn Fn(Job, Result<Made, Vec<String>>) + Send>;
+pub(crate) type LoadCallback = Box<dyn Fn(LoadJob, Result<LoadOutput, Vec<String>>) + Send>;
 
 /// Starts a thread that processes the jobs one by one until the queue is closed. `continuity` is the policy for a
 /// takeover with a jump; `None` for the default of the language.
 pub(crate) fn start(
-    jobs: Arc<Queue>,
+    jobs: Arc<LoadQueue>,
     continuity: Option<Continuity>,
-    twin: Arc<Mutex<Twin>>,
-    done: Done,
+    twin: Arc<Mutex<DeviceReplica>>,
+    done: LoadCallback,
 ) -> std::io::Result<()> {
     let work = move || work(&jobs, continuity, &twin, &done);
     std::thread::Builder::new()
@@ -101,12 +101,17 @@ pub(crate) fn start(
     Ok(())
 }
 
-fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: &Done) {
+fn work(
+    jobs: &LoadQueue,
+    continuity: Option<Continuity>,
+    twin: &Mutex<DeviceReplica>,
+    done: &LoadCallback,
+) {
     while let Some(job) = jobs.pop() {
         // A crash of the compiler on one text must not end the loader for all clients.
-        let loaded = catch_unwind(AssertUnwindSafe(|| match job.what {
-            What::Command => load(&job, continuity, twin).map(Made::Command),
-            What::Task => script(&job).map(Made::Task),
+        let loaded = catch_unwind(AssertUnwindSafe(|| match job.kind {
+            JobKind::Command => load_command(&job, continuity, twin).map(LoadOutput::Command),
+            JobKind::Task => load_task(&job).map(LoadOutput::Task),
         }));
         let loaded = loaded.unwrap_or_else(|_| {
             Err(vec![
@@ -117,47 +122,52 @@ fn work(jobs: &Queue, continuity: Option<Continuity>, twin: &Mutex<Twin>, done: 
     }
 }
 
-fn load(
-    job: &Job,
+fn load_command(
+    job: &LoadJob,
     continuity: Option<Continuity>,
-    twin: &Mutex<Twin>,
-) -> Result<Loaded, Vec<String>> {
-    let (image, work, reasons, given) = image(job)?;
+    twin: &Mutex<DeviceReplica>,
+) -> Result<LoadedCommand, Vec<String>> {
+    let (image, work, reasons, given) = lower_command(job)?;
     let image = Arc::new(image);
     let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
     let generation = twin.generation;
     let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
-    command.guard(continuity.unwrap_or(match job.origin.language {
+    command.set_continuity(continuity.unwrap_or(match job.origin.language {
         // Nets of the reference system are written for control cores without this check.
         Language::Rpinet => Continuity::Allow,
         Language::Rpi => Continuity::default(),
     }));
-    command.bound_overruns(job.on_overrun);
-    command.bound_work(work);
-    Ok(Loaded {
+    command.set_overrun_policy(job.on_overrun);
+    command.set_work_bound(work);
+    Ok(LoadedCommand {
         command: Box::new(command),
         image,
         reasons,
-        given,
+        takeover_inputs: given,
         generation,
     })
 }
 
 /// Image of a command, bound on the work of its primitives per cycle, conditions of its Booleans, and inputs to take
 /// over.
-type Lowered = (Image, u64, Reasons, Vec<Given>);
+type LoweredCommand = (Image, u64, ResultConditions, Vec<CommandInput>);
 
-fn image(job: &Job) -> Result<Lowered, Vec<String>> {
+fn lower_command(job: &LoadJob) -> Result<LoweredCommand, Vec<String>> {
     let compiled = job.origin.compiled()?;
-    let net = choose(&compiled, job.origin.command.as_deref())?;
+    let net = select_net(&compiled, job.origin.command.as_deref())?;
     let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
     let (image, work) = lowered.map_err(|e| vec![e])?;
-    Ok((image, work, Reasons::of(net), net.given.clone()))
+    Ok((
+        image,
+        work,
+        ResultConditions::from_net(net),
+        net.command_inputs.clone(),
+    ))
 }
 
 /// Returns the requested task of a program, or its only one.
-fn script(job: &Job) -> Result<Script, Vec<String>> {
+fn load_task(job: &LoadJob) -> Result<TaskBundle, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let tasks = &compiled.tasks;
     let task = match job.origin.command.as_deref() {
@@ -170,16 +180,16 @@ fn script(job: &Job) -> Result<Script, Vec<String>> {
             "the text has no task; use `command.load` to load its command {}",
             command.name
         )],
-        _ => which("task", job.origin.command.as_deref(), known().collect()),
+        _ => choice_error("task", job.origin.command.as_deref(), known().collect()),
     })?;
     let lower = |net: &Net| {
         let (image, work) = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns)?;
         Ok((image, Some(work)))
     };
-    Script::of_task(task, compiled.nets(), lower).map_err(|why| vec![why])
+    TaskBundle::from_task(task, compiled.nets(), lower).map_err(|why| vec![why])
 }
 
-impl Origin {
+impl Source {
     /// Calls `then` with the net of the text.
     ///
     /// # Errors
@@ -188,36 +198,36 @@ impl Origin {
         &self,
         then: impl FnOnce(&Net) -> Result<T, Vec<String>>,
     ) -> Result<T, Vec<String>> {
-        then(choose(&self.compiled()?, self.command.as_deref())?)
+        then(select_net(&self.compiled()?, self.command.as_deref())?)
     }
 
     /// Compiles the text. Returns all errors if there are any.
     fn compiled(&self) -> Result<Compiled, Vec<String>> {
         let (name, kind) = match self.language {
-            Language::Rpinet => ("from a client/net.rpinet", rpi_driver::Kind::Rpinet),
-            Language::Rpi => ("from a client/program.rpi", rpi_driver::Kind::Rpi),
+            Language::Rpinet => ("from a client/net.rpinet", rpi_driver::InputKind::Rpinet),
+            Language::Rpi => ("from a client/program.rpi", rpi_driver::InputKind::Rpi),
         };
         let input = Input {
             path: PathBuf::from(name),
             kind,
             bytes: self.text.as_bytes().to_vec(),
         };
-        let asked = rpi_driver::Asked {
-            claims: rpi_driver::Claims::Off,
+        let asked = rpi_driver::CompileOptions {
+            claims: rpi_driver::ClaimPolicy::Off,
             // The text has no file, so it must not load modules from the server's folders.
-            alone: true,
+            no_files: true,
             ..Default::default()
         };
         let compiled = rpi_driver::compile_with(&input, asked);
         let compiled = compiled.map_err(|e| vec![e.to_string()])?;
         match compiled.has_errors() {
-            true => Err(reasons(&compiled)),
+            true => Err(error_texts(&compiled)),
             false => Ok(compiled),
         }
     }
 }
 
-fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {
+fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {
     let Program::Nets(nets) = &compiled.program else {
         return Err(vec!["images cannot be loaded from a client".to_owned()]);
     };
@@ -227,7 +237,7 @@ fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec
         (_, None) => None,
     };
     found.ok_or_else(|| {
-        which(
+        choice_error(
             "command",
             name,
             nets.iter().map(|net| net.name.as_str()).collect(),
@@ -236,7 +246,7 @@ fn choose<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec
 }
 
 /// Returns the message for a command or task that is ambiguous or unknown.
-fn which(what: &str, name: Option<&str>, known: Vec<&str>) -> Vec<String> {
+fn choice_error(what: &str, name: Option<&str>, known: Vec<&str>) -> Vec<String> {
     let there = known.join(", ");
     vec![match known.is_empty() {
         true if what == "task" => "the text has no task".to_owned(),
@@ -253,22 +263,22 @@ fn which(what: &str, name: Option<&str>, known: Vec<&str>) -> Vec<String> {
 }
 
 /// Maximum number of errors reported to a client: a text of megabytes can have tens of thousands.
-const TOLD: usize = 100;
+const MAX_ERRORS: usize = 100;
 
 /// Returns the errors with position, code and message.
-fn reasons(compiled: &Compiled) -> Vec<String> {
+fn error_texts(compiled: &Compiled) -> Vec<String> {
     let errors = compiled
-        .findings
+        .diagnostics
         .iter()
         .filter(|f| f.severity() == rpi_diag::Severity::Error);
     let count = errors.clone().count();
-    let told = errors.take(TOLD).map(|f| describe(compiled, f));
-    let more = (count > TOLD).then(|| format!("and {} more", count - TOLD));
+    let told = errors.take(MAX_ERRORS).map(|f| describe(compiled, f));
+    let more = (count > MAX_ERRORS).then(|| format!("and {} more", count - MAX_ERRORS));
     told.chain(more).collect()
 }
 
-fn describe(compiled: &Compiled, finding: &rpi_diag::Finding) -> String {
-    let at = compiled.sources.line_col(finding.span());
+fn describe(compiled: &Compiled, diagnostic: &rpi_diag::Diagnostic) -> String {
+    let at = compiled.sources.line_col(diagnostic.span());
     let (line, col) = (at.line, at.col);
-    format!("{line}:{col} {}: {}", finding.code, finding.message)
+    format!("{line}:{col} {}: {}", diagnostic.code, diagnostic.message)
 }

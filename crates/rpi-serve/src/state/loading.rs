@@ -2,26 +2,26 @@
 
 use std::sync::Arc;
 
-use rpi_core::OnOverrun;
-use rpi_runtime::control::State;
+use rpi_core::CommandOverrunPolicy;
+use rpi_runtime::control::CommandState;
 
 use super::ServerState;
 use super::core_link::CoreLink;
 use super::defaults::CommandDefaults;
 use super::devices::Devices;
-use super::eval::{Eval, Take};
-use super::journal::Journal;
-use super::loader::{Job, Language, Loaded, Made, Origin, What};
+use super::eval::{Eval, EvalCallback};
+use super::event_log::EventLog;
+use super::load_queue::LoadQueue;
+use super::loader::{JobKind, Language, LoadJob, LoadOutput, LoadedCommand, Source};
 use super::objects::Objects;
-use super::queue::Queue;
-use super::record::Record;
-use super::room::NOBODY;
+use super::quota::NO_SESSION;
+use super::record::CommandRecord;
 use super::tasks::TaskRecord;
-use super::types::{Failure, Phase, Reply, shortened};
-use crate::script::Script;
+use super::types::{ApiError, Phase, Reply, truncated};
+use crate::task_bundle::TaskBundle;
 
 /// A request to load a command or task.
-pub(crate) struct Load<'a> {
+pub(crate) struct LoadRequest<'a> {
     pub(crate) session: &'a str,
     pub(crate) title: &'a str,
     pub(crate) language: Language,
@@ -31,10 +31,10 @@ pub(crate) struct Load<'a> {
     /// Period in nanoseconds; 0 for one tick.
     pub(crate) period_ns: u64,
     /// Policy for cycles that take too long; `None` for the server's default.
-    pub(crate) on_overrun: Option<OnOverrun>,
+    pub(crate) on_overrun: Option<CommandOverrunPolicy>,
 }
 
-impl Load<'_> {
+impl LoadRequest<'_> {
     /// Returns the number of bytes of the text that are kept.
     fn bytes(&self) -> usize {
         self.text.len() + self.command.map_or(0, str::len)
@@ -45,17 +45,17 @@ impl Load<'_> {
 pub(super) struct Loading<'s> {
     pub(super) objects: &'s mut Objects,
     pub(super) core: &'s mut CoreLink,
-    pub(super) jobs: &'s Queue,
+    pub(super) jobs: &'s LoadQueue,
     pub(super) devices: &'s Devices,
     pub(super) defaults: &'s CommandDefaults,
-    pub(super) log: &'s mut Journal,
+    pub(super) log: &'s mut EventLog,
     /// Maximum length of a title in bytes.
     pub(super) longest: usize,
 }
 
 impl ServerState {
     /// Loads a command on the loader thread. The reply has its name.
-    pub(crate) fn load(&mut self, load: &Load<'_>, reply: Reply) {
+    pub(crate) fn load(&mut self, load: &LoadRequest<'_>, reply: Reply) {
         match self.objects.sessions.number(load.session) {
             Ok(session) => self.loading().load(session, load, None, reply),
             Err(why) => reply(Err(why)),
@@ -63,7 +63,7 @@ impl ServerState {
     }
 
     /// Loads a task on the loader thread. The reply has its name.
-    pub(crate) fn load_task(&mut self, load: &Load<'_>, reply: Reply) {
+    pub(crate) fn load_task(&mut self, load: &LoadRequest<'_>, reply: Reply) {
         match self.objects.sessions.number(load.session) {
             Ok(session) => self.loading().load_task(session, load, reply),
             Err(why) => reply(Err(why)),
@@ -71,8 +71,8 @@ impl ServerState {
     }
 
     /// Runs a net for one cycle. It must not need an actuator that another command holds.
-    pub(crate) fn eval(&mut self, text: &str, take: Take, reply: Reply) {
-        let load = Load {
+    pub(crate) fn eval(&mut self, text: &str, take: EvalCallback, reply: Reply) {
+        let load = LoadRequest {
             session: "",
             title: "eval",
             language: Language::Rpinet,
@@ -81,9 +81,12 @@ impl ServerState {
             period_ns: 0,
             on_overrun: None,
         };
-        let eval = Eval { reply, take };
+        let eval = Eval {
+            reply,
+            callback: take,
+        };
         let nobody: Reply = Box::new(|_| ());
-        self.loading().load(NOBODY, &load, Some(eval), nobody);
+        self.loading().load(NO_SESSION, &load, Some(eval), nobody);
     }
 
     /// Returns the parts of the state that take part in loading.
@@ -95,96 +98,96 @@ impl ServerState {
             devices: &self.devices,
             defaults: &self.defaults,
             log: &mut self.log,
-            longest: self.limits.name,
+            longest: self.limits.name_bytes,
         }
     }
 }
 
 impl Loading<'_> {
-    fn load(&mut self, session: u64, load: &Load<'_>, eval: Option<Eval>, reply: Reply) {
+    fn load(&mut self, session: u64, load: &LoadRequest<'_>, eval: Option<Eval>, reply: Reply) {
         let room = self.objects.has_room(session, load.bytes(), self.core);
         if let Err(why) = room {
             return reply(Err(why));
         }
         let number = self.objects.number();
-        let title = shortened(load.title, self.longest);
-        let job = self.job(What::Command, (number, session), load);
-        let record = Record {
+        let title = truncated(load.title, self.longest);
+        let job = self.job(JobKind::Command, (number, session), load);
+        let record = CommandRecord {
             origin: Some(job.origin.clone()),
             text: Some(Arc::clone(&job.origin.text)),
             loading: Some(reply),
             eval,
             bytes: load.bytes(),
-            ..Record::new(session, &title, Phase::Is(State::Loading))
+            ..CommandRecord::new(session, &title, Phase::Core(CommandState::Loading))
         };
         self.objects.commands.insert(number, record);
         self.send(job);
     }
 
-    fn load_task(&mut self, session: u64, load: &Load<'_>, reply: Reply) {
+    fn load_task(&mut self, session: u64, load: &LoadRequest<'_>, reply: Reply) {
         let room = self.objects.has_room(session, load.bytes(), self.core);
         if let Err(why) = room {
             return reply(Err(why));
         }
         let number = self.objects.number();
-        let title = shortened(load.title, self.longest);
-        let job = self.job(What::Task, (number, session), load);
+        let title = truncated(load.title, self.longest);
+        let job = self.job(JobKind::Task, (number, session), load);
         let text = (Arc::clone(&job.origin.text), load.bytes());
         let record = TaskRecord::new(session, title, text, job.on_overrun, reply);
         self.objects.tasks.insert(number, record);
         self.send(job);
     }
 
-    fn job(&self, what: What, (number, session): (u64, u64), load: &Load<'_>) -> Job {
-        Job {
-            what,
+    fn job(&self, what: JobKind, (number, session): (u64, u64), load: &LoadRequest<'_>) -> LoadJob {
+        LoadJob {
+            kind: what,
             number,
             session,
             client: self.objects.sessions.client_of(session),
-            origin: Origin {
+            origin: Source {
                 language: load.language,
                 text: load.text.into(),
                 command: load.command.map(str::to_owned),
             },
-            period_ns: self.defaults.period(load.period_ns),
+            period_ns: self.defaults.round_period(load.period_ns),
             tick_ns: self.defaults.tick_ns,
             on_overrun: load.on_overrun.unwrap_or(self.defaults.on_overrun),
         }
     }
 
-    fn send(&mut self, job: Job) {
+    fn send(&mut self, job: LoadJob) {
         let number = job.number;
         if !self.jobs.push(job) {
-            self.reject(number, Failure::Limit("queued loads of one client"));
+            self.reject(number, ApiError::Limit("queued loads of one client"));
         }
     }
 
     /// Removes a command or task whose loading failed and reports the error.
-    fn reject(&mut self, number: u64, why: Failure) {
+    fn reject(&mut self, number: u64, why: ApiError) {
         self.objects.reject(number, why, self.log);
     }
 
     /// Called when loading is finished: inserts the command into the core, or reports why it failed.
-    pub(super) fn loaded(&mut self, job: Job, loaded: Result<Made, Vec<String>>) {
+    pub(super) fn loaded(&mut self, job: LoadJob, loaded: Result<LoadOutput, Vec<String>>) {
         match loaded {
-            Err(reasons) => self.reject(job.number, Failure::Rejected(reasons)),
-            Ok(Made::Task(script)) => self.task_loaded(job.number, script),
+            Err(reasons) => self.reject(job.number, ApiError::Rejected(reasons)),
+            Ok(LoadOutput::Task(script)) => self.on_task_loaded(job.number, script),
             // Devices were added or removed meanwhile, so the device names must be resolved again.
-            Ok(Made::Command(loaded)) if loaded.generation != self.devices.generation() => {
+            Ok(LoadOutput::Command(loaded)) if loaded.generation != self.devices.generation() => {
                 self.send(job);
             }
-            Ok(Made::Command(loaded)) => self.insert(job.number, loaded),
+            Ok(LoadOutput::Command(loaded)) => self.insert(job.number, loaded),
         }
     }
 
-    fn insert(&mut self, number: u64, loaded: Loaded) {
+    fn insert(&mut self, number: u64, loaded: LoadedCommand) {
         // The command may have been removed with its session while it was being compiled.
         if self.objects.commands.get(number).is_none() {
             return;
         }
-        let bytes = loaded.command.machine().footprint();
-        let room = self.core.may_ask();
-        let room = room.and_then(|()| self.objects.has_memory(number, bytes, self.core));
+        let bytes = loaded.command.instance().footprint();
+        let room = self.core.ensure_queue_space();
+        let room = room.and_then(|()| self.objects.ensure_memory(number, bytes, self.core));
         if let Err(why) = room {
             return self.reject(number, why);
         }
@@ -194,23 +197,23 @@ impl Loading<'_> {
                 record.title.clone_from(&loaded.image.name);
             }
             record.completion.reasons = loaded.reasons;
-            record.given = loaded.given;
+            record.given = loaded.takeover_inputs;
         }
         match self.core.control.adopt_with_board(loaded.command) {
             Ok(adopted) => {
-                commands.adopted(number, adopted, loaded.image, bytes, self.core);
+                commands.register_adopted(number, adopted, loaded.image, bytes, self.core);
             }
             Err(why) => self.reject(number, why.into()),
         }
     }
 
-    fn task_loaded(&mut self, number: u64, script: Script) {
-        let bytes = script.images.iter().map(|image| image.footprint()).sum();
-        let room = self.objects.has_memory(number, bytes, self.core);
+    fn on_task_loaded(&mut self, number: u64, script: TaskBundle) {
+        let bytes = script.images.iter().map(|image| image.memory_bytes()).sum();
+        let room = self.objects.ensure_memory(number, bytes, self.core);
         if let Err(why) = room {
             return self.reject(number, why);
         }
         self.objects.tasks.loaded(number, script, bytes);
-        self.objects.forget_task_if_abandoned(number);
+        self.objects.remove_task_if_abandoned(number);
     }
 }

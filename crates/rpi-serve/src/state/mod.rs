@@ -18,66 +18,67 @@ mod commands;
 mod completion;
 mod core_link;
 mod defaults;
+mod deferred;
 mod device_spec;
 mod devices;
 mod emergency;
 mod eval;
-mod journal;
+mod event_log;
+mod events;
+mod load_queue;
 mod loader;
 mod loading;
 mod loss;
 mod objects;
-mod owed;
 mod pending;
-mod place;
-mod queue;
+mod quota;
 mod record;
 mod recording;
-mod reports;
 mod requests;
-mod rest;
-mod room;
 mod rule_request;
 mod rules;
 mod sessions;
 mod settings;
-mod shop;
+mod shutdown;
+mod source_location;
 mod subscribers;
+mod subscriptions;
+mod task_core;
 mod task_status;
 mod tasks;
 mod types;
-mod watch;
 
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rpi_record::recording::Recorder;
+use rpi_record::mcap::Recorder;
 use rpi_runtime::control::Control;
 use rpi_sim::{Cell, SimBank};
 
-pub(crate) use crate::fair::Client;
+pub(crate) use crate::fair_share::Client;
 use crate::limits::Limits;
 use crate::settings::Settings;
 
 pub(crate) use device_spec::{NewDevice, PARAMETERS};
 pub(crate) use loader::Language;
-pub(crate) use loading::Load;
-pub(crate) use place::Place;
-pub(crate) use record::{Record, results};
-pub(crate) use rule_request::Make;
+pub(crate) use loading::LoadRequest;
+pub(crate) use record::{CommandRecord, results};
+pub(crate) use rule_request::RuleRequest;
+pub(crate) use source_location::SourceLocation;
+pub(crate) use subscriptions::{TOO_MANY_SUBSCRIPTIONS, WatchRequest};
 pub(crate) use task_status::{Step, TaskStatus};
 pub(crate) use types::{
-    DeviceInfo, Failure, Phase, Reply, RuleState, Sink, Status, Update, cause, why,
+    ApiError, DeviceInfo, Phase, Reply, RuleState, Status, Subscriber, Update, cause_text,
+    fault_text,
 };
-pub(crate) use watch::{TOO_CURIOUS, Watching};
 
 use core_link::CoreLink;
 use defaults::CommandDefaults;
 use devices::Devices;
 use emergency::Emergency;
-use journal::Journal;
+use event_log::EventLog;
+use load_queue::LoadQueue;
 use objects::Objects;
-use queue::Queue;
 use recording::Recording;
 use rules::Rules;
 
@@ -89,41 +90,44 @@ pub(crate) struct ServerState {
     pub(crate) rules: Rules,
     pub(crate) devices: Devices,
     pub(crate) emergency: Emergency,
-    pub(crate) log: Journal,
+    pub(crate) log: EventLog,
     recording: Recording,
-    jobs: Arc<Queue>,
+    jobs: Arc<LoadQueue>,
     pub(crate) core: CoreLink,
 }
 
 /// Shared handle of the server state.
 #[derive(Clone)]
-pub(crate) struct Office(Arc<Mutex<ServerState>>);
+pub(crate) struct SharedState(Arc<Mutex<ServerState>>);
 
-impl fmt::Debug for Office {
+impl fmt::Debug for SharedState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Office")
     }
 }
 
-impl Office {
+impl SharedState {
     /// Creates the state for the devices of a cell and starts the loader.
     ///
     /// # Errors
     /// If the loader thread cannot be created.
-    pub(crate) fn open(
+    pub(crate) fn new(
         cell: &Cell,
         (control, recorder): (Control, Option<Recorder>),
         settings: &Settings,
-    ) -> std::io::Result<Office> {
+    ) -> std::io::Result<SharedState> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
-        let devices = Devices::of(cell, &limits, tick_ns);
+        let devices = Devices::from_cell(cell, &limits, tick_ns);
         let twin = devices.twin();
-        let jobs = Arc::new(Queue::new(limits.loads));
-        let office = Office(Arc::new(Mutex::new(ServerState {
+        let jobs = Arc::new(LoadQueue::new(limits.queued_loads));
+        let office = SharedState(Arc::new(Mutex::new(ServerState {
             limits,
             defaults: CommandDefaults {
                 tick_ns,
-                on_overrun: settings.real_time.map(|r| r.commands).unwrap_or_default(),
+                on_overrun: settings
+                    .real_time
+                    .map(|r| r.command_overrun)
+                    .unwrap_or_default(),
                 continuity: settings.continuity,
             },
             core: CoreLink::new(control),
@@ -133,13 +137,13 @@ impl Office {
             devices,
             jobs: Arc::clone(&jobs),
             recording: Recording::new(recorder),
-            log: Journal::new(),
+            log: EventLog::new(),
         })));
         // A weak reference: dropping the state closes the queue, which ends the loader thread.
         let weak = Arc::downgrade(&office.0);
-        let done: loader::Done = Box::new(move |job, loaded| {
+        let done: loader::LoadCallback = Box::new(move |job, loaded| {
             if let Some(state) = weak.upgrade() {
-                Office(state).desk().loading().loaded(job, loaded);
+                SharedState(state).lock().loading().loaded(job, loaded);
             }
         });
         loader::start(jobs, settings.continuity, twin, done)?;
@@ -147,7 +151,7 @@ impl Office {
     }
 
     /// Locks the state. A poisoned lock is taken over, so that a crashed connection does not end the server.
-    pub(crate) fn desk(&self) -> MutexGuard<'_, ServerState> {
+    pub(crate) fn lock(&self) -> MutexGuard<'_, ServerState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -157,7 +161,7 @@ pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
     let tick = tick_ns as f64 * 1e-9;
     let mut bank = SimBank::empty(places.max(cell.devices.len()), tick);
     for (place, spec) in cell.devices.iter().enumerate() {
-        let part = rpi_sim::Part::new(spec, tick, cell.seed, place);
+        let part = rpi_sim::NamedDevice::new(spec, tick, cell.seed, place);
         bank.swap(place, Some(part));
     }
     bank
@@ -170,6 +174,6 @@ impl Drop for ServerState {
 }
 
 /// Returns the number in a name such as `n12`.
-fn number_of(name: &str, letter: char) -> Option<u64> {
+fn parse_number(name: &str, letter: char) -> Option<u64> {
     name.strip_prefix(letter)?.parse().ok()
 }

@@ -3,17 +3,17 @@
 
 use super::commands::Commands;
 use super::core_link::CoreLink;
-use super::journal::Journal;
-use super::number_of;
-use super::owed::Debt;
+use super::deferred::CommandOp;
+use super::event_log::EventLog;
+use super::parse_number;
 use super::pending::answer;
-use super::record::Record;
-use super::room::{NOBODY, Usage};
+use super::quota::{NO_SESSION, QuotaView};
+use super::record::CommandRecord;
 use super::rules::RuleRecord;
 use super::sessions::Sessions;
 use super::tasks::Tasks;
-use super::types::{Failure, MEMORY};
-use crate::fair::Client;
+use super::types::{ApiError, MEMORY_LIMIT};
+use crate::fair_share::Client;
 use crate::limits::{Limits, OnLoss};
 use crate::peer::Peer;
 
@@ -52,13 +52,13 @@ impl Objects {
 
     /// Returns an error if this command, task or session belongs to another connected client. An unknown name is no
     /// error here.
-    pub(crate) fn may_act(&self, client: Client, name: &str) -> Result<(), Failure> {
-        let command = number_of(name, 'n').and_then(|n| self.commands.get(n));
-        let task = number_of(name, 't').and_then(|n| self.tasks.session_of(n));
+    pub(crate) fn may_act(&self, client: Client, name: &str) -> Result<(), ApiError> {
+        let command = parse_number(name, 'n').and_then(|n| self.commands.get(n));
+        let task = parse_number(name, 't').and_then(|n| self.tasks.session_of(n));
         let session = command.map(|r| r.session).or(task);
-        let session = session.or(number_of(name, 's'));
+        let session = session.or(parse_number(name, 's'));
         session.map_or(Ok(()), |session| {
-            self.sessions.may_act_in(client, session, name)
+            self.sessions.ensure_may_act_in(client, session, name)
         })
     }
 
@@ -68,9 +68,9 @@ impl Objects {
         client: Client,
         name: &str,
         rule: &RuleRecord,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ApiError> {
         let mut records = rule.acts_on().filter_map(|id| self.commands.numbered(*id));
-        records.try_for_each(|(_, r)| self.sessions.may_act_in(client, r.session, name))
+        records.try_for_each(|(_, r)| self.sessions.ensure_may_act_in(client, r.session, name))
     }
 
     /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
@@ -80,10 +80,10 @@ impl Objects {
         name: &str,
         on_loss: Option<OnLoss>,
         owner: (Client, bool),
-    ) -> Result<String, Failure> {
+    ) -> Result<String, ApiError> {
         self.sessions.has_room(owner.0, &self.limits)?;
         let number = self.number();
-        let shown = (name, self.limits.name);
+        let shown = (name, self.limits.name_bytes);
         Ok(self.sessions.open(number, shown, on_loss, owner))
     }
 
@@ -93,51 +93,51 @@ impl Objects {
         session: u64,
         text: usize,
         core: &mut CoreLink,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ApiError> {
         self.fits(session, core, |usage, limits, client| {
-            let (count, bytes) = usage.taken(client);
+            let (count, bytes) = usage.usage(client);
             let room = count.admit(1, limits.commands);
-            room.map_err(|full| Failure::limit(full, "commands"))?;
-            let memory = bytes.admit(text, limits.memory);
-            memory.map_err(|full| Failure::limit(full, MEMORY))
+            room.map_err(|full| ApiError::limit(full, "commands"))?;
+            let memory = bytes.admit(text, limits.memory_bytes);
+            memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
     }
 
     /// Makes room for the memory of a loaded command or task.
-    pub(super) fn has_memory(
+    pub(super) fn ensure_memory(
         &mut self,
         number: u64,
         bytes: usize,
         core: &mut CoreLink,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ApiError> {
         self.fits(self.session_of(number), core, |usage, limits, client| {
-            let memory = usage.taken(client).1.admit(bytes, limits.memory);
-            memory.map_err(|full| Failure::limit(full, MEMORY))
+            let memory = usage.usage(client).1.admit(bytes, limits.memory_bytes);
+            memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
     }
 
     /// Makes room for the memory of the next command of a task. Only the total limit applies, not the share of the
     /// client, so that other clients cannot stop a running task.
-    pub(super) fn has_memory_left(
+    pub(super) fn ensure_total_memory(
         &mut self,
         number: u64,
         bytes: usize,
         core: &mut CoreLink,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ApiError> {
         self.fits(self.session_of(number), core, |usage, limits, _| {
-            let memory = usage.taken(None).1.admit(bytes, limits.memory);
-            memory.map_err(|full| Failure::limit(full, MEMORY))
+            let memory = usage.usage(None).1.admit(bytes, limits.memory_bytes);
+            memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
     }
 
     fn session_of(&self, number: u64) -> u64 {
         let command = self.commands.get(number).map(|r| r.session);
         let session = command.or(self.tasks.session_of(number));
-        session.unwrap_or(NOBODY)
+        session.unwrap_or(NO_SESSION)
     }
 
-    fn usage(&self) -> Usage<'_> {
-        Usage {
+    fn usage(&self) -> QuotaView<'_> {
+        QuotaView {
             sessions: &self.sessions,
             commands: &self.commands,
             tasks: &self.tasks,
@@ -149,8 +149,8 @@ impl Objects {
         &mut self,
         session: u64,
         core: &mut CoreLink,
-        admit: impl Fn(&Usage<'_>, &Limits, Option<Client>) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+        admit: impl Fn(&QuotaView<'_>, &Limits, Option<Client>) -> Result<(), ApiError>,
+    ) -> Result<(), ApiError> {
         let client = self.sessions.client_of(session);
         while let Err(why) = admit(&self.usage(), &self.limits, client) {
             let Some(oldest) = self.usage().oldest_ended(session, client) else {
@@ -158,29 +158,29 @@ impl Objects {
             };
             match self.tasks.contains(oldest) {
                 true => self.tasks.forget(oldest),
-                false => self.give_up(oldest, core),
+                false => self.evict_command(oldest, core),
             }
         }
         Ok(())
     }
 
-    fn give_up(&mut self, command: u64, core: &mut CoreLink) {
-        self.commands.owe(command, Debt::Unload, core);
+    fn evict_command(&mut self, command: u64, core: &mut CoreLink) {
+        self.commands.defer(command, CommandOp::Unload, core);
         if let Some(record) = self.commands.get_mut(command) {
             // Its quota is free from now on; its table entry is freed once the cycle has returned it.
-            (record.session, record.bytes) = (NOBODY, 0);
+            (record.session, record.bytes) = (NO_SESSION, 0);
         }
     }
 
     /// Removes a command or task whose loading failed and reports the error.
-    pub(super) fn reject(&mut self, number: u64, why: Failure, log: &mut Journal) {
+    pub(super) fn reject(&mut self, number: u64, why: ApiError, log: &mut EventLog) {
         if let Some((called, session, reply)) = self.tasks.remove(number) {
-            log.note(format_args!("{called} cannot be loaded: {why}"));
+            log.write(format_args!("{called} cannot be loaded: {why}"));
             answer(reply, Err(why));
             self.close_if_empty(session);
         } else if let Some(record) = self.commands.remove(number) {
             let called = record.called(number);
-            log.note(format_args!("{called} cannot be loaded: {why}"));
+            log.write(format_args!("{called} cannot be loaded: {why}"));
             let reply = record.eval.map(|e| e.reply).or(record.loading);
             answer(reply, Err(why));
             self.close_if_empty(record.session);
@@ -196,7 +196,7 @@ impl Objects {
     }
 
     /// Removes a task that is to be unloaded, once it can be.
-    pub(super) fn forget_task_if_abandoned(&mut self, number: u64) {
+    pub(super) fn remove_task_if_abandoned(&mut self, number: u64) {
         if let Some(session) = self.tasks.abandoned(number) {
             self.tasks.forget(number);
             self.close_if_empty(session);
@@ -204,10 +204,10 @@ impl Objects {
     }
 
     /// Removes the record of a command that the core has freed.
-    pub(super) fn forget_command(&mut self, mut record: Record) {
+    pub(super) fn forget_command(&mut self, mut record: CommandRecord) {
         record.set_phase(super::Phase::Unloaded);
         if let Some(eval) = record.eval.take() {
-            (eval.reply)(Err(Failure::Busy));
+            (eval.reply)(Err(ApiError::QueueFull));
         }
         self.close_if_empty(record.session);
     }

@@ -2,45 +2,45 @@
 
 use std::collections::BTreeMap;
 
-use rpi_runtime::control::{Rejected, RuleId, Ticket};
+use rpi_runtime::control::{RequestError, RuleId, Ticket};
 
-use super::types::{DeviceInfo, Failure, Reply};
+use super::types::{ApiError, DeviceInfo, Reply};
 
 /// A request to the cycle that is not answered yet.
-pub(super) struct Errand {
-    pub(super) then: Then,
+pub(super) struct PendingRequest {
+    pub(super) then: OnAnswer,
     pub(super) reply: Option<Reply>,
 }
 
 /// Action after a request was carried out.
-pub(super) enum Then {
+pub(super) enum OnAnswer {
     Nothing,
-    Inserted(u64),
-    Made(RuleId),
+    CommandInserted(u64),
+    RuleMade(RuleId),
     /// A command for a single cycle was started.
     Eval(u64),
-    Device(DeviceInfo),
-    NoDevice(String),
+    DeviceAdded(DeviceInfo),
+    DeviceRemoved(String),
     /// All requests made before an emergency stop were carried out.
     Stopped,
 }
 
 /// The pending requests by ticket. Each one is removed by exactly one answer.
 #[derive(Default)]
-pub(super) struct PendingRequests(BTreeMap<Ticket, Errand>);
+pub(super) struct PendingRequests(BTreeMap<Ticket, PendingRequest>);
 
 impl PendingRequests {
     /// Registers what follows once the cycle has answered a request. If the request could not be sent, reports the
     /// error to `reply` and returns false.
     pub(super) fn track(
         &mut self,
-        ticket: Result<Ticket, Rejected>,
-        then: Then,
+        ticket: Result<Ticket, RequestError>,
+        then: OnAnswer,
         reply: Option<Reply>,
     ) -> bool {
         match ticket {
             Ok(ticket) => {
-                self.0.insert(ticket, Errand { then, reply });
+                self.0.insert(ticket, PendingRequest { then, reply });
                 true
             }
             Err(why) => {
@@ -51,7 +51,7 @@ impl PendingRequests {
     }
 
     /// Removes the request with this ticket.
-    pub(super) fn take(&mut self, ticket: Ticket) -> Option<Errand> {
+    pub(super) fn take(&mut self, ticket: Ticket) -> Option<PendingRequest> {
         self.0.remove(&ticket)
     }
 
@@ -62,7 +62,7 @@ impl PendingRequests {
 }
 
 /// Sends a result to its receiver, if there is one.
-pub(super) fn answer(reply: Option<Reply>, result: Result<String, Failure>) {
+pub(super) fn answer(reply: Option<Reply>, result: Result<String, ApiError>) {
     if let Some(reply) = reply {
         reply(result);
     }

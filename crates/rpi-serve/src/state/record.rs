@@ -5,18 +5,18 @@ use std::time::Instant;
 
 use rpi_core::Overrun;
 use rpi_image::Image;
-use rpi_image::image::{End, EndKind};
-use rpi_net::Given;
-use rpi_runtime::control::{Board, Cause, CommandId, Ending, State};
+use rpi_image::image::{CommandEnd, CommandEndKind};
+use rpi_net::CommandInput;
+use rpi_runtime::control::{Cause, CommandId, CommandState, Ending, ExportSnapshot};
 
 use super::completion::Completion;
 use super::eval::Eval;
-use super::loader::Origin;
-use super::types::{Failure, Phase, Reply, Status};
-use super::watch::{Exported, Subscriptions};
+use super::loader::Source;
+use super::subscriptions::{Exported, Subscriptions};
+use super::types::{ApiError, Phase, Reply, Status};
 
 /// State of a command in the server.
-pub(crate) struct Record {
+pub(crate) struct CommandRecord {
     /// Id in the core, once the command is on its way there.
     pub(crate) id: Option<CommandId>,
     pub(crate) session: u64,
@@ -25,14 +25,14 @@ pub(crate) struct Record {
     /// Number of the task that the command is part of.
     pub(super) task: Option<u64>,
     /// Source of the command; `None` for a command of a task.
-    pub(crate) origin: Option<Origin>,
+    pub(crate) origin: Option<Source>,
     /// Source text, also for a command of a task.
     pub(super) text: Option<Arc<str>>,
     /// Inputs that are taken over when the command starts. An input that was set is no longer needed.
-    pub(super) given: Vec<Given>,
+    pub(super) given: Vec<CommandInput>,
     pub(crate) status: Status,
     pub(crate) image: Option<Arc<Image>>,
-    pub(super) board: Option<Arc<Board>>,
+    pub(super) board: Option<Arc<ExportSnapshot>>,
     pub(super) subscriptions: Subscriptions,
     pub(super) completion: Completion,
     /// Callback for the result of loading.
@@ -45,10 +45,10 @@ pub(crate) struct Record {
     pub(super) bytes: usize,
 }
 
-impl Record {
+impl CommandRecord {
     /// Creates the state of a command that is not loaded yet.
-    pub(super) fn new(session: u64, title: &str, phase: Phase) -> Record {
-        Record {
+    pub(super) fn new(session: u64, title: &str, phase: Phase) -> CommandRecord {
+        CommandRecord {
             id: None,
             session,
             title: title.to_owned(),
@@ -75,24 +75,24 @@ impl Record {
 
     /// Returns whether the command runs or ends on its path.
     pub(super) fn runs(&self) -> bool {
-        let runs = [State::Running, State::Cancelling].map(Phase::Is);
+        let runs = [CommandState::Running, CommandState::Cancelling].map(Phase::Core);
         runs.contains(&self.status.phase)
     }
 
     /// Returns whether the command has ended.
     pub(super) fn has_ended(&self) -> bool {
-        self.status.phase == Phase::Is(State::Terminated)
+        self.status.phase == Phase::Core(CommandState::Terminated)
     }
 
     /// Returns an error if a required input has no value: a command that is started by request has no predecessor to
     /// take it from. `name` is the name of the command.
-    pub(super) fn has_all(&self, name: &str) -> Result<(), Failure> {
-        let needed = self.given.iter().filter(|given| given.is_needed);
+    pub(super) fn ensure_inputs_set(&self, name: &str) -> Result<(), ApiError> {
+        let needed = self.given.iter().filter(|given| given.is_required);
         let needed: Vec<&str> = needed.map(|given| given.key.as_str()).collect();
-        let waits = self.status.phase == Phase::Is(State::Ready);
+        let waits = self.status.phase == Phase::Core(CommandState::Ready);
         match needed.is_empty() || !waits {
             true => Ok(()),
-            false => Err(Failure::Bad(format!(
+            false => Err(ApiError::Invalid(format!(
                 "{name} takes over {} but has no predecessor; set it (`command.set`) or schedule {name} after a command",
                 needed.join(", ")
             ))),
@@ -120,7 +120,7 @@ impl Record {
 
     fn tell_state(&mut self) {
         let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
-        self.subscriptions.tell_state(&self.status, &exported);
+        self.subscriptions.report_state(&self.status, &exported);
     }
 
     /// Reports changed values to the subscribers that are due.
@@ -179,16 +179,16 @@ pub(super) fn called(name: &str, title: &str) -> String {
 /// Returns the names of the results by which a command can end.
 pub(crate) fn results(image: &Image) -> Vec<&str> {
     match &image.end {
-        End::Results(results) => results.iter().map(|r| r.name.as_str()).collect(),
-        End::Ports { .. } => Vec::new(),
+        CommandEnd::Results(results) => results.iter().map(|r| r.name.as_str()).collect(),
+        CommandEnd::Ports { .. } => Vec::new(),
     }
 }
 
 /// Returns whether a command has ended in motion by `yield` and its successor has continued the motion.
-pub(super) fn yields(image: &Image, ending: &Ending) -> bool {
-    let (Cause::Result(k), End::Results(results)) = (ending.cause, &image.end) else {
+pub(super) fn has_yielded(image: &Image, ending: &Ending) -> bool {
+    let (Cause::Result(k), CommandEnd::Results(results)) = (ending.cause, &image.end) else {
         return false;
     };
     let kind = results.get(k).map(|r| r.kind);
-    kind == Some(EndKind::Yield) && !ending.left_moving
+    kind == Some(CommandEndKind::Yield) && !ending.left_moving
 }

@@ -1,47 +1,47 @@
 //! Recording of the run.
 
-use rpi_record::recording::Recorder;
+use rpi_record::mcap::Recorder;
 use rpi_runtime::control::Event;
-use rpi_runtime::run::Written;
+use rpi_runtime::run::RecordingStats;
 
-use super::journal::Journal;
+use super::event_log::EventLog;
 
 /// The writer of the recording, if the run is recorded.
 pub(super) struct Recording {
     recorder: Option<Recorder>,
     /// Whether the recording is still being written.
-    recorded: bool,
+    is_recording: bool,
 }
 
 impl Recording {
     /// Creates the recording; `None` if the run is not recorded.
     pub(super) fn new(recorder: Option<Recorder>) -> Recording {
         Recording {
-            recorded: recorder.is_some(),
+            is_recording: recorder.is_some(),
             recorder,
         }
     }
 
     /// Records an event of the cycle.
     pub(super) fn event(&self, event: &Event) {
-        self.recorder.iter().for_each(|r| r.event(event));
+        self.recorder.iter().for_each(|r| r.record_event(event));
     }
 
     /// Warns once when the recording has stopped because of a write error.
-    pub(super) fn look_after(&mut self, log: &mut Journal) {
-        if self.recorded
-            && let Some(recorder) = self.recorder.as_ref().filter(|r| !r.writes())
+    pub(super) fn look_after(&mut self, log: &mut EventLog) {
+        if self.is_recording
+            && let Some(recorder) = self.recorder.as_ref().filter(|r| !r.is_writing())
         {
-            self.recorded = false;
-            let why = recorder.trouble().unwrap_or("the writer has failed");
+            self.is_recording = false;
+            let why = recorder.write_error().unwrap_or("the writer has failed");
             let told = format!("RECORDING STOPPED: {why}");
             log.warn(&told);
         }
     }
 
     /// Closes the recording, which misses `lost` ticks.
-    pub(super) fn finish(&mut self, lost: u64) -> std::io::Result<Option<Written>> {
-        self.recorded = false;
+    pub(super) fn finish(&mut self, lost: u64) -> std::io::Result<Option<RecordingStats>> {
+        self.is_recording = false;
         let recorder = self.recorder.take();
         recorder.map(|recorder| recorder.finish(lost)).transpose()
     }

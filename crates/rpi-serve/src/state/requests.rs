@@ -1,15 +1,15 @@
 //! Requests of clients that need several parts of the state.
 
-use rpi_runtime::control::{Control, Why};
+use rpi_runtime::control::{AbortReason, Control};
 
+use super::deferred::CommandOp;
 use super::device_spec::NewDevice;
 use super::emergency::requester;
-use super::owed::Debt;
-use super::pending::Then;
-use super::rule_request::{Make, note_result};
+use super::pending::OnAnswer;
+use super::rule_request::{RuleRequest, note_end_result};
 use super::settings::{self, Value};
-use super::shop::Shop;
-use super::types::{Failure, Reply, Sink};
+use super::task_core::TaskCoreAdapter;
+use super::types::{ApiError, Reply, Subscriber};
 use super::{Client, ServerState};
 use crate::limits::OnLoss;
 
@@ -21,22 +21,22 @@ impl ServerState {
         name: &str,
         on_loss: Option<OnLoss>,
         owner: (Client, bool),
-    ) -> Result<String, Failure> {
+    ) -> Result<String, ApiError> {
         let session = self.objects.open_session(name, on_loss, owner)?;
         let of = match name {
             "" => String::new(),
             name => format!(" of {name}"),
         };
         self.log
-            .note(format_args!("session {session}{of} was opened"));
+            .write(format_args!("session {session}{of} was opened"));
         Ok(session)
     }
 
     /// Starts a command.
     pub(crate) fn start(&mut self, name: &str, reply: Reply) {
-        let may = self.emergency.may_start().and_then(|()| {
+        let may = self.emergency.ensure_not_stopped().and_then(|()| {
             let (_, record) = self.objects.commands.find(name)?;
-            record.has_all(name)
+            record.ensure_inputs_set(name)
         });
         match may {
             Ok(()) => self
@@ -54,7 +54,7 @@ impl ServerState {
 
     /// Aborts a command.
     pub(crate) fn abort(&mut self, name: &str, reply: Reply) {
-        let abort = |core: &mut Control, id| core.abort(id, Why::Request);
+        let abort = |core: &mut Control, id| core.abort(id, AbortReason::Request);
         self.core.ask(&self.objects.commands, name, abort, reply);
     }
 
@@ -73,23 +73,28 @@ impl ServerState {
     }
 
     /// Returns an error if `count` values are too many for one request.
-    pub(crate) fn may_set(&self, count: usize) -> Result<(), Failure> {
-        settings::may_set(count, self.limits.values)
+    pub(crate) fn may_set(&self, count: usize) -> Result<(), ApiError> {
+        settings::may_set(count, self.limits.values_per_request)
     }
 
     /// Sets inputs of commands, either all of them between the same two cycles or none.
     pub(crate) fn set(&mut self, values: &[Value<'_>], reply: Reply) {
         let may = self
             .core
-            .may_ask()
+            .ensure_queue_space()
             .and_then(|()| self.may_set(values.len()));
         let commands = &mut self.objects.commands;
-        match may.and_then(|()| settings::settings(commands, values, self.limits.values)) {
+        match may
+            .and_then(|()| settings::settings(commands, values, self.limits.values_per_request))
+        {
             Ok(settings) => {
                 let ticket = self.core.control.set(settings);
-                if self.core.asked(ticket, Then::Nothing, Some(reply)) {
+                if self
+                    .core
+                    .track_request(ticket, OnAnswer::Nothing, Some(reply))
+                {
                     for value in values {
-                        settings::note_given(commands, value);
+                        settings::mark_input_set(commands, value);
                     }
                 }
             }
@@ -98,19 +103,23 @@ impl ServerState {
     }
 
     /// Makes a rule. The reply has its name.
-    pub(crate) fn make_rule(&mut self, make: &Make<'_>, reply: Reply) {
-        let may = self.emergency.may_start().or_else(|why| match make.start {
-            [] => Ok(()),
-            _ => Err(why),
-        });
+    pub(crate) fn make_rule(&mut self, make: &RuleRequest<'_>, reply: Reply) {
+        let may = self
+            .emergency
+            .ensure_not_stopped()
+            .or_else(|why| match make.start {
+                [] => Ok(()),
+                _ => Err(why),
+            });
         let commands = &mut self.objects.commands;
         let made = may
-            .and_then(|()| self.core.may_ask())
+            .and_then(|()| self.core.ensure_queue_space())
             .and_then(|()| self.rules.make(make, commands, &mut self.core));
         match made {
             Ok((id, ticket)) => {
-                note_result(make, commands);
-                self.core.asked(Ok(ticket), Then::Made(id), Some(reply));
+                note_end_result(make, commands);
+                self.core
+                    .track_request(Ok(ticket), OnAnswer::RuleMade(id), Some(reply));
             }
             Err(why) => reply(Err(why)),
         }
@@ -118,7 +127,7 @@ impl ServerState {
 
     /// Withdraws a rule, if the client may act on all commands of the rule.
     pub(crate) fn withdraw(&mut self, client: Client, name: &str, reply: Reply) {
-        let found = self.core.may_ask().and_then(|()| {
+        let found = self.core.ensure_queue_space().and_then(|()| {
             let (id, rule) = self.rules.find(name)?;
             self.objects.may_change(client, name, rule)?;
             Ok(id)
@@ -126,14 +135,19 @@ impl ServerState {
         match found {
             Ok(id) => {
                 let ticket = self.core.control.withdraw(id);
-                self.core.asked(ticket, Then::Nothing, Some(reply));
+                self.core
+                    .track_request(ticket, OnAnswer::Nothing, Some(reply));
             }
             Err(why) => reply(Err(why)),
         }
     }
 
     /// Subscribes to a rule: reports its state now and when it changes.
-    pub(crate) fn watch_rule(&mut self, name: &str, sink: Box<dyn Sink>) -> Result<(), Failure> {
+    pub(crate) fn watch_rule(
+        &mut self,
+        name: &str,
+        sink: Box<dyn Subscriber>,
+    ) -> Result<(), ApiError> {
         self.rules.watch(name, sink, &mut self.objects.commands)
     }
 
@@ -141,14 +155,17 @@ impl ServerState {
     pub(crate) fn add_device(&mut self, new: &NewDevice<'_>, reply: Reply) {
         let added = match self.devices.is_there(new) {
             Ok(true) => return reply(Ok(new.name.to_owned())),
-            Ok(false) => self.core.may_ask().and_then(|()| self.devices.add(new)),
+            Ok(false) => self
+                .core
+                .ensure_queue_space()
+                .and_then(|()| self.devices.add(new)),
             Err(why) => Err(why),
         };
         match added {
             Ok((place, part, info)) => {
-                let ticket = self.core.control.put_device(place, Some(part));
-                let then = Then::Device(info);
-                if !self.core.asked(ticket, then, Some(reply)) {
+                let ticket = self.core.control.replace_device(place, Some(part));
+                let then = OnAnswer::DeviceAdded(info);
+                if !self.core.track_request(ticket, then, Some(reply)) {
                     self.devices.clear(place);
                 }
             }
@@ -159,9 +176,9 @@ impl ServerState {
     /// Removes a device that was added by a client and is not in use. Ended commands that used it are unloaded first.
     pub(crate) fn remove_device(&mut self, name: &str, reply: Reply) {
         // Processes events first, so that commands unloaded a moment ago do not count as users.
-        self.keep();
+        self.update();
         let commands = &self.objects.commands;
-        let found = self.core.may_ask();
+        let found = self.core.ensure_queue_space();
         let found = found.and_then(|()| self.devices.removable(name, commands));
         let (place, ended) = match found {
             Ok(found) => found,
@@ -171,40 +188,40 @@ impl ServerState {
         for number in ended {
             if let Some(record) = commands.get(number) {
                 let called = record.called(number);
-                self.log.note(format_args!(
+                self.log.write(format_args!(
                     "{called} is unloaded because device {name} is removed"
                 ));
             }
-            commands.owe(number, Debt::Unload, &mut self.core);
+            commands.defer(number, CommandOp::Unload, &mut self.core);
         }
-        let then = Then::NoDevice(name.to_owned());
-        let ticket = self.core.control.put_device(place, None);
-        self.core.asked(ticket, then, Some(reply));
+        let then = OnAnswer::DeviceRemoved(name.to_owned());
+        let ticket = self.core.control.replace_device(place, None);
+        self.core.track_request(ticket, then, Some(reply));
     }
 
     /// Starts a task; its first commands start in one of the next ticks. A task can be started only once.
-    pub(crate) fn start_task(&mut self, name: &str) -> Result<(), Failure> {
-        self.emergency.may_start()?;
+    pub(crate) fn start_task(&mut self, name: &str) -> Result<(), ApiError> {
+        self.emergency.ensure_not_stopped()?;
         self.objects.tasks.start(name)
     }
 
     /// Cancels a task: no further command starts, and running ones are cancelled.
-    pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), Failure> {
+    pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.tasks.cancel(name)?;
         self.shop(number).with_task(|task, shop| task.cancel(shop));
         Ok(())
     }
 
     /// Unloads a task. A running one is unloaded when it has ended.
-    pub(crate) fn unload_task(&mut self, name: &str) -> Result<(), Failure> {
+    pub(crate) fn unload_task(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.tasks.unload_at_end(name)?;
-        self.objects.forget_task_if_abandoned(number);
+        self.objects.remove_task_if_abandoned(number);
         Ok(())
     }
 
     /// Returns the core as seen by the task with this number.
-    pub(super) fn shop(&mut self, number: u64) -> Shop<'_> {
-        Shop {
+    pub(super) fn shop(&mut self, number: u64) -> TaskCoreAdapter<'_> {
+        TaskCoreAdapter {
             objects: &mut self.objects,
             core: &mut self.core,
             devices: &self.devices,
@@ -216,12 +233,13 @@ impl ServerState {
     /// Stops everything. The reply is sent once no earlier request can start anything any more.
     pub(crate) fn emergency_stop(&mut self, by: &str, reply: Reply) {
         let by = requester(by);
-        self.log.note(format_args!("EMERGENCY STOP by {by}"));
+        self.log.write(format_args!("EMERGENCY STOP by {by}"));
         self.emergency.raise(by);
         for number in self.objects.tasks.under_way() {
-            self.shop(number).with_task(|task, shop| task.stop(shop));
+            self.shop(number).with_task(|task, shop| task.abort(shop));
         }
-        self.emergency.ask_behind(&mut self.core, Some(reply));
+        self.emergency
+            .send_stop_request(&mut self.core, Some(reply));
         self.emergency.tell();
     }
 
@@ -229,9 +247,9 @@ impl ServerState {
     ///
     /// # Errors
     /// If a device still moves or earlier requests are pending.
-    pub(crate) fn reset_emergency(&mut self) -> Result<(), Failure> {
-        if self.emergency.reset(self.devices.move_still())? {
-            self.log.note(format_args!("the emergency stop was reset"));
+    pub(crate) fn reset_emergency(&mut self) -> Result<(), ApiError> {
+        if self.emergency.reset(self.devices.any_moving())? {
+            self.log.write(format_args!("the emergency stop was reset"));
         }
         Ok(())
     }

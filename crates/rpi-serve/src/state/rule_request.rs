@@ -6,16 +6,16 @@ use rpi_image::{Scalar, Type};
 use rpi_runtime::control::{CommandId, Condition, Fact, Rule};
 
 use super::commands::Commands;
-use super::number_of;
+use super::parse_number;
 use super::record::results;
 use super::rules::RuleRecord;
 use super::subscribers::Subscribers;
-use super::types::{Failure, RuleState};
-use crate::condition::{Expr, Saying};
-use crate::fair::Client;
+use super::types::{ApiError, RuleState};
+use crate::condition::{Expr, FactExpr};
+use crate::fair_share::Client;
 
 /// A request to make a rule.
-pub(crate) struct Make<'a> {
+pub(crate) struct RuleRequest<'a> {
     pub(crate) when: &'a Expr,
     pub(crate) stop: &'a [&'a str],
     pub(crate) cancel: &'a [&'a str],
@@ -27,28 +27,31 @@ pub(crate) struct Make<'a> {
 }
 
 /// Resolves the names of a request: returns the rule for the core and its record.
-pub(super) fn built(make: &Make<'_>, commands: &Commands) -> Result<(Rule, RuleRecord), Failure> {
+pub(super) fn built(
+    make: &RuleRequest<'_>,
+    commands: &Commands,
+) -> Result<(Rule, RuleRecord), ApiError> {
     // The sets to stop and cancel may have duplicates. A duplicate to start is an error, which the core reports.
-    let set = |names: &[&str]| -> Result<Vec<CommandId>, Failure> {
-        let ids: Result<BTreeSet<CommandId>, Failure> =
-            names.iter().map(|name| commands.core_id(name)).collect();
+    let set = |names: &[&str]| -> Result<Vec<CommandId>, ApiError> {
+        let ids: Result<BTreeSet<CommandId>, ApiError> =
+            names.iter().map(|name| commands.command_id(name)).collect();
         Ok(ids?.into_iter().collect())
     };
-    let start: Result<Vec<CommandId>, Failure> = make
+    let start: Result<Vec<CommandId>, ApiError> = make
         .start
         .iter()
-        .map(|name| commands.core_id(name))
+        .map(|name| commands.command_id(name))
         .collect();
     let (stop, cancel, start) = (set(make.stop)?, set(make.cancel)?, start?);
     let rule = Rule::when(condition(make.when, commands)?);
-    let mut rule = if make.keep { rule.keep() } else { rule };
+    let mut rule = if make.keep { rule.keep_orphans() } else { rule };
     rule = stop.iter().copied().fold(rule, Rule::stop);
     rule = cancel.iter().copied().fold(rule, Rule::cancel);
     rule = start.iter().copied().fold(rule, Rule::start);
     let record = RuleRecord {
         state: RuleState::Active,
-        maker: make.maker,
-        weight: make.when.facts() + stop.len() + cancel.len() + start.len(),
+        client: make.maker,
+        size: make.when.fact_count() + stop.len() + cancel.len() + start.len(),
         stop,
         cancel,
         start,
@@ -57,58 +60,59 @@ pub(super) fn built(make: &Make<'_>, commands: &Commands) -> Result<(Rule, RuleR
     Ok((rule, record))
 }
 
-fn condition(expr: &Expr, commands: &Commands) -> Result<Condition, Failure> {
+fn condition(expr: &Expr, commands: &Commands) -> Result<Condition, ApiError> {
     Ok(match expr {
         Expr::True => Condition::always(),
         Expr::False => !Condition::always(),
         Expr::Not(inner) => !condition(inner, commands)?,
         Expr::And(a, b) => condition(a, commands)? & condition(b, commands)?,
         Expr::Or(a, b) => condition(a, commands)? | condition(b, commands)?,
-        Expr::Said(command, saying) => {
-            Condition::of(commands.core_id(command)?, fact(command, saying, commands)?)
-        }
+        Expr::Fact(command, saying) => Condition::from_fact(
+            commands.command_id(command)?,
+            fact(command, saying, commands)?,
+        ),
     })
 }
 
-fn fact(command: &str, saying: &Saying, commands: &Commands) -> Result<Fact, Failure> {
+fn fact(command: &str, saying: &FactExpr, commands: &Commands) -> Result<Fact, ApiError> {
     let (_, record) = commands.find(command)?;
     let image = record.image.as_deref();
     let place = |what: &str, key: &str, found: Option<usize>| {
         let index = found.and_then(|k| u32::try_from(k).ok());
-        index.ok_or_else(|| Failure::Unknown(format!("{what} {key} of {command}")))
+        index.ok_or_else(|| ApiError::Unknown(format!("{what} {key} of {command}")))
     };
     Ok(match saying {
-        Saying::Export(key) => {
+        FactExpr::Export(key) => {
             let exports = image.map_or(&[][..], |i| &i.exports);
             let found = exports.iter().position(|e| e.key == *key);
             let ty = found.map(|k| exports[k].value.ty);
-            if let Some(ty) = ty.filter(|ty| *ty != Type::One(Scalar::Bool)) {
-                return Err(Failure::Bad(format!(
+            if let Some(ty) = ty.filter(|ty| *ty != Type::Scalar(Scalar::Bool)) {
+                return Err(ApiError::Invalid(format!(
                     "expected a Boolean export, found {key} of {command} of type {ty}"
                 )));
             }
             Fact::Export(place("export", key, found)?)
         }
-        Saying::Result(name) => {
+        FactExpr::Result(name) => {
             let found = image.and_then(|i| results(i).iter().position(|r| r == name));
             Fact::Result(place("result", name, found)?)
         }
-        Saying::Error(number) => Fact::Error(*number),
-        Saying::Ended => Fact::Ended,
-        Saying::Regular => Fact::Regular,
-        Saying::Failed => Fact::Failed,
+        FactExpr::Error(number) => Fact::Error(*number),
+        FactExpr::Ended => Fact::Ended,
+        FactExpr::Regular => Fact::Regular,
+        FactExpr::Failed => Fact::Failed,
     })
 }
 
 /// Notes the result that ends a command: a rule that only stops a command, when one of its exports is true, declares
 /// that export as such a result.
-pub(super) fn note_result(make: &Make<'_>, commands: &mut Commands) {
-    let (Expr::Said(command, Saying::Export(key)), [stop], [], []) =
+pub(super) fn note_end_result(make: &RuleRequest<'_>, commands: &mut Commands) {
+    let (Expr::Fact(command, FactExpr::Export(key)), [stop], [], []) =
         (make.when, make.stop, make.cancel, make.start)
     else {
         return;
     };
-    let number = number_of(stop, 'n').filter(|_| command == stop);
+    let number = parse_number(stop, 'n').filter(|_| command == stop);
     if let Some(record) = number.and_then(|n| commands.get_mut(n)) {
         record.completion.add_end(key);
     }

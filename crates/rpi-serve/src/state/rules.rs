@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use rpi_runtime::control::{CommandId, RuleId, Ticket};
 
 use super::commands::Commands;
-use super::completion::{is_early, note_takeover, tell_completions};
+use super::completion::{must_delay_report, record_takeover, report_completions};
 use super::core_link::CoreLink;
-use super::journal::Journal;
-use super::number_of;
-use super::rule_request::{Make, built};
+use super::event_log::EventLog;
+use super::parse_number;
+use super::rule_request::{RuleRequest, built};
 use super::subscribers::Subscribers;
-use super::types::{Failure, RuleState, Sink, Update};
-use crate::fair::{Client, Holder, Taken};
+use super::types::{ApiError, RuleState, Subscriber, Update};
+use crate::fair_share::{Client, Holder, Usage};
 use crate::limits::Limits;
 
 /// State of a rule in the server.
@@ -24,9 +24,9 @@ pub(super) struct RuleRecord {
     /// Commands that it starts.
     pub(super) start: Vec<CommandId>,
     /// Client that made the rule.
-    pub(super) maker: Client,
+    pub(super) client: Client,
     /// Size of the rule: facts in its condition plus commands that it acts on.
-    pub(super) weight: usize,
+    pub(super) size: usize,
     pub(super) watchers: Subscribers,
 }
 
@@ -43,18 +43,18 @@ impl RuleRecord {
 }
 
 /// Name of the limit on the total size of rules in messages.
-const SAID: &str = "facts and commands in all rules";
+const RULE_SIZE_LIMIT: &str = "facts and commands in all rules";
 
 /// Number of inactive rules that are kept, for clients that subscribe late.
-const REMEMBERED: usize = 4096;
+const MAX_INACTIVE_RULES: usize = 4096;
 
 /// The rules, and those of them whose outcome is being reported.
 pub(crate) struct Rules {
     records: BTreeMap<RuleId, RuleRecord>,
     /// Rules whose outcome was reported to a subscriber in this round.
-    told: Vec<RuleId>,
+    reported_rules: Vec<RuleId>,
     /// Rules that have fired before the commands they stopped are known to have run. Reported later.
-    early: Vec<RuleId>,
+    delayed_rules: Vec<RuleId>,
     /// Maximum number of active rules.
     most: usize,
     /// Maximum total size of active rules.
@@ -66,66 +66,66 @@ impl Rules {
     pub(super) fn new(limits: &Limits) -> Rules {
         Rules {
             records: BTreeMap::new(),
-            told: Vec::new(),
-            early: Vec::new(),
+            reported_rules: Vec::new(),
+            delayed_rules: Vec::new(),
             most: limits.rules,
-            facts: limits.facts,
+            facts: limits.rule_size,
         }
     }
 
     /// Makes a rule and sends it to the core.
     pub(super) fn make(
         &mut self,
-        make: &Make<'_>,
+        make: &RuleRequest<'_>,
         commands: &Commands,
         core: &mut CoreLink,
-    ) -> Result<(RuleId, Ticket), Failure> {
+    ) -> Result<(RuleId, Ticket), ApiError> {
         let (rule, record) = built(make, commands)?;
-        self.has_room_for(&record)?;
+        self.ensure_rule_quota(&record)?;
         let (id, ticket) = core.control.schedule(rule)?;
         self.records.insert(id, record);
         Ok((id, ticket))
     }
 
     /// Returns an error if a rule names too many commands, before the names are resolved with the state locked.
-    pub(crate) fn may_say(&self, make: &Make<'_>) -> Result<(), Failure> {
+    pub(crate) fn ensure_rule_size(&self, make: &RuleRequest<'_>) -> Result<(), ApiError> {
         let named = make.stop.len() + make.cancel.len() + make.start.len();
         match named > self.facts {
-            true => Err(Failure::Limit(SAID)),
+            true => Err(ApiError::Limit(RULE_SIZE_LIMIT)),
             false => Ok(()),
         }
     }
 
     /// Returns an error if there are too many rules, or if they are too large in total: the cycle evaluates all of
     /// them.
-    fn has_room_for(&self, rule: &RuleRecord) -> Result<(), Failure> {
+    fn ensure_rule_quota(&self, rule: &RuleRecord) -> Result<(), ApiError> {
         let records = self.records.values();
         let active = records.filter(|r| r.state == RuleState::Active);
-        let held = active.map(|r| (Holder::Is(r.maker), r.weight));
-        let rules = Taken::by(Some(rule.maker), held.clone().map(|(of, _)| (of, 1)));
+        let held = active.map(|r| (Holder::Connected(r.client), r.size));
+        let rules = Usage::for_client(Some(rule.client), held.clone().map(|(of, _)| (of, 1)));
         let room = rules.admit(1, self.most);
-        room.map_err(|full| Failure::limit(full, "rules"))?;
-        let said = Taken::by(Some(rule.maker), held).admit(rule.weight, self.facts);
-        said.map_err(|full| Failure::limit(full, SAID))
+        room.map_err(|full| ApiError::limit(full, "rules"))?;
+        let said = Usage::for_client(Some(rule.client), held).admit(rule.size, self.facts);
+        said.map_err(|full| ApiError::limit(full, RULE_SIZE_LIMIT))
     }
 
     /// Drops the rules of a disconnected client that act on no command. They only served its subscriptions.
     pub(super) fn drop_idle(&self, client: Client, core: &mut CoreLink) {
-        let own = self.records.iter().filter(|(_, r)| r.maker == client);
+        let own = self.records.iter().filter(|(_, r)| r.client == client);
         let idle =
             own.filter(|(_, r)| r.state == RuleState::Active && r.acts_on().next().is_none());
-        idle.for_each(|(id, _)| core.owe_rule(*id));
+        idle.for_each(|(id, _)| core.defer_withdrawal(*id));
     }
 
     /// Returns a rule and its id by name.
-    pub(super) fn find(&self, name: &str) -> Result<(RuleId, &RuleRecord), Failure> {
-        let found = number_of(name, 'r').map(RuleId);
+    pub(super) fn find(&self, name: &str) -> Result<(RuleId, &RuleRecord), ApiError> {
+        let found = parse_number(name, 'r').map(RuleId);
         let found = found.and_then(|id| Some((id, self.records.get(&id)?)));
-        found.ok_or_else(|| Failure::Unknown(format!("rule {name}")))
+        found.ok_or_else(|| ApiError::Unknown(format!("rule {name}")))
     }
 
     /// Returns an error if the rule is unknown.
-    pub(crate) fn find_rule(&self, name: &str) -> Result<(), Failure> {
+    pub(crate) fn ensure_rule_exists(&self, name: &str) -> Result<(), ApiError> {
         self.find(name).map(drop)
     }
 
@@ -133,14 +133,14 @@ impl Rules {
     pub(super) fn watch(
         &mut self,
         name: &str,
-        mut sink: Box<dyn Sink>,
+        mut sink: Box<dyn Subscriber>,
         commands: &mut Commands,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ApiError> {
         let (id, _) = self.find(name)?;
         let Some(rule) = self.records.get_mut(&id) else {
             return Ok(());
         };
-        let listens = sink.tell(&Update::Rule(rule.state));
+        let listens = sink.notify(&Update::Rule(rule.state));
         if listens && rule.state == RuleState::Active {
             rule.watchers.push(sink);
         } else {
@@ -166,25 +166,25 @@ impl Rules {
     }
 
     /// Called when a rule has fired. The report is delayed until the order of updates is correct.
-    pub(super) fn fired(&mut self, id: RuleId, commands: &mut Commands, log: &mut Journal) {
-        note_takeover(commands, &self.stopped_by(id), log);
-        self.tell_fired(id, commands);
+    pub(super) fn fired(&mut self, id: RuleId, commands: &mut Commands, log: &mut EventLog) {
+        record_takeover(commands, &self.stopped_by(id), log);
+        self.report_fired(id, commands);
     }
 
     /// Reports rules that have fired and could not be reported earlier.
-    pub(super) fn tell_early(&mut self, commands: &mut Commands) {
-        let early = std::mem::take(&mut self.early);
+    pub(super) fn report_delayed_rules(&mut self, commands: &mut Commands) {
+        let early = std::mem::take(&mut self.delayed_rules);
         early
             .into_iter()
-            .for_each(|id| self.tell_fired(id, commands));
+            .for_each(|id| self.report_fired(id, commands));
     }
 
-    fn tell_fired(&mut self, id: RuleId, commands: &mut Commands) {
+    fn report_fired(&mut self, id: RuleId, commands: &mut Commands) {
         let stopped = self.stopped_by(id);
-        match is_early(commands, &stopped) {
-            true => self.early.push(id),
+        match must_delay_report(commands, &stopped) {
+            true => self.delayed_rules.push(id),
             false => {
-                tell_completions(commands, &stopped);
+                report_completions(commands, &stopped);
                 self.over(id, RuleState::Fired);
             }
         }
@@ -197,14 +197,15 @@ impl Rules {
         };
         rule.state = state;
         let mut watchers = std::mem::take(&mut rule.watchers);
-        self.told.extend(Some(id).filter(|_| !watchers.is_empty()));
+        self.reported_rules
+            .extend(Some(id).filter(|_| !watchers.is_empty()));
         watchers.tell(&Update::Rule(state));
         self.forget_oldest();
     }
 
     /// Ends withholding the values of the commands that were started by rules whose outcome was reported.
     pub(super) fn release_told(&mut self, commands: &mut Commands) {
-        for rule in std::mem::take(&mut self.told) {
+        for rule in std::mem::take(&mut self.reported_rules) {
             self.release_started(rule, commands);
         }
     }
@@ -214,13 +215,13 @@ impl Rules {
         let started = self.records.get(&id).map(|r| &r.start);
         for command in started.into_iter().flatten() {
             if let Some(record) = commands.record_of(*command) {
-                record.subscriptions.release();
+                record.subscriptions.stop_withholding();
             }
         }
     }
 
     fn forget_oldest(&mut self) {
-        while self.records.len() > REMEMBERED + self.most {
+        while self.records.len() > MAX_INACTIVE_RULES + self.most {
             let mut records = self.records.iter();
             let over = records.find(|(_, r)| r.state != RuleState::Active);
             let Some(id) = over.map(|(id, _)| *id) else {

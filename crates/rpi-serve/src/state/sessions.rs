@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::journal::Journal;
-use super::number_of;
+use super::event_log::EventLog;
+use super::parse_number;
 use super::subscribers::Subscribers;
-use super::types::{Failure, Sink, Update, shortened};
-use crate::fair::{Client, Holder, Taken};
+use super::types::{ApiError, Subscriber, Update, truncated};
+use crate::fair_share::{Client, Holder, Usage};
 use crate::limits::{Limits, OnLoss};
 
 /// A session.
@@ -27,8 +27,8 @@ impl Session {
     /// Returns the client that is charged for the session.
     fn holder(&self) -> Holder {
         match self.closed {
-            true => Holder::Was(self.client),
-            false => Holder::Is(self.client),
+            true => Holder::Disconnected(self.client),
+            false => Holder::Connected(self.client),
         }
     }
 }
@@ -50,27 +50,27 @@ impl Sessions {
     }
 
     /// Returns an error if the session belongs to another connected client. `what` is named in the error.
-    pub(super) fn may_act_in(
+    pub(super) fn ensure_may_act_in(
         &self,
         client: Client,
         session: u64,
         what: &str,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), ApiError> {
         let session = self.records.get(&session);
         let owned = session.filter(|s| !s.closed && !s.shared);
         match owned.is_some_and(|s| s.client != client) {
-            true => Err(Failure::NotYours(what.to_owned())),
+            true => Err(ApiError::NotOwner(what.to_owned())),
             false => Ok(()),
         }
     }
 
     /// Returns an error if the client may not open another session.
-    pub(super) fn has_room(&self, client: Client, limits: &Limits) -> Result<(), Failure> {
+    pub(super) fn has_room(&self, client: Client, limits: &Limits) -> Result<(), ApiError> {
         let held = self.records.values().map(|s| (s.holder(), 1));
-        let taken = Taken::by(Some(client), held);
+        let taken = Usage::for_client(Some(client), held);
         taken
             .admit(1, limits.sessions)
-            .map_err(|full| Failure::limit(full, "sessions"))
+            .map_err(|full| ApiError::limit(full, "sessions"))
     }
 
     /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
@@ -83,7 +83,7 @@ impl Sessions {
         (client, shared): (Client, bool),
     ) -> String {
         let session = Session {
-            name: shortened(name, most),
+            name: truncated(name, most),
             on_loss: on_loss.unwrap_or(self.on_loss),
             client,
             shared,
@@ -95,14 +95,14 @@ impl Sessions {
     }
 
     /// Returns the number of a session.
-    pub(super) fn number(&self, name: &str) -> Result<u64, Failure> {
-        let found = number_of(name, 's').filter(|n| self.records.contains_key(n));
-        found.ok_or_else(|| Failure::Unknown(format!("session {name}")))
+    pub(super) fn number(&self, name: &str) -> Result<u64, ApiError> {
+        let found = parse_number(name, 's').filter(|n| self.records.contains_key(n));
+        found.ok_or_else(|| ApiError::Unknown(format!("session {name}")))
     }
 
     /// Lets a client take over a session whose client has disconnected. Returns whether it did.
-    pub(crate) fn take_up(&mut self, name: &str, client: Client) -> bool {
-        let session = number_of(name, 's').and_then(|n| self.records.get_mut(&n));
+    pub(crate) fn take_over_session(&mut self, name: &str, client: Client) -> bool {
+        let session = parse_number(name, 's').and_then(|n| self.records.get_mut(&n));
         session.is_some_and(|session| {
             let was_closed = std::mem::replace(&mut session.closed, false);
             if was_closed {
@@ -119,9 +119,9 @@ impl Sessions {
     }
 
     /// Called when the client of a session has disconnected: closes it. Returns its number and policy.
-    pub(super) fn lose(&mut self, name: &str, log: &mut Journal) -> Option<(u64, OnLoss)> {
-        let number = number_of(name, 's')?;
-        log.note(format_args!(
+    pub(super) fn lose(&mut self, name: &str, log: &mut EventLog) -> Option<(u64, OnLoss)> {
+        let number = parse_number(name, 's')?;
+        log.write(format_args!(
             "the client of session {name} has disconnected"
         ));
         let session = self.records.get_mut(&number)?;
@@ -137,7 +137,7 @@ impl Sessions {
     }
 
     /// Subscribes to a session: reports whether it is open, now and at each change.
-    pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Sink>) -> Result<(), Failure> {
+    pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Subscriber>) -> Result<(), ApiError> {
         let number = self.number(name)?;
         if let Some(session) = self.records.get_mut(&number) {
             session.watchers.add(sink, &Update::Session(true));
@@ -153,7 +153,7 @@ impl Sessions {
     /// Returns whom the resources of a session are charged to.
     pub(super) fn holder(&self, session: u64) -> Holder {
         let session = self.records.get(&session);
-        session.map_or(Holder::Nobody, Session::holder)
+        session.map_or(Holder::Unowned, Session::holder)
     }
 
     /// Removes a session that owns nothing any more, if it is closed.

@@ -3,18 +3,18 @@
 use std::collections::BTreeMap;
 
 use rpi_image::image::InputPort;
-use rpi_runtime::control::{CommandId, Setting, State};
+use rpi_runtime::control::{CommandId, CommandState, InputValue};
 
 use super::commands::Commands;
-use super::types::{Failure, Phase};
+use super::types::{ApiError, Phase};
 
 /// A value for an input: name of the command, key of the input and text of the value.
 pub(crate) type Value<'a> = (&'a str, &'a str, &'a str);
 
 /// Returns an error if `count` values are more than one request may set.
-pub(super) fn may_set(count: usize, limit: usize) -> Result<(), Failure> {
+pub(super) fn may_set(count: usize, limit: usize) -> Result<(), ApiError> {
     match count > limit {
-        true => Err(Failure::Limit("values in one request")),
+        true => Err(ApiError::Limit("values in one request")),
         false => Ok(()),
     }
 }
@@ -25,8 +25,8 @@ pub(super) fn settings(
     commands: &Commands,
     values: &[Value<'_>],
     limit: usize,
-) -> Result<Vec<Setting>, Failure> {
-    let mut settings: BTreeMap<(CommandId, usize), Setting> = BTreeMap::new();
+) -> Result<Vec<InputValue>, ApiError> {
+    let mut settings: BTreeMap<(CommandId, usize), InputValue> = BTreeMap::new();
     let mut cells = 0;
     for value in values {
         let setting = setting(commands, value)?;
@@ -38,39 +38,39 @@ pub(super) fn settings(
     Ok(settings.into_values().collect())
 }
 
-fn setting(commands: &Commands, (name, key, value): &Value<'_>) -> Result<Setting, Failure> {
+fn setting(commands: &Commands, (name, key, value): &Value<'_>) -> Result<InputValue, ApiError> {
     let (_, record) = commands.find(name)?;
-    let waits = [State::Ready, State::Scheduled].map(Phase::Is);
+    let waits = [CommandState::Ready, CommandState::Scheduled].map(Phase::Core);
     let is_taken = record.given.iter().any(|given| given.key == *key);
     if is_taken && !waits.contains(&record.status.phase) {
-        return Err(Failure::Bad(format!(
+        return Err(ApiError::Invalid(format!(
             "{key} of {name} is taken over at its start; it cannot be set any more"
         )));
     }
     let inputs = record.image.as_ref().map_or(&[][..], |i| &i.inputs);
     let found = inputs.iter().position(|i| i.key == *key);
-    let input = found.ok_or_else(|| Failure::Unknown(format!("input {key} of {name}")))?;
-    Ok(Setting {
-        command: commands.core_id(name)?,
+    let input = found.ok_or_else(|| ApiError::Unknown(format!("input {key} of {name}")))?;
+    Ok(InputValue {
+        command: commands.command_id(name)?,
         input,
-        value: cells(&inputs[input], value)?,
+        value: parse_slots(&inputs[input], value)?,
     })
 }
 
-fn cells(input: &InputPort, text: &str) -> Result<Box<[u64]>, Failure> {
+fn parse_slots(input: &InputPort, text: &str) -> Result<Box<[u64]>, ApiError> {
     let ty = input.value.ty;
-    let bad = |why: String| Failure::Bad(format!("`{text}` is not of type {ty}: {why}"));
-    let value = rpi_literal::read(text, ty).map_err(|e| bad(e.to_string()))?;
+    let bad = |why: String| ApiError::Invalid(format!("`{text}` is not of type {ty}: {why}"));
+    let value = rpi_literal::parse(text, ty).map_err(|e| bad(e.to_string()))?;
     let value = value.ok_or_else(|| bad("an input must have a value".to_owned()))?;
-    Ok(value.cells().into())
+    Ok(value.slots().into())
 }
 
 /// Marks an input as no longer needed.
-pub(super) fn note_given(commands: &mut Commands, (name, key, _): &Value<'_>) {
+pub(super) fn mark_input_set(commands: &mut Commands, (name, key, _): &Value<'_>) {
     let number = commands.find(name).map(|(number, _)| number);
     let record = number.ok().and_then(|n| commands.get_mut(n));
     let given = record.into_iter().flat_map(|r| &mut r.given);
     given
         .filter(|given| given.key == *key)
-        .for_each(|given| given.is_needed = false);
+        .for_each(|given| given.is_required = false);
 }

@@ -1,32 +1,32 @@
 //! Subscribers to the changes of one object.
 
-use super::types::{Sink, Update};
+use super::types::{Subscriber, Update};
 
 /// The subscribers to one object. A subscriber whose client has disconnected is removed at the next update.
 #[derive(Default)]
-pub(super) struct Subscribers(Vec<Box<dyn Sink>>);
+pub(super) struct Subscribers(Vec<Box<dyn Subscriber>>);
 
 impl Subscribers {
     /// Adds a subscriber.
-    pub(super) fn push(&mut self, sink: Box<dyn Sink>) {
+    pub(super) fn push(&mut self, sink: Box<dyn Subscriber>) {
         self.0.push(sink);
     }
 
     /// Sends an update to a new subscriber and adds it, unless its client has disconnected.
-    pub(super) fn add(&mut self, mut sink: Box<dyn Sink>, update: &Update<'_>) {
-        if sink.tell(update) {
+    pub(super) fn add(&mut self, mut sink: Box<dyn Subscriber>, update: &Update<'_>) {
+        if sink.notify(update) {
             self.0.push(sink);
         }
     }
 
     /// Sends an update to all subscribers.
     pub(super) fn tell(&mut self, update: &Update<'_>) {
-        self.0.retain_mut(|sink| sink.tell(update));
+        self.0.retain_mut(|sink| sink.notify(update));
     }
 
     /// Removes the subscribers whose clients have disconnected.
     pub(super) fn forget_deaf(&mut self) {
-        self.0.retain(|sink| sink.is_heard());
+        self.0.retain(|sink| sink.is_connected());
     }
 
     /// Returns whether there is no subscriber.

@@ -3,9 +3,9 @@
 use rpi_runtime::control::CommandId;
 use rpi_runtime::run::TaskEnd;
 
-use super::place::Place;
-use super::record::Record;
-use super::types::{cause, why};
+use super::record::CommandRecord;
+use super::source_location::SourceLocation;
+use super::types::{cause_text, fault_text};
 
 /// Life-cycle state of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -50,7 +50,7 @@ pub(crate) struct Step {
     /// Fault or reason of the abort, if the command did not end regularly.
     pub(crate) why: Option<&'static str>,
     /// Location of the fault in the program, if a fault ended the command.
-    pub(crate) place: Option<Place>,
+    pub(crate) place: Option<SourceLocation>,
     /// Devices that the command left moving; they brake on their own.
     pub(crate) braked: Vec<String>,
     /// Description of the discontinuity at its takeover, if there was one.
@@ -72,7 +72,7 @@ pub(crate) struct TaskStatus {
     /// Number of successors that were not scheduled when their predecessors ended.
     pub(crate) late: u64,
     /// Number of those that could have taken over in motion.
-    pub(crate) missed: u64,
+    pub(crate) missed_in_motion: u64,
     /// Commands that could not be started, and the reason.
     pub(crate) trouble: Option<String>,
 }
@@ -82,17 +82,17 @@ const REMEMBERED: usize = 100;
 
 impl Step {
     /// Creates the report about a command of a task; `None` if it has not ended.
-    pub(super) fn of(id: CommandId, record: &Record) -> Option<Step> {
+    pub(super) fn of(id: CommandId, record: &CommandRecord) -> Option<Step> {
         let ending = record.status.ending?;
         Some(Step {
             id,
             title: record.title.clone(),
             result: record.status.result.clone(),
-            cause: cause(&ending),
-            why: why(&ending),
-            place: record.status.place.clone(),
+            cause: cause_text(&ending),
+            why: fault_text(&ending),
+            place: record.status.location.clone(),
             braked: record.status.braked.clone(),
-            jump: record.status.jump.clone(),
+            jump: record.status.discontinuity.clone(),
             error: ending.error,
             cycles: ending.cycles,
             handled: false,
@@ -108,7 +108,7 @@ impl TaskStatus {
             running: Vec::new(),
             steps: Vec::new(),
             late: 0,
-            missed: 0,
+            missed_in_motion: 0,
             trouble: None,
         }
     }

@@ -3,19 +3,19 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rpi_core::OnOverrun;
+use rpi_core::CommandOverrunPolicy;
 use rpi_runtime::control::{CommandId, Event};
-use rpi_runtime::run::{Plan, Task};
+use rpi_runtime::run::{ExecutablePlan, Task};
 
 use super::commands::Commands;
-use super::journal::Journal;
-use super::number_of;
+use super::event_log::EventLog;
+use super::parse_number;
 use super::pending::answer;
 use super::record::called;
 use super::subscribers::Subscribers;
 use super::task_status::{Step, TaskPhase, TaskStatus};
-use super::types::{Failure, Reply, Sink, Update};
-use crate::script::Script;
+use super::types::{ApiError, Reply, Subscriber, Update};
+use crate::task_bundle::TaskBundle;
 
 /// State of a task in the server.
 pub(super) struct TaskRecord {
@@ -25,14 +25,14 @@ pub(super) struct TaskRecord {
     bytes: usize,
     /// Source text.
     pub(super) text: Arc<str>,
-    pub(super) script: Option<Script>,
+    pub(super) script: Option<TaskBundle>,
     /// Policy for its commands if their cycles take too long.
-    pub(super) on_overrun: OnOverrun,
-    task: Option<Task<Plan>>,
+    pub(super) on_overrun: CommandOverrunPolicy,
+    task: Option<Task<ExecutablePlan>>,
     pub(super) status: TaskStatus,
     watchers: Subscribers,
     /// Callback for the result of loading.
-    loading: Option<Reply>,
+    load_reply: Option<Reply>,
     /// Whether the task is to be unloaded once it has ended.
     unload_at_end: bool,
     /// Whether the status has changed since the latest report.
@@ -45,7 +45,7 @@ impl TaskRecord {
         session: u64,
         title: String,
         (text, bytes): (Arc<str>, usize),
-        on_overrun: OnOverrun,
+        on_overrun: CommandOverrunPolicy,
         reply: Reply,
     ) -> TaskRecord {
         TaskRecord {
@@ -58,7 +58,7 @@ impl TaskRecord {
             task: None,
             status: TaskStatus::loading(),
             watchers: Subscribers::default(),
-            loading: Some(reply),
+            load_reply: Some(reply),
             unload_at_end: false,
             changed: false,
         }
@@ -72,7 +72,7 @@ impl TaskRecord {
         called(&format!("t{number}"), &self.title)
     }
 
-    fn tell_progress(&mut self) {
+    fn report_progress(&mut self) {
         if std::mem::take(&mut self.changed) {
             self.watchers.tell(&Update::Task(&self.status));
         }
@@ -134,40 +134,40 @@ impl Tasks {
     }
 
     /// Called when loading is finished: makes the task ready.
-    pub(super) fn loaded(&mut self, number: u64, script: Script, bytes: usize) {
+    pub(super) fn loaded(&mut self, number: u64, script: TaskBundle, bytes: usize) {
         if let Some(record) = self.records.get_mut(&number) {
             record.script = Some(script);
             record.bytes += bytes;
             record.status.phase = TaskPhase::Ready;
-            answer(record.loading.take(), Ok(format!("t{number}")));
+            answer(record.load_reply.take(), Ok(format!("t{number}")));
         }
     }
 
     /// Removes a task that could not be loaded. Returns its display name, its session and the callback for the result.
     pub(super) fn remove(&mut self, number: u64) -> Option<(String, u64, Option<Reply>)> {
         let record = self.records.remove(&number)?;
-        Some((record.called(number), record.session, record.loading))
+        Some((record.called(number), record.session, record.load_reply))
     }
 
-    fn number(&self, name: &str) -> Result<u64, Failure> {
-        let found = number_of(name, 't').filter(|n| self.records.contains_key(n));
-        found.ok_or_else(|| Failure::Unknown(format!("task {name}")))
+    fn number(&self, name: &str) -> Result<u64, ApiError> {
+        let found = parse_number(name, 't').filter(|n| self.records.contains_key(n));
+        found.ok_or_else(|| ApiError::Unknown(format!("task {name}")))
     }
 
-    fn find(&mut self, name: &str) -> Result<(u64, &mut TaskRecord), Failure> {
+    fn find(&mut self, name: &str) -> Result<(u64, &mut TaskRecord), ApiError> {
         let number = self.number(name)?;
         let record = self.records.get_mut(&number);
-        let record = record.ok_or_else(|| Failure::Unknown(format!("task {name}")))?;
+        let record = record.ok_or_else(|| ApiError::Unknown(format!("task {name}")))?;
         Ok((number, record))
     }
 
     /// Starts a task; its first commands start in one of the next ticks. A task can be started only once.
-    pub(super) fn start(&mut self, name: &str) -> Result<(), Failure> {
+    pub(super) fn start(&mut self, name: &str) -> Result<(), ApiError> {
         let (_, record) = self.find(name)?;
         let ready = record.status.phase == TaskPhase::Ready;
         let script = record.script.as_ref().filter(|_| ready);
         let phase = record.status.phase.name();
-        let script = script.ok_or_else(|| Failure::Bad(format!("{name} is {phase}")))?;
+        let script = script.ok_or_else(|| ApiError::Invalid(format!("{name} is {phase}")))?;
         record.task = Some(Task::new(script.plan.clone()));
         record.status.phase = TaskPhase::Running;
         record.changed = true;
@@ -175,7 +175,7 @@ impl Tasks {
     }
 
     /// Notes that a running task is cancelled, and returns its number.
-    pub(super) fn cancel(&mut self, name: &str) -> Result<u64, Failure> {
+    pub(super) fn cancel(&mut self, name: &str) -> Result<u64, ApiError> {
         let (number, record) = self.find(name)?;
         match record.status.phase {
             TaskPhase::Running | TaskPhase::Cancelling => {
@@ -183,7 +183,7 @@ impl Tasks {
                 record.changed = true;
                 Ok(number)
             }
-            phase => Err(Failure::Bad(format!("{name} is {}", phase.name()))),
+            phase => Err(ApiError::Invalid(format!("{name} is {}", phase.name()))),
         }
     }
 
@@ -194,19 +194,19 @@ impl Tasks {
     }
 
     /// Takes the execution state of a running task, to work on it. [`Tasks::put_back`] must follow.
-    pub(super) fn take(&mut self, number: u64) -> Option<Task<Plan>> {
+    pub(super) fn take(&mut self, number: u64) -> Option<Task<ExecutablePlan>> {
         self.records.get_mut(&number)?.task.take()
     }
 
     /// Returns the execution state of a running task to it.
-    pub(super) fn put_back(&mut self, number: u64, task: Task<Plan>) {
+    pub(super) fn put_back(&mut self, number: u64, task: Task<ExecutablePlan>) {
         if let Some(record) = self.records.get_mut(&number) {
             record.task = Some(task);
         }
     }
 
     /// Marks a task to be unloaded once it has ended. Returns its number.
-    pub(super) fn unload_at_end(&mut self, name: &str) -> Result<u64, Failure> {
+    pub(super) fn unload_at_end(&mut self, name: &str) -> Result<u64, ApiError> {
         let (number, record) = self.find(name)?;
         record.unload_at_end = true;
         Ok(number)
@@ -220,10 +220,10 @@ impl Tasks {
     }
 
     /// Returns the progress of a task.
-    pub(crate) fn status(&self, name: &str) -> Result<&TaskStatus, Failure> {
+    pub(crate) fn status(&self, name: &str) -> Result<&TaskStatus, ApiError> {
         let number = self.number(name)?;
         let record = self.records.get(&number);
-        let record = record.ok_or_else(|| Failure::Unknown(format!("task {name}")))?;
+        let record = record.ok_or_else(|| ApiError::Unknown(format!("task {name}")))?;
         Ok(&record.status)
     }
 
@@ -234,7 +234,7 @@ impl Tasks {
     }
 
     /// Subscribes to a task: reports its progress now and at each change.
-    pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Sink>) -> Result<(), Failure> {
+    pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Subscriber>) -> Result<(), ApiError> {
         let (_, record) = self.find(name)?;
         record.watchers.add(sink, &Update::Task(&record.status));
         Ok(())
@@ -248,11 +248,11 @@ impl Tasks {
     /// Passes an event of the cycle to all tasks.
     pub(super) fn hear(&mut self, event: &Event) {
         let tasks = self.records.values_mut().filter_map(|r| r.task.as_mut());
-        tasks.for_each(|task| task.hear(event));
+        tasks.for_each(|task| task.handle_event(event));
     }
 
     /// Reports the progress of a task after it was advanced.
-    pub(super) fn note_progress(&mut self, number: u64, commands: &Commands, log: &mut Journal) {
+    pub(super) fn update_progress(&mut self, number: u64, commands: &Commands, log: &mut EventLog) {
         let Some(record) = self.records.get_mut(&number) else {
             return;
         };
@@ -272,13 +272,13 @@ impl Tasks {
             record.status.phase = TaskPhase::Ended(end);
             record.changed = true;
             let word = record.status.phase.name();
-            log.note(format_args!("{} has ended: {word}", record.called(number)));
+            log.write(format_args!("{} has ended: {word}", record.called(number)));
         }
-        record.tell_progress();
+        record.report_progress();
     }
 
     /// Adds an ended command to the progress of its task.
-    pub(super) fn note_step(&mut self, id: CommandId, commands: &Commands) {
+    pub(super) fn add_step(&mut self, id: CommandId, commands: &Commands) {
         let Some((_, record)) = commands.numbered(id) else {
             return;
         };
@@ -299,7 +299,7 @@ impl Tasks {
     /// Removes a task and reports to its subscribers that it is unloaded.
     pub(super) fn forget(&mut self, number: u64) {
         if let Some(mut record) = self.records.remove(&number) {
-            record.tell_progress();
+            record.report_progress();
             record.status.phase = TaskPhase::Unloaded;
             record.watchers.tell(&Update::Task(&record.status));
         }

@@ -2,17 +2,19 @@
 
 use std::fmt;
 
-use rpi_runtime::control::{Cause, Ending, Refused, Rejected, State, TooMuch};
+use rpi_runtime::control::{
+    BudgetExceededError, Cause, CommandError, CommandState, Ending, RequestError,
+};
 
-use super::place::Place;
+use super::source_location::SourceLocation;
 use super::task_status::TaskStatus;
-use crate::fair::Full;
+use crate::fair_share::QuotaError;
 
 /// Life-cycle state of a command, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Phase {
     /// In the command table, or on its way into it.
-    Is(State),
+    Core(CommandState),
     /// Removed from the table.
     Unloaded,
 }
@@ -25,11 +27,11 @@ pub(crate) struct Status {
     /// Name of the result with which the command has ended.
     pub(crate) result: Option<String>,
     /// Location of the fault in the program, if a fault ended the command.
-    pub(crate) place: Option<Place>,
+    pub(crate) location: Option<SourceLocation>,
     /// Devices that the command left moving; they brake on their own.
     pub(crate) braked: Vec<String>,
     /// Description of the discontinuity between its first set-points and those of its predecessor, if there was one.
-    pub(crate) jump: Option<String>,
+    pub(crate) discontinuity: Option<String>,
     /// Whether another command has taken over: started by the rule that stopped this one, or after this one ended in
     /// motion by `yield`.
     pub(crate) taken_over: bool,
@@ -42,9 +44,9 @@ impl Status {
             phase,
             ending: None,
             result: None,
-            place: None,
+            location: None,
             braked: Vec::new(),
-            jump: None,
+            discontinuity: None,
             taken_over: false,
         }
     }
@@ -83,7 +85,7 @@ pub(crate) enum Update<'a> {
     /// State of the command.
     Command(&'a Status),
     /// Description of the discontinuity at the takeover by the command.
-    Jumped(&'a str),
+    Discontinuity(&'a str),
     /// Changed exports of the command: key and value.
     Values(&'a [(String, String)]),
     /// State of the rule.
@@ -103,107 +105,111 @@ pub(crate) enum Update<'a> {
 }
 
 /// Subscriber of updates.
-pub(crate) trait Sink: Send {
+pub(crate) trait Subscriber: Send {
     /// Sends an update. Returns false if the client is disconnected. Must not block.
-    fn tell(&mut self, update: &Update<'_>) -> bool;
+    fn notify(&mut self, update: &Update<'_>) -> bool;
 
     /// Returns whether the client is still connected.
-    fn is_heard(&self) -> bool;
+    fn is_connected(&self) -> bool;
 }
 
 /// Error of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Failure {
+pub(crate) enum ApiError {
     /// Unknown name of an object; the text is its kind and name.
     Unknown(String),
     /// Invalid request; the text is the whole message.
-    Bad(String),
+    Invalid(String),
     /// The command or task cannot be loaded; all reasons.
     Rejected(Vec<String>),
     /// The control core refused the request.
-    Refused(Refused),
+    Refused(CommandError),
     /// The object is in use; the text says by what.
     InUse(String),
     /// The control core refused the request because another command holds a resource; the text names both.
-    Held(String),
+    ResourceHeld(String),
     /// The session of this object belongs to another client.
-    NotYours(String),
+    NotOwner(String),
     /// Emergency stop in force; the text says who requested it.
-    Stopped(String),
+    EmergencyStop(String),
     /// A limit of the server is reached.
     Limit(&'static str),
     /// The share of the client in a limit is reached.
-    Share(&'static str),
+    ClientShare(&'static str),
     /// The share of all clients of the peer in a limit is reached.
-    Place(&'static str),
+    PeerShare(&'static str),
     /// The command would exceed the share of a tick that commands may take.
-    TooMuch(TooMuch),
+    OverBudget(BudgetExceededError),
     /// The request queue is full.
-    Busy,
+    QueueFull,
 }
 
 /// Name of the memory limit in messages.
-pub(super) const MEMORY: &str = "memory";
+pub(super) const MEMORY_LIMIT: &str = "memory";
 
-impl Failure {
+impl ApiError {
     /// Creates the error for a limit on `what`.
-    pub(super) fn limit(full: Full, what: &'static str) -> Failure {
+    pub(super) fn limit(full: QuotaError, what: &'static str) -> ApiError {
         match full {
-            Full::All => Failure::Limit(what),
-            Full::Share => Failure::Share(what),
-            Full::Place => Failure::Place(what),
+            QuotaError::Exhausted => ApiError::Limit(what),
+            QuotaError::ClientShare => ApiError::ClientShare(what),
+            QuotaError::PeerShare => ApiError::PeerShare(what),
         }
     }
 }
 
 /// Truncates a name to at most `most` bytes.
-pub(super) fn shortened(name: &str, most: usize) -> String {
+pub(super) fn truncated(name: &str, most: usize) -> String {
     name[..name.floor_char_boundary(most)].to_owned()
 }
 
 /// Callback for the result of a request. The text is the name of the created object; empty if there is none.
-pub(crate) type Reply = Box<dyn FnOnce(Result<String, Failure>) + Send>;
+pub(crate) type Reply = Box<dyn FnOnce(Result<String, ApiError>) + Send>;
 
-impl From<Rejected> for Failure {
-    fn from(why: Rejected) -> Failure {
+impl From<RequestError> for ApiError {
+    fn from(why: RequestError) -> ApiError {
         match why {
-            Rejected::Unknown => Failure::Unknown("command".to_owned()),
-            Rejected::Full => Failure::Limit("commands"),
-            Rejected::Busy => Failure::Busy,
-            Rejected::Memory => Failure::Limit(MEMORY),
-            Rejected::TooMuch(why) => Failure::TooMuch(why),
-            Rejected::Loading(faults) => {
-                Failure::Rejected(faults.iter().map(ToString::to_string).collect())
+            RequestError::UnknownCommand => ApiError::Unknown("command".to_owned()),
+            RequestError::TableFull => ApiError::Limit("commands"),
+            RequestError::QueueFull => ApiError::QueueFull,
+            RequestError::OutOfMemoryQuota => ApiError::Limit(MEMORY_LIMIT),
+            RequestError::BudgetExceeded(why) => ApiError::OverBudget(why),
+            RequestError::Load(faults) => {
+                ApiError::Rejected(faults.iter().map(ToString::to_string).collect())
             }
-            Rejected::Value { .. } => Failure::Bad(why.to_string()),
+            RequestError::ValueSize { .. } => ApiError::Invalid(why.to_string()),
         }
     }
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for ApiError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::Unknown(what) => write!(f, "there is no {what}"),
-            Failure::Bad(what) | Failure::InUse(what) | Failure::Held(what) => f.write_str(what),
-            Failure::Rejected(reasons) => f.write_str(&reasons.join("; ")),
-            Failure::Refused(why) => f.write_str(&refused(*why, "an actuator that it needs")),
-            Failure::NotYours(what) => write!(f, "{what} belongs to the session of another client"),
-            Failure::Stopped(by) => {
+            ApiError::Unknown(what) => write!(f, "there is no {what}"),
+            ApiError::Invalid(what) | ApiError::InUse(what) | ApiError::ResourceHeld(what) => {
+                f.write_str(what)
+            }
+            ApiError::Rejected(reasons) => f.write_str(&reasons.join("; ")),
+            ApiError::Refused(why) => f.write_str(&refusal_text(*why, "an actuator that it needs")),
+            ApiError::NotOwner(what) => {
+                write!(f, "{what} belongs to the session of another client")
+            }
+            ApiError::EmergencyStop(by) => {
                 write!(
                     f,
                     "emergency stop by {by} is in force; reset it first (`emergency.reset`)"
                 )
             }
-            Failure::Limit(what) => write!(f, "limit reached: {what}"),
-            Failure::Share(what) => write!(
+            ApiError::Limit(what) => write!(f, "limit reached: {what}"),
+            ApiError::ClientShare(what) => write!(
                 f,
                 "limit reached: {what} of one client; unload or close what is no longer needed"
             ),
-            Failure::Place(what) => write!(
+            ApiError::PeerShare(what) => write!(
                 f,
                 "limit reached: {what} of all clients of one peer; unload, close or remove what is no longer needed"
             ),
-            Failure::TooMuch(why) => {
+            ApiError::OverBudget(why) => {
                 let alone = why.needed_ns > why.granted_ns;
                 let less = "reduce its work per cycle, measure the machine (`rpic machine`, `rpi serve --machine FILE`) or raise `--cycle-share`";
                 match alone {
@@ -211,44 +217,50 @@ impl fmt::Display for Failure {
                     false => write!(f, "{why}; end or unschedule other commands first, {less}"),
                 }
             }
-            Failure::Busy => f.write_str("the request queue of the server is full; try again"),
+            ApiError::QueueFull => {
+                f.write_str("the request queue of the server is full; try again")
+            }
         }
     }
 }
 
 /// Describes the state of a command, with a hint for the next action.
-fn told(state: State) -> &'static str {
+fn state_hint(state: CommandState) -> &'static str {
     match state {
-        State::Loading => "it is being loaded",
-        State::Rejected => "it cannot run here",
-        State::Ready => "it is ready, but not running",
-        State::Scheduled => {
+        CommandState::Loading => "it is being loaded",
+        CommandState::Rejected => "it cannot run here",
+        CommandState::Ready => "it is ready, but not running",
+        CommandState::Scheduled => {
             "it is scheduled by a rule; withdraw the rule or unload the command first"
         }
-        State::Running => "it is already running",
-        State::Cancelling => "it is running and being cancelled",
-        State::Terminated => "it has ended; load it again to run it again",
+        CommandState::Running => "it is already running",
+        CommandState::Cancelling => "it is running and being cancelled",
+        CommandState::Terminated => "it has ended; load it again to run it again",
     }
 }
 
 /// Describes why the core refused a request. `actuator` is the display name of the held actuator.
-pub(crate) fn refused(why: Refused, actuator: &str) -> String {
+pub(crate) fn refusal_text(why: CommandError, actuator: &str) -> String {
     match why {
-        Refused::Unknown => "unknown command or rule".to_owned(),
-        Refused::State(state) => format!("not possible in this state: {}", told(state)),
-        Refused::Held { .. } => format!("{actuator} is held by another command"),
-        Refused::Successor => {
+        CommandError::Unknown => "unknown command or rule".to_owned(),
+        CommandError::InvalidState(state) => {
+            format!("not possible in this state: {}", state_hint(state))
+        }
+        CommandError::ResourceHeld { .. } => format!("{actuator} is held by another command"),
+        CommandError::SelfSuccessor => {
             "a command cannot follow itself or be started twice by one rule".to_owned()
         }
-        Refused::Never => "the rule can never fire".to_owned(),
-        Refused::Condition => "the condition is nested too deeply".to_owned(),
-        Refused::Period => "the period must be a whole multiple of the tick".to_owned(),
-        Refused::Full => "the command table is full".to_owned(),
+        CommandError::NeverFires => "the rule can never fire".to_owned(),
+        CommandError::ConditionTooDeep => "the condition is nested too deeply".to_owned(),
+        CommandError::PeriodMismatch => {
+            "the period must be a whole multiple of the tick".to_owned()
+        }
+        CommandError::TableFull => "the command table is full".to_owned(),
     }
 }
 
 /// Returns the kind of ending as text.
-pub(crate) fn cause(ending: &Ending) -> &'static str {
+pub(crate) fn cause_text(ending: &Ending) -> &'static str {
     match ending.cause {
         Cause::Result(_) => "result",
         Cause::Terminate => "terminate",
@@ -259,10 +271,10 @@ pub(crate) fn cause(ending: &Ending) -> &'static str {
 }
 
 /// Describes the fault or the reason of an abort; `None` if the command ended regularly.
-pub(crate) fn why(ending: &Ending) -> Option<&'static str> {
+pub(crate) fn fault_text(ending: &Ending) -> Option<&'static str> {
     match ending.cause {
         Cause::Fault(fault) => Some(rpi_runtime::run::fault_text(fault.code)),
-        Cause::Aborted(why) => Some(rpi_runtime::run::stop_text(why)),
+        Cause::Aborted(why) => Some(rpi_runtime::run::abort_text(why)),
         _ => None,
     }
 }

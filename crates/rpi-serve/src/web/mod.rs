@@ -1,22 +1,22 @@
 //! HTTP requests: evaluation of nets, devices, and pages about the state of the server.
 
-mod eval;
 mod form;
-mod net;
+mod net_xml;
 mod pages;
+mod post;
 mod response;
 mod xml;
 
 use crate::limits::Limits;
 use crate::peer::Peer;
-use crate::state::Office;
-use crate::wire::Head;
+use crate::state::SharedState;
+use crate::transport::Head;
 
 pub(crate) use response::Response;
 
 /// Answers an HTTP request.
 pub(crate) fn respond(
-    (office, peer): (&Office, Peer),
+    (office, peer): (&SharedState, Peer),
     limits: &Limits,
     head: &Head,
     body: &[u8],
@@ -24,10 +24,12 @@ pub(crate) fn respond(
     let body = String::from_utf8_lossy(body);
     let parts: Vec<&str> = head.path.split('/').filter(|p| !p.is_empty()).collect();
     match (head.method.as_str(), parts.as_slice()) {
-        ("POST", ["eval"]) => eval::eval(office, &form::parse(&body), limits.patience),
-        ("POST", ["devices"]) => eval::device((office, peer), &form::parse(&body), limits.patience),
-        ("POST", ["sessions", name]) => eval::session((office, peer), name, &form::parse(&body)),
+        ("POST", ["eval"]) => post::eval(office, &form::parse(&body), limits.request_timeout),
+        ("POST", ["devices"]) => {
+            post::device((office, peer), &form::parse(&body), limits.request_timeout)
+        }
+        ("POST", ["sessions", name]) => post::session((office, peer), name, &form::parse(&body)),
         ("GET", parts) => pages::page(office, parts),
-        _ => Response::refused(405, "this method is not allowed here"),
+        _ => Response::error(405, "this method is not allowed here"),
     }
 }

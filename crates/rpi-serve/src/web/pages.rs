@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use rpi_image::{PortType, PrimDesc, Scalar};
 use rpi_prims::registry;
 
-use super::net;
+use super::net_xml;
 use super::response::Response;
-use super::xml::Xml;
-use crate::state::{Failure, Office};
+use super::xml::XmlWriter;
+use crate::state::{ApiError, SharedState};
 
 /// Index page, shown at `/`.
 const INDEX: &str = "RPI control core\n\n\
@@ -24,7 +24,7 @@ const INDEX: &str = "RPI control core\n\n\
     /rpc       websocket: JSON-RPC 2.0\n";
 
 /// Returns the page with this path.
-pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
+pub(crate) fn page(office: &SharedState, parts: &[&str]) -> Response {
     match parts {
         [] => Response::text(INDEX.to_owned()),
         ["modules"] => Response::xml(modules()),
@@ -33,32 +33,32 @@ pub(crate) fn page(office: &Office, parts: &[&str]) -> Response {
         ["sessions"] => Response::xml(sessions(office)),
         ["nets"] => Response::xml(nets(office)),
         ["extensions"] => Response::xml(extensions()),
-        ["log"] => Response::text(office.desk().log.text()),
-        ["nets", name, "dio"] => found(text(office, name), Response::text),
-        ["nets", name, "xml"] => found(parts_of(office, name), Response::xml),
-        ["nets", name, "debug"] => found(debug(office, name), Response::xml),
-        ["nets", name, "stats"] => found(stats(office, name), Response::xml),
-        ["rpc" | "DirectIO"] => Response::refused(426, "this path is a websocket, not a page"),
-        _ => Response::refused(404, "there is no such page; / lists all pages"),
+        ["log"] => Response::text(office.lock().log.text()),
+        ["nets", name, "dio"] => page_or_404(text(office, name), Response::text),
+        ["nets", name, "xml"] => page_or_404(net_structure(office, name), Response::xml),
+        ["nets", name, "debug"] => page_or_404(debug(office, name), Response::xml),
+        ["nets", name, "stats"] => page_or_404(stats(office, name), Response::xml),
+        ["rpc" | "DirectIO"] => Response::error(426, "this path is a websocket, not a page"),
+        _ => Response::error(404, "there is no such page; / lists all pages"),
     }
 }
 
-fn found(page: Result<String, Failure>, kind: fn(String) -> Response) -> Response {
+fn page_or_404(page: Result<String, ApiError>, kind: fn(String) -> Response) -> Response {
     match page {
         Ok(body) => kind(body),
-        Err(why) => Response::refused(404, &why.to_string()),
+        Err(why) => Response::error(404, &why.to_string()),
     }
 }
 
 fn modules() -> String {
-    let mut xml = Xml::new("modules");
+    let mut xml = XmlWriter::new("modules");
     for prim in registry() {
         module(&mut xml, &prim.desc);
     }
     xml.finish()
 }
 
-fn module(xml: &mut Xml, desc: &PrimDesc) {
+fn module(xml: &mut XmlWriter, desc: &PrimDesc) {
     xml.begin("module", &[("name", desc.name)]);
     xml.leaf("description", &[], desc.doc.trim());
     for port in desc.inputs {
@@ -93,23 +93,23 @@ fn scalar_name(scalar: Scalar) -> String {
 
 fn type_name(ty: PortType) -> String {
     match ty {
-        PortType::One(scalar) => scalar_name(scalar),
+        PortType::Scalar(scalar) => scalar_name(scalar),
         PortType::Array(scalar) => format!("{}Array", scalar_name(scalar)),
         PortType::Matrix => ["Core", "matrix"].join("::"),
     }
 }
 
 fn types() -> String {
-    let mut xml = Xml::new("types");
+    let mut xml = XmlWriter::new("types");
     for scalar in Scalar::ALL {
         xml.leaf("type", &[("name", &scalar_name(scalar))], "");
     }
     xml.finish()
 }
 
-fn devices(office: &Office) -> String {
-    let mut xml = Xml::new("devices");
-    for info in office.desk().devices.all() {
+fn devices(office: &SharedState) -> String {
+    let mut xml = XmlWriter::new("devices");
+    for info in office.lock().devices.all() {
         xml.begin("device", &[("name", &info.name), ("type", &info.kind)]);
         for (interface, parameters) in &info.interfaces {
             xml.begin("interface", &[("name", interface)]);
@@ -123,17 +123,17 @@ fn devices(office: &Office) -> String {
     xml.finish()
 }
 
-fn sessions(office: &Office) -> String {
-    let mut xml = Xml::new("sessions");
-    for (name, owner) in office.desk().objects.sessions.all() {
+fn sessions(office: &SharedState) -> String {
+    let mut xml = XmlWriter::new("sessions");
+    for (name, owner) in office.lock().objects.sessions.all() {
         xml.leaf("session", &[("name", &name), ("description", owner)], "");
     }
     xml.finish()
 }
 
-fn nets(office: &Office) -> String {
-    let mut xml = Xml::new("nets");
-    for (name, record) in office.desk().objects.commands.all() {
+fn nets(office: &SharedState) -> String {
+    let mut xml = XmlWriter::new("nets");
+    for (name, record) in office.lock().objects.commands.all() {
         let state = format!("{:?}", record.status.phase);
         let about = [
             ("name", name.as_str()),
@@ -145,27 +145,27 @@ fn nets(office: &Office) -> String {
     xml.finish()
 }
 
-fn text(office: &Office, name: &str) -> Result<String, Failure> {
-    let state = office.desk();
+fn text(office: &SharedState, name: &str) -> Result<String, ApiError> {
+    let state = office.lock();
     let (_, record) = state.objects.commands.find(name)?;
     let origin = record.origin.as_ref();
-    let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
+    let none = || ApiError::Unknown(format!("text of {name}: it is part of a task"));
     Ok(origin.ok_or_else(none)?.text.to_string())
 }
 
 /// Returns the structure of a net as XML. The net is compiled again from its text, with the state unlocked.
-fn parts_of(office: &Office, name: &str) -> Result<String, Failure> {
-    let origin = office.desk().objects.commands.find(name)?.1.origin.clone();
-    let none = || Failure::Unknown(format!("text of {name}: it is part of a task"));
-    let page = origin.ok_or_else(none)?.net(|net| Ok(net::page(net)));
-    page.map_err(Failure::Rejected)
+fn net_structure(office: &SharedState, name: &str) -> Result<String, ApiError> {
+    let origin = office.lock().objects.commands.find(name)?.1.origin.clone();
+    let none = || ApiError::Unknown(format!("text of {name}: it is part of a task"));
+    let page = origin.ok_or_else(none)?.net(|net| Ok(net_xml::page(net)));
+    page.map_err(ApiError::Rejected)
 }
 
 /// Returns the inputs of a command and its latest exports.
-fn debug(office: &Office, name: &str) -> Result<String, Failure> {
-    let state = office.desk();
+fn debug(office: &SharedState, name: &str) -> Result<String, ApiError> {
+    let state = office.lock();
     let (_, record) = state.objects.commands.find(name)?;
-    let mut xml = Xml::new("debug");
+    let mut xml = XmlWriter::new("debug");
     xml.leaf("state", &[], &format!("{:?}", record.status.phase));
     xml.leaf("cycles", &[], &record.cycles().to_string());
     for input in record.image.iter().flat_map(|image| &image.inputs) {
@@ -185,7 +185,7 @@ fn extensions() -> String {
         let group = prim.desc.name.split_once("::");
         *groups.entry(group.map_or("", |g| g.0)).or_default() += 1;
     }
-    let mut xml = Xml::new("extensions");
+    let mut xml = XmlWriter::new("extensions");
     for (name, count) in groups {
         let about = [("name", name), ("modules", &count.to_string())];
         xml.leaf("extension", &about, "");
@@ -193,10 +193,10 @@ fn extensions() -> String {
     xml.finish()
 }
 
-fn stats(office: &Office, name: &str) -> Result<String, Failure> {
-    let state = office.desk();
+fn stats(office: &SharedState, name: &str) -> Result<String, ApiError> {
+    let state = office.lock();
     let (_, record) = state.objects.commands.find(name)?;
-    let mut xml = Xml::new("stats");
+    let mut xml = XmlWriter::new("stats");
     xml.leaf("cycles", &[], &record.cycles().to_string());
     xml.leaf("period", &[("unit", "ns")], &record.period_ns().to_string());
     xml.leaf("memory", &[("unit", "bytes")], &record.bytes().to_string());

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 #[derive(Debug)]
 pub(crate) struct Response {
     status: u16,
-    kind: &'static str,
+    content_type: &'static str,
     body: String,
 }
 
@@ -27,7 +27,7 @@ impl Response {
     pub(crate) fn xml(body: String) -> Response {
         Response {
             status: 200,
-            kind: "application/xml",
+            content_type: "application/xml",
             body,
         }
     }
@@ -35,15 +35,15 @@ impl Response {
     pub(crate) fn text(body: String) -> Response {
         Response {
             status: 200,
-            kind: "text/plain; charset=utf-8",
+            content_type: "text/plain; charset=utf-8",
             body,
         }
     }
 
-    pub(crate) fn refused(status: u16, why: &str) -> Response {
+    pub(crate) fn error(status: u16, why: &str) -> Response {
         Response {
             status,
-            kind: "text/plain; charset=utf-8",
+            content_type: "text/plain; charset=utf-8",
             body: format!("{why}\n"),
         }
     }
@@ -62,7 +62,7 @@ impl Response {
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n\
              {challenge}X-Content-Type-Options: nosniff\r\n\r\n{}",
             self.status,
-            self.kind,
+            self.content_type,
             self.body.len(),
             self.body
         );

@@ -1,15 +1,15 @@
 //! XML writer.
 
 /// An XML document being written, with the stack of open elements.
-pub(crate) struct Xml {
+pub(crate) struct XmlWriter {
     text: String,
     open: Vec<&'static str>,
 }
 
-impl Xml {
+impl XmlWriter {
     /// Creates a document with this root element.
-    pub(crate) fn new(root: &'static str) -> Xml {
-        let mut xml = Xml {
+    pub(crate) fn new(root: &'static str) -> XmlWriter {
+        let mut xml = XmlWriter {
             text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
             open: Vec::new(),
         };
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn elements_nest_and_texts_are_escaped() {
-        let mut xml = Xml::new("a");
+        let mut xml = XmlWriter::new("a");
         xml.begin("b", &[("k", "<\"&\u{1}>")]);
         xml.leaf("c", &[], "x & y");
         xml.leaf("d", &[], "");

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rpi_core::{Command, CommandId, Watch};
-use rpi_image::hash::Fnv;
+use rpi_core::{Command, CommandId, CycleObserver};
+use rpi_image::hash::Fnv1a;
 use rpi_image::image::{Signal, TRUE};
 use rpi_image::{Scalar, Type};
 
@@ -18,7 +18,7 @@ const SECOND: u64 = 1000;
 /// Hashes every set-point of the commands whose names begin with `MoveTo`.
 #[derive(Clone)]
 pub(crate) struct Digest {
-    hash: Fnv,
+    hash: Fnv1a,
     cycles: u64,
     /// Digest after each second.
     marks: Arc<[AtomicU64]>,
@@ -29,7 +29,7 @@ impl Digest {
     /// Creates a digest with capacity for this many seconds.
     pub(crate) fn new(seconds: u64) -> Digest {
         Digest {
-            hash: Fnv::new(),
+            hash: Fnv1a::new(),
             cycles: 0,
             marks: (0..seconds).map(|_| AtomicU64::new(0)).collect(),
             passed: Arc::default(),
@@ -58,25 +58,27 @@ impl Digest {
     }
 
     fn take_in(&mut self, command: &Command) {
-        let machine = command.machine();
+        let machine = command.instance();
         let image = machine.image();
-        self.hash = self.hash.bytes(image.name.as_bytes());
+        self.hash = self.hash.with_bytes(image.name.as_bytes());
         let cells = image.actuators.iter().flat_map(|a| &a.inputs);
-        for at in cells.flat_map(|cells| cells.at..cells.end()) {
-            let ty = Type::One(Scalar::Real);
+        for at in cells.flat_map(|cells| cells.start..cells.end()) {
+            let ty = Type::Scalar(Scalar::Real);
             let cell = machine.value(Signal {
-                at,
+                start: at,
                 present: TRUE,
                 ty,
             });
-            self.hash = self.hash.bytes(&cell.map_or(0, |c| c[0]).to_le_bytes());
+            self.hash = self
+                .hash
+                .with_bytes(&cell.map_or(0, |c| c[0]).to_le_bytes());
         }
     }
 }
 
-impl Watch for Digest {
-    fn cycle(&mut self, _: CommandId, command: &Command) {
-        if !command.machine().image().name.starts_with("MoveTo") {
+impl CycleObserver for Digest {
+    fn cycle_finished(&mut self, _: CommandId, command: &Command) {
+        if !command.instance().image().name.starts_with("MoveTo") {
             return;
         }
         self.take_in(command);

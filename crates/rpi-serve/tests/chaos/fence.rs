@@ -8,15 +8,15 @@ use std::process::ExitStatus;
 use std::sync::atomic::AtomicU64;
 use std::thread;
 
-use rpi_runtime::realtime::{Pace, RealTime};
+use rpi_runtime::realtime::{RealTime, TimeBase};
 use rpi_serve::Settings;
-use rpi_testkit::{own_process, report_skip};
+use rpi_testkit::{report_skip, run_test_in_process};
 
+use crate::bad_clients::BAD_CLIENTS;
 use crate::client::settings;
 use crate::digest::Digest;
-use crate::good::all_requests;
-use crate::rogues::TROUBLES;
-use crate::{LONGEST, Scene, make, open, owner, wait_for_calm};
+use crate::good_client::all_requests;
+use crate::{LONGEST, Scene, open, owner, run_bad_client, wait_for_calm};
 
 /// Environment variable with the case of a child process.
 const CASE: &str = "RPI_FENCE_CASE";
@@ -44,7 +44,7 @@ const PLANTED: [(&str, Around); 2] = [
 
 /// Runs a case in a child process; `None` if the kernel does not support the fence.
 fn case(name: &str) -> Option<ExitStatus> {
-    let run = own_process("fence::a_case", CASE, name);
+    let run = run_test_in_process("fence::a_case", CASE, name);
     if run.status.code() == Some(NO_FENCE) {
         report_skip("the kernel puts up no fence (seccomp)");
         return None;
@@ -88,18 +88,18 @@ fn whatever_is_planted_is_caught() {
 fn traffic(around_tick: Around) {
     let folder = tempfile::tempdir().unwrap();
     let real_time = RealTime {
-        fence: true,
+        syscall_filter: true,
         ..RealTime::default()
     };
     let settings = Settings {
-        pace: Pace::Real,
+        pace: TimeBase::Real,
         real_time: Some(real_time),
-        around_tick,
+        tick_wrapper: around_tick,
         ..settings()
     };
     let digest = Digest::new(LONGEST);
     let (server, scene) = open(&folder, settings, digest.clone(), true);
-    let refused = server.grants().last().is_none_or(|g| g.refused.is_some());
+    let refused = server.grants().last().is_none_or(|g| g.refusal.is_some());
     if refused {
         std::process::exit(NO_FENCE);
     }
@@ -116,8 +116,8 @@ fn good_and_bad(scene: &Scene) {
         all_requests(scene, round);
     }
     let count = AtomicU64::new(0);
-    for trouble in TROUBLES {
-        make(*trouble, scene, 7, &count);
+    for trouble in BAD_CLIENTS {
+        run_bad_client(*trouble, scene, 7, &count);
     }
     wait_for_calm(scene);
 }

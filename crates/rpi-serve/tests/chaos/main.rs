@@ -3,16 +3,16 @@
 //!
 //! The test runs for a few seconds, or for the number of seconds in `RPI_CHAOS`; `cargo xtask soak` takes an hour.
 
+mod bad_clients;
 #[path = "../server/client.rs"]
 #[expect(dead_code, reason = "the tests of the server use the rest")]
 mod client;
 mod digest;
 mod fence;
-mod good;
+mod good_client;
 #[path = "../server/nets.rs"]
 mod nets;
 mod owner;
-mod rogues;
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -23,15 +23,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rpi_record::recording::{Origin, Wanted};
-use rpi_runtime::realtime::Pace;
+use rpi_record::mcap::{RecordingOptions, RunSources};
+use rpi_runtime::realtime::TimeBase;
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
-use rpi_testkit::resident;
+use rpi_testkit::resident_memory_kb;
 
+use bad_clients::{BAD_CLIENTS, Random};
 use client::{PATIENCE, http, settings};
 use digest::Digest;
-use rogues::{Random, TROUBLES};
 
 rpi_testkit::trap_allocations!();
 
@@ -43,7 +43,7 @@ const LONGEST: u64 = 120;
 const ROGUES: u64 = 3;
 /// Maximum growth of the allocated memory in bytes, independent of the duration: the latest log lines and a few
 /// thousand inactive rules are kept.
-const GROWTH: usize = 1 << 20;
+const MAX_GROWTH: usize = 1 << 20;
 
 /// The server under test.
 struct Scene {
@@ -68,11 +68,11 @@ fn open(
         ..other
     };
     let out = || File::create(folder.path().join("out.mcap")).unwrap();
-    let recording = records.then(|| Wanted {
+    let recording = records.then(|| RecordingOptions {
         out: Box::new(BufWriter::new(out())),
-        origin: Origin {
+        origin: RunSources {
             cell: text,
-            ..Origin::default()
+            ..RunSources::default()
         },
     });
     let server = Server::open_recorded(&cell, &settings, watch, recording).unwrap();
@@ -87,20 +87,24 @@ fn seconds() -> u64 {
 
 #[test]
 fn set_points_are_the_same_bits_with_and_without_clients() {
-    let crowded = run(Pace::Real, |scene, digest| attack(scene, digest, seconds()));
+    let crowded = run(TimeBase::Real, |scene, digest| {
+        attack(scene, digest, seconds())
+    });
     let passed = crowded.len();
     assert!(passed as u64 > seconds(), "{passed} s");
-    let quiet = run(Pace::Faster(5), |_, digest| digest.wait(passed as u64));
+    let quiet = run(TimeBase::Accelerated(5), |_, digest| {
+        digest.wait(passed as u64)
+    });
     assert_eq!(quiet[..passed], crowded[..]);
 }
 
 /// Returns the digests of each second of blending beside these clients.
-fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
+fn run(pace: TimeBase, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
     let folder = tempfile::tempdir().unwrap();
     let digest = Digest::new(seconds() + LONGEST);
     let settings = Settings {
         pace,
-        around_tick: |tick| rpi_testkit::no_alloc(tick),
+        tick_wrapper: |tick| rpi_testkit::no_alloc(tick),
         ..settings()
     };
     let (server, scene) = open(&folder, settings, digest.clone(), false);
@@ -114,14 +118,14 @@ fn run(pace: Pace, clients: impl FnOnce(&Scene, &Digest)) -> Vec<u64> {
 }
 
 fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
-    let counts: Vec<AtomicU64> = TROUBLES.iter().map(|_| AtomicU64::new(0)).collect();
+    let counts: Vec<AtomicU64> = BAD_CLIENTS.iter().map(|_| AtomicU64::new(0)).collect();
     digest.wait(1);
     // Run each kind once first, so that permanent allocations exist before memory is measured.
-    for (trouble, count) in TROUBLES.iter().zip(&counts) {
-        make(*trouble, scene, 0, count);
+    for (trouble, count) in BAD_CLIENTS.iter().zip(&counts) {
+        run_bad_client(*trouble, scene, 0, count);
     }
     wait_for_calm(scene);
-    let (held, before) = (MEMORY.allocated(), resident("VmRSS:"));
+    let (held, before) = (MEMORY.allocated(), resident_memory_kb("VmRSS:"));
     let until = digest.passed() + seconds;
     thread::scope(|scope| {
         for rogue in 0..ROGUES {
@@ -129,24 +133,27 @@ fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
             scope.spawn(move || {
                 let mut random = Random(rogue + 1);
                 while digest.passed() < until {
-                    let which = random.below(TROUBLES.len());
-                    make(TROUBLES[which], scene, random.next(), &counts[which]);
+                    let which = random.below(BAD_CLIENTS.len());
+                    run_bad_client(BAD_CLIENTS[which], scene, random.next(), &counts[which]);
                 }
             });
         }
         digest.wait(until);
     });
     wait_for_calm(scene);
-    let (holds, after) = (MEMORY.allocated(), resident("VmRSS:"));
+    let (holds, after) = (MEMORY.allocated(), resident_memory_kb("VmRSS:"));
     println!("troubles {counts:?}");
     println!(
         "{held} bytes held before, {holds} after; for that the system gave {before} kB, {after} kB"
     );
-    assert!(holds < held + GROWTH, "{held} bytes have become {holds}");
+    assert!(
+        holds < held + MAX_GROWTH,
+        "{held} bytes have become {holds}"
+    );
 }
 
 /// Runs one bad client. A client that the server disconnects may panic.
-fn make(trouble: rogues::Trouble, scene: &Scene, seed: u64, count: &AtomicU64) {
+fn run_bad_client(trouble: bad_clients::BadClient, scene: &Scene, seed: u64, count: &AtomicU64) {
     let mut random = Random(seed | 1);
     drop(catch_unwind(AssertUnwindSafe(|| {
         trouble(scene, &mut random)

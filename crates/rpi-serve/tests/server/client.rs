@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 
-use rpi_core::Watch;
+use rpi_core::CycleObserver;
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
 use tungstenite::protocol::Role;
@@ -27,7 +27,7 @@ pub(crate) fn settings() -> Settings {
     }
 }
 
-pub(crate) fn server(settings: &Settings, watch: impl Watch + Send + 'static) -> Server {
+pub(crate) fn server(settings: &Settings, watch: impl CycleObserver + Send + 'static) -> Server {
     let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
     Server::open(&cell, settings, watch).unwrap()
 }

@@ -31,7 +31,7 @@ fn session(server: &Server) -> (Client, String) {
 #[test]
 fn one_client_does_not_take_the_memory_of_all() {
     let server = with(Limits {
-        memory: 60_000,
+        memory_bytes: 60_000,
         ..Limits::default()
     });
     let ((mut one, first), (mut two, second)) = (session(&server), session(&server));
@@ -109,7 +109,7 @@ fn closed(client: &mut Client) -> String {
 #[test]
 fn a_message_that_is_too_long_ends_the_connection() {
     let server = with(Limits {
-        message: 1000,
+        message_bytes: 1000,
         ..Limits::default()
     });
     let (mut client, _) = session(&server);
@@ -206,7 +206,7 @@ task Once () let Long(); tel
 ";
     let load = |memory: usize| {
         let server = with(Limits {
-            memory,
+            memory_bytes: memory,
             ..Limits::default()
         });
         let mut owner = Owner::new(&server);

@@ -1,12 +1,12 @@
 //! Tests of the server through its protocols: recorded exchanges, the native interface, authentication, limits and
 //! isolation of clients.
 
+mod auth;
 mod client;
-mod deaf;
+mod cycle_share;
 mod evals;
-mod excess;
 mod exchange;
-mod guard;
+mod json_rpc;
 mod limits;
 mod methods;
 mod native;
@@ -15,7 +15,7 @@ mod order;
 mod overruns;
 mod owners;
 mod recording;
+mod request_limits;
 mod rules;
-mod share;
-mod spec;
-mod told;
+mod slow_reader;
+mod updates;

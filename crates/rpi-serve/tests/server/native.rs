@@ -113,7 +113,7 @@ fn a_unix_socket_takes_a_message_per_line() {
         &rpi_serve::Settings {
             socket: Some(path.clone()),
             limits: rpi_serve::Limits {
-                message: 4096,
+                message_bytes: 4096,
                 ..settings().limits
             },
             ..settings()

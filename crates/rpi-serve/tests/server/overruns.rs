@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::time::{Duration, Instant};
 
-use rpi_record::recording::{Origin, Recording, Wanted, rerun};
+use rpi_record::mcap::{Recording, RecordingOptions, RunSources, replay};
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
 use serde_json::{Value, json};
@@ -35,7 +35,7 @@ fn heavy() -> String {
 fn quick() -> Settings {
     Settings {
         tick_ns: TICK_NS,
-        share: None,
+        cycle_share: None,
         ..settings()
     }
 }
@@ -96,11 +96,11 @@ fn a_policy_of_its_own_ends_a_command_and_no_other() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.mcap");
     let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
-    let wanted = Wanted {
+    let wanted = RecordingOptions {
         out: Box::new(BufWriter::new(File::create(&path).unwrap())),
-        origin: Origin {
+        origin: RunSources {
             cell: CELL.to_owned(),
-            ..Origin::default()
+            ..RunSources::default()
         },
     };
     let server = Server::open_recorded(&cell, &quick(), (), Some(wanted)).unwrap();
@@ -126,7 +126,7 @@ fn a_policy_of_its_own_ends_a_command_and_no_other() {
     let bytes = std::fs::read(&path).unwrap();
     let told = br#""fragment":"Busy""#;
     assert!(bytes.windows(told.len()).any(|text| text == told));
-    let report = rerun(&Recording::read(&bytes).unwrap()).unwrap();
+    let report = replay(&Recording::read(&bytes).unwrap()).unwrap();
     assert!(report.agrees(), "{report}");
 }
 

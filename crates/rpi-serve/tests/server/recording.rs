@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rpi_record::recording::{Origin, Output, Recording, Rerun, Wanted, rerun};
+use rpi_record::mcap::{Output, Recording, RecordingOptions, ReplayReport, RunSources, replay};
 use rpi_serve::Server;
 use rpi_sim::Cell;
 
@@ -19,9 +19,9 @@ fn recorded(path: &Path) -> Server {
 
 fn recording_to(out: impl Output + 'static) -> Server {
     let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
-    let wanted = Wanted {
+    let wanted = RecordingOptions {
         out: Box::new(out),
-        origin: Origin {
+        origin: RunSources {
             program: "server".to_owned(),
             program_bytes: Vec::new(),
             cell: CELL.to_owned(),
@@ -100,9 +100,9 @@ fn traffic(client: &mut Client) {
     client.ask(&format!("ase(\"{session}\")")).unwrap();
 }
 
-fn again(path: &Path) -> Rerun {
+fn again(path: &Path) -> ReplayReport {
     let recording = Recording::read(&std::fs::read(path).unwrap()).unwrap();
-    rerun(&recording).unwrap()
+    replay(&recording).unwrap()
 }
 
 #[test]

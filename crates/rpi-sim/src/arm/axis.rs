@@ -1,8 +1,8 @@
 //! One axis of a simulated arm.
 
-use super::guard::{State, Violation, judge};
-use crate::cell::Enforced;
-use crate::code::Code;
+use super::limits::{AxisState, Violation, check_set_point};
+use crate::cell::EnforcedLimits;
+use crate::error_code::ErrorCode;
 use rpi_kin::AxisLimits;
 
 /// An axis: its limits, its commanded, driven and measured positions, and its error code.
@@ -10,55 +10,55 @@ use rpi_kin::AxisLimits;
 pub(super) struct Axis {
     pub(super) limits: AxisLimits,
     /// State commanded by the last accepted set-point, or by braking.
-    pub(super) commanded: State,
+    pub(super) commanded: AxisState,
     /// State of the checked set-point of this tick.
-    pub(super) staged: Option<State>,
+    pub(super) staged: Option<AxisState>,
     /// Position of the drive on its way to the commanded position, in rad.
     pub(super) driven: f64,
     /// Measured state, without noise and latency.
-    pub(super) measured: State,
+    pub(super) measured: AxisState,
     /// Present error code of the axis.
-    pub(super) code: Code,
+    pub(super) code: ErrorCode,
 }
 
 impl Axis {
     pub(super) fn new(position: f64, limits: AxisLimits) -> Self {
-        let standing = State::standing(position);
+        let standing = AxisState::at_rest(position);
         Self {
             limits,
             commanded: standing,
             staged: None,
             driven: position,
             measured: standing,
-            code: Code::OK,
+            code: ErrorCode::OK,
         }
     }
 
     /// Checks a set-point `target` (rad) that follows the last one after `period` (s). Returns the resulting state.
-    pub(super) fn judge(
+    pub(super) fn check_set_point(
         &self,
         target: f64,
         period: f64,
-        enforced: Enforced,
-    ) -> Result<State, Violation> {
-        judge(&self.commanded, target, period, &self.limits, enforced)
+        enforced: EnforcedLimits,
+    ) -> Result<AxisState, Violation> {
+        check_set_point(&self.commanded, target, period, &self.limits, enforced)
     }
 
     /// True if the axis is moving and has no set-point in this tick.
-    pub(super) fn is_left_alone(&self) -> bool {
+    pub(super) fn lacks_set_point(&self) -> bool {
         self.staged.is_none() && self.commanded.is_moving()
     }
 
     /// Clears the error of a rejected set-point, but not a failure of the joint.
-    pub(super) fn forget_refusal(&mut self) {
+    pub(super) fn clear_rejection(&mut self) {
         if !self.code.is_failure() {
-            self.code = Code::OK;
+            self.code = ErrorCode::OK;
         }
     }
 
     /// Applies the staged set-point, or holds the position without one.
-    pub(super) fn take(&mut self) {
-        let held = State::standing(self.commanded.position);
+    pub(super) fn apply_set_point(&mut self) {
+        let held = AxisState::at_rest(self.commanded.position);
         self.commanded = self.staged.take().unwrap_or(held);
     }
 
@@ -71,12 +71,12 @@ impl Axis {
     }
 
     /// Moves at a velocity (rad/s) for one tick (s) while the arm brakes.
-    pub(super) fn coast(&mut self, velocity: f64, tick: f64) {
-        let from = State {
+    pub(super) fn move_braking(&mut self, velocity: f64, tick: f64) {
+        let from = AxisState {
             position: self.driven,
             ..self.commanded
         };
-        self.commanded = from.followed_by(self.driven + velocity * tick, tick);
+        self.commanded = from.after_set_point(self.driven + velocity * tick, tick);
         self.driven = self.commanded.position;
     }
 
@@ -85,6 +85,6 @@ impl Axis {
         let from = self.measured.position;
         self.measured = self
             .measured
-            .followed_by(from + (self.driven - from) * share, tick);
+            .after_set_point(from + (self.driven - from) * share, tick);
     }
 }

@@ -1,30 +1,30 @@
 //! Braking of a whole arm: all axes come to rest within their limits, on a straight line in joint space if possible.
 
-use super::guard::State;
-use rpi_kin::stop::{Motion, Stop};
+use super::limits::AxisState;
+use rpi_kin::stop_profile::{StopProfile, VelocityState};
 use rpi_kin::{AxisLimits, MAX_AXES};
 
 /// A stop in progress.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Brake {
-    axes: [Stop; MAX_AXES],
+    axes: [StopProfile; MAX_AXES],
     /// Time since the start of braking, in s.
     time: f64,
 }
 
 /// Tolerance for a motion to count as a straight line in joint space: deviation of the accelerations from
 /// proportionality to the velocities, as a fraction of the acceleration limits.
-const STRAIGHT: f64 = 1e-3;
+const STRAIGHTNESS_TOLERANCE: f64 = 1e-3;
 
 impl Brake {
     /// Plans the stop from the states of all axes. An axis without a valid stop profile stops at once.
-    pub(super) fn new<'a>(axes: impl Iterator<Item = (State, &'a AxisLimits)> + Clone) -> Self {
-        let mut stops = [Stop::default(); MAX_AXES];
-        let along = line(axes.clone());
+    pub(super) fn new<'a>(axes: impl Iterator<Item = (AxisState, &'a AxisLimits)> + Clone) -> Self {
+        let mut stops = [StopProfile::default(); MAX_AXES];
+        let along = braking_line(axes.clone());
         for (stop, (state, limits)) in stops.iter_mut().zip(axes) {
             *stop = match along {
                 Some(line) => line.stop_of(&state),
-                None => Stop::new(motion(&state), limits.acceleration, limits.jerk),
+                None => StopProfile::new(motion(&state), limits.acceleration, limits.jerk),
             }
             .unwrap_or_default();
         }
@@ -35,14 +35,16 @@ impl Brake {
     }
 
     /// Advances the time by `tick` (s). Returns the new velocity of each axis.
-    pub(super) fn pass(&mut self, tick: f64) -> impl Iterator<Item = f64> + '_ {
+    pub(super) fn advance(&mut self, tick: f64) -> impl Iterator<Item = f64> + '_ {
         self.time += tick;
-        self.axes.iter().map(|stop| stop.at(self.time).velocity)
+        self.axes
+            .iter()
+            .map(|stop| stop.state_at(self.time).velocity)
     }
 
     /// True if all axes have been at rest for two ticks of `tick` seconds. Only then are the first and second
     /// differences of their positions zero, which the check of the next set-points uses.
-    pub(super) fn is_over(&self, tick: f64) -> bool {
+    pub(super) fn is_finished(&self, tick: f64) -> bool {
         let stood = self.time - 2.0 * tick;
         self.axes.iter().all(|stop| stood >= stop.duration())
     }
@@ -50,7 +52,7 @@ impl Brake {
 
 /// Braking along a line in joint space: every axis follows the same profile, scaled by its velocity.
 #[derive(Clone, Copy)]
-struct Line {
+struct BrakingLine {
     /// Initial ratio of acceleration to velocity, 1/s.
     gain: f64,
     /// Ratio of acceleration to velocity that every axis can follow, 1/s.
@@ -59,24 +61,26 @@ struct Line {
     jerk: f64,
 }
 
-impl Line {
-    fn stop_of(&self, state: &State) -> Option<Stop> {
+impl BrakingLine {
+    fn stop_of(&self, state: &AxisState) -> Option<StopProfile> {
         let speed = state.velocity.abs();
         if speed == 0.0 {
-            return Some(Stop::default());
+            return Some(StopProfile::default());
         }
-        let start = Motion {
+        let start = VelocityState {
             velocity: state.velocity,
             acceleration: self.gain * state.velocity,
         };
-        Stop::new(start, self.acceleration * speed, self.jerk * speed)
+        StopProfile::new(start, self.acceleration * speed, self.jerk * speed)
     }
 }
 
 /// The line in joint space on which the axes move; `None` if their accelerations are not proportional to their
 /// velocities.
-fn line<'a>(axes: impl Iterator<Item = (State, &'a AxisLimits)> + Clone) -> Option<Line> {
-    let by_speed = |state: &State| state.velocity.abs();
+fn braking_line<'a>(
+    axes: impl Iterator<Item = (AxisState, &'a AxisLimits)> + Clone,
+) -> Option<BrakingLine> {
+    let by_speed = |state: &AxisState| state.velocity.abs();
     let states = axes.clone().map(|(state, _)| state);
     let fastest = states.max_by(|one, other| by_speed(one).total_cmp(&by_speed(other)))?;
     let gain = if fastest.velocity == 0.0 {
@@ -84,14 +88,14 @@ fn line<'a>(axes: impl Iterator<Item = (State, &'a AxisLimits)> + Clone) -> Opti
     } else {
         fastest.acceleration / fastest.velocity
     };
-    let mut line = Line {
+    let mut line = BrakingLine {
         gain,
         acceleration: f64::INFINITY,
         jerk: f64::INFINITY,
     };
     for (state, limits) in axes {
         let off = state.acceleration - gain * state.velocity;
-        if off.abs() > STRAIGHT * limits.acceleration {
+        if off.abs() > STRAIGHTNESS_TOLERANCE * limits.acceleration {
             return None;
         }
         line.acceleration = line
@@ -102,8 +106,8 @@ fn line<'a>(axes: impl Iterator<Item = (State, &'a AxisLimits)> + Clone) -> Opti
     Some(line)
 }
 
-fn motion(state: &State) -> Motion {
-    Motion {
+fn motion(state: &AxisState) -> VelocityState {
+    VelocityState {
         velocity: state.velocity,
         acceleration: state.acceleration,
     }

@@ -3,10 +3,10 @@
 //! All poses are those of the tool in the arm's base frame. The pose of the base in the cell does not matter here.
 
 use super::Arm;
-use super::guard::State;
+use super::limits::AxisState;
 use nalgebra::{SMatrix, Vector6};
-use rpi_kin::model::Inverse;
-use rpi_kin::{MAX_AXES, NoSolution, Pose, jacobian};
+use rpi_kin::model::InverseKinematics;
+use rpi_kin::{InverseKinematicsError, MAX_AXES, Pose, jacobian};
 
 /// A value for each axis, with the length of the longest arm; unused entries are zero.
 pub(super) type PerAxis = [f64; MAX_AXES];
@@ -24,7 +24,7 @@ impl Arm {
         pose: &Pose,
         hint: &[f64],
         elbow: &[f64],
-    ) -> Result<PerAxis, NoSolution> {
+    ) -> Result<PerAxis, InverseKinematicsError> {
         let flange = pose * self.tool.inverse();
         self.model
             .inverse_with_elbow(&flange, hint, elbow, &self.limits[..self.axes()])
@@ -49,7 +49,7 @@ impl Arm {
     pub(super) fn elbow_velocity(&self, joints: &PerAxis, velocities: &PerAxis) -> f64 {
         /// Half the interval of the central difference, in s; the error grows with its square.
         const HALF: f64 = 1e-5;
-        let Inverse::Srs(geometry) = self.model.inverse else {
+        let InverseKinematics::Srs(geometry) = self.model.inverse else {
             return 0.0;
         };
         let angle = |time: f64| {
@@ -61,19 +61,19 @@ impl Arm {
     }
 
     /// Commanded state of one axis; at rest at 0 if the axis does not exist.
-    pub(super) fn commanded_at(&self, axis: usize) -> State {
+    pub(super) fn commanded_at(&self, axis: usize) -> AxisState {
         self.axes
             .get(axis)
-            .map_or(State::default(), |axis| axis.commanded)
+            .map_or(AxisState::default(), |axis| axis.commanded)
     }
 
     /// Measured state of one axis; at rest at 0 if the axis does not exist.
-    pub(super) fn measured_at(&self, axis: usize) -> State {
+    pub(super) fn measured_at(&self, axis: usize) -> AxisState {
         self.history.read().get(axis).copied().unwrap_or_default()
     }
 
     /// One component of the commanded states of all axes.
-    pub(super) fn commanded(&self, part: fn(&State) -> f64) -> PerAxis {
+    pub(super) fn commanded(&self, part: fn(&AxisState) -> f64) -> PerAxis {
         let mut all = [0.0; MAX_AXES];
         all.iter_mut()
             .zip(&self.axes)
@@ -82,13 +82,16 @@ impl Arm {
     }
 
     /// One component of the measured states of all axes.
-    pub(super) fn measured(&self, part: fn(&State) -> f64) -> PerAxis {
+    pub(super) fn measured(&self, part: fn(&AxisState) -> f64) -> PerAxis {
         core::array::from_fn(|axis| part(&self.history.read()[axis]))
     }
 
     /// Joint torques caused by a contact at the tool, in N m.
     pub(super) fn external_torques(&self) -> PerAxis {
-        self.torques(&self.measured(|state| state.position), &self.state.contact)
+        self.torques(
+            &self.measured(|state| state.position),
+            &self.fault_effects.contact,
+        )
     }
 
     /// Commanded joint positions, in rad.

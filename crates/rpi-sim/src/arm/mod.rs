@@ -6,17 +6,17 @@
 
 mod axis;
 mod brake;
-pub mod guard;
 mod kinematics;
+pub mod limits;
 mod port;
+mod port_table;
 mod sample;
 mod simulate;
-mod table;
 
-use crate::cell::{ArmSpec, Enforced, Surface};
-use crate::code::Code;
+use crate::cell::{ArmSpec, EnforcedLimits, Surface};
 use crate::device::Report;
-use crate::fault::Fault;
+use crate::error_code::ErrorCode;
+use crate::fault::ScheduledFault;
 use crate::noise::Noise;
 use axis::Axis;
 use brake::Brake;
@@ -32,29 +32,29 @@ pub struct Arm {
     axes: Vec<Axis>,
     /// Limits of the axes as an array, for the inverse kinematics.
     limits: [AxisLimits; MAX_AXES],
-    enforced: Enforced,
+    enforced: EnforcedLimits,
     /// Length of a tick, in s.
     tick: f64,
     /// Simulated time, in s.
     time: f64,
     /// Ticks between set-points.
-    pace: u32,
+    set_point_ticks: u32,
     /// Ticks until the drives reach their commanded positions.
-    left: u32,
+    ticks_left: u32,
     /// The stop in progress, while the arm brakes on its own.
     brake: Option<Brake>,
     /// A stop was requested in this tick.
-    told_to_stop: bool,
+    stop_requested: bool,
     /// Error code of the arm as a whole.
-    code: Code,
+    code: ErrorCode,
     /// Error code of the last pose set-point.
-    pose_code: Code,
+    pose_code: ErrorCode,
     surface: Option<Surface>,
-    faults: Vec<Fault>,
-    state: Troubles,
+    faults: Vec<ScheduledFault>,
+    fault_effects: FaultEffects,
     history: History,
     /// Fraction of the difference by which a measured position follows in a tick.
-    share: f64,
+    lag_fraction: f64,
     latency: f64,
     deviation: f64,
     noise: Noise,
@@ -66,7 +66,7 @@ pub struct Arm {
 
 /// Effects of the active faults in this tick.
 #[derive(Clone, Copy, Debug, Default)]
-struct Troubles {
+struct FaultEffects {
     samples_lost: bool,
     set_points_lost: bool,
     delay: f64,
@@ -79,7 +79,7 @@ const PARAMETERS: usize = 3 + MAX_AXES;
 const LARGEST_PARAMETER: usize = 18;
 
 /// Capacity for pending reports.
-const REPORTS: usize = 64;
+const REPORT_CAPACITY: usize = 64;
 
 /// Position control in the numbering of the KUKA LWR; 20 and 30 are Cartesian and joint impedance.
 const POSITION_CONTROL: i64 = 10;
@@ -94,7 +94,7 @@ impl Arm {
             .zip(&spec.limits)
             .map(|(at, limits)| Axis::new(*at, *limits))
             .collect();
-        let mut limits = [AxisLimits::radians(0.0, 0.0, 0.0); MAX_AXES];
+        let mut limits = [AxisLimits::from_radians(0.0, 0.0, 0.0); MAX_AXES];
         limits
             .iter_mut()
             .zip(&spec.limits)
@@ -106,17 +106,17 @@ impl Arm {
             enforced: spec.enforced,
             tick,
             time: 0.0,
-            pace: 1,
-            left: 0,
+            set_point_ticks: 1,
+            ticks_left: 0,
             brake: None,
-            told_to_stop: false,
-            code: Code::OK,
-            pose_code: Code::OK,
+            stop_requested: false,
+            code: ErrorCode::OK,
+            pose_code: ErrorCode::OK,
             surface: spec.surface,
             faults: spec.faults.clone(),
-            state: Troubles::default(),
-            history: History::new(sample_of(&axes), 0),
-            share: if spec.lag > 0.0 {
+            fault_effects: FaultEffects::default(),
+            history: History::new(measured_sample(&axes), 0),
+            lag_fraction: if spec.lag > 0.0 {
                 -libm::expm1(-tick / spec.lag)
             } else {
                 1.0
@@ -126,20 +126,20 @@ impl Arm {
             noise: Noise::new(seed, device),
             parameters: [[0.0; LARGEST_PARAMETER]; PARAMETERS],
             strategy: POSITION_CONTROL,
-            reports: Vec::with_capacity(REPORTS),
+            reports: Vec::with_capacity(REPORT_CAPACITY),
             reports_lost: 0,
             axes,
         };
-        arm.make_room();
-        arm.weather();
+        arm.reserve_history();
+        arm.update_faults();
         arm
     }
 
     /// Schedules a fault. Allocates, so not for the cycle.
-    pub fn inject(&mut self, fault: Fault) {
+    pub fn inject(&mut self, fault: ScheduledFault) {
         self.faults.retain(|fault| fault.until > self.time);
         self.faults.push(fault);
-        self.make_room();
+        self.reserve_history();
     }
 
     /// Number of axes.
@@ -150,21 +150,21 @@ impl Arm {
 
     /// Error code of the arm as a whole, or of the first axis with an error.
     #[must_use]
-    pub fn code(&self) -> Code {
+    pub fn code(&self) -> ErrorCode {
         let axes = self.axes.iter().map(|axis| axis.code);
         core::iter::once(self.code)
             .chain(axes)
-            .find(|code| *code != Code::OK)
-            .unwrap_or(Code::OK)
+            .find(|code| *code != ErrorCode::OK)
+            .unwrap_or(ErrorCode::OK)
     }
 }
 
 /// Descriptions of an arm's ports, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
-    table::PORTS.iter().map(|line| line.head.info())
+    port_table::PORTS.iter().map(|line| line.spec.info())
 }
 
-fn sample_of(axes: &[Axis]) -> sample::Sample {
+fn measured_sample(axes: &[Axis]) -> sample::Sample {
     let mut sample = sample::Sample::default();
     sample
         .iter_mut()

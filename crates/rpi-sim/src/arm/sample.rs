@@ -1,10 +1,10 @@
 //! Samples of the arm's sensors with a configurable latency.
 
-use super::guard::State;
+use super::limits::AxisState;
 use rpi_kin::MAX_AXES;
 
 /// The measured states of all axes at one tick.
-pub(super) type Sample = [State; MAX_AXES];
+pub(super) type Sample = [AxisState; MAX_AXES];
 
 /// Ring buffer of the latest samples.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     fn at(position: f64) -> Sample {
-        [State::standing(position); MAX_AXES]
+        [AxisState::at_rest(position); MAX_AXES]
     }
 
     #[test]

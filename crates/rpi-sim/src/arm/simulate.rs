@@ -2,23 +2,23 @@
 
 use super::axis::Axis;
 use super::brake::Brake;
-use super::guard::Violation;
-use super::{Arm, REPORTS, Troubles, sample_of};
-use crate::code::Code;
+use super::limits::Violation;
+use super::{Arm, FaultEffects, REPORT_CAPACITY, measured_sample};
 use crate::device::Report;
-use crate::fault::Trouble;
+use crate::error_code::ErrorCode;
+use crate::fault::FaultKind;
 
 impl Arm {
     /// Simulates one tick that ends at `time` (s): applies set-points, moves the drives, takes samples.
     pub fn step(&mut self, time: f64) {
         self.time = time;
-        self.weather();
-        if self.state.set_points_lost {
+        self.update_faults();
+        if self.fault_effects.set_points_lost {
             self.drop_staged();
         }
         self.decide();
         if self.brake.is_some() {
-            self.coast();
+            self.move_braking();
         } else {
             self.drive();
         }
@@ -27,43 +27,43 @@ impl Arm {
 
     /// Decides what happens in this tick: follow set-points, brake, or stand still.
     fn decide(&mut self) {
-        let told = core::mem::take(&mut self.told_to_stop);
+        let told = core::mem::take(&mut self.stop_requested);
         if told || self.has_failed() {
             return self.begin_braking();
         }
         let came = self.axes.iter().any(|axis| axis.staged.is_some());
-        let left_alone = self.axes.iter().any(Axis::is_left_alone);
+        let left_alone = self.axes.iter().any(Axis::lacks_set_point);
         // The tuple: some axis has a set-point, some moving axis has none, the arm brakes.
         match (came, left_alone, self.brake.is_some()) {
             (true, false, _) => self.take_set_points(),
-            (true, true, true) => self.refuse_to_leave_brake(),
-            (false, _, _) if self.left > 0 => {}
-            (_, true, false) => self.miss_set_points(),
-            (false, false, false) => self.axes.iter_mut().for_each(Axis::take),
+            (true, true, true) => self.reject_while_braking(),
+            (false, _, _) if self.ticks_left > 0 => {}
+            (_, true, false) => self.report_missing_set_points(),
+            (false, false, false) => self.axes.iter_mut().for_each(Axis::apply_set_point),
             (false, _, true) => {}
         }
     }
 
     fn take_set_points(&mut self) {
         self.brake = None;
-        self.axes.iter_mut().for_each(Axis::take);
-        self.left = self.pace;
+        self.axes.iter_mut().for_each(Axis::apply_set_point);
+        self.ticks_left = self.set_point_ticks;
     }
 
-    fn miss_set_points(&mut self) {
+    fn report_missing_set_points(&mut self) {
         for axis in 0..self.axes.len() {
-            if self.axes[axis].is_left_alone() {
-                self.blame(axis, Violation::of(Code::SET_POINT_MISSING));
+            if self.axes[axis].lacks_set_point() {
+                self.set_axis_error(axis, Violation::from_code(ErrorCode::SET_POINT_MISSING));
             }
         }
         self.begin_braking();
     }
 
     /// Rejects set-points for a part of the moving axes while the arm brakes as a whole.
-    fn refuse_to_leave_brake(&mut self) {
+    fn reject_while_braking(&mut self) {
         for axis in 0..self.axes.len() {
             if self.axes[axis].staged.is_some() {
-                self.blame(axis, Violation::of(Code::BRAKING));
+                self.set_axis_error(axis, Violation::from_code(ErrorCode::BRAKING));
             }
         }
         self.drop_staged();
@@ -78,27 +78,27 @@ impl Arm {
         if self.brake.is_none() && self.is_moving() {
             let states = self.axes.iter().map(|axis| (axis.commanded, &axis.limits));
             self.brake = Some(Brake::new(states));
-            self.left = 0;
+            self.ticks_left = 0;
         }
     }
 
-    fn coast(&mut self) {
+    fn move_braking(&mut self) {
         let Some(brake) = self.brake.as_mut() else {
             return;
         };
-        for (axis, velocity) in self.axes.iter_mut().zip(brake.pass(self.tick)) {
-            axis.coast(velocity, self.tick);
+        for (axis, velocity) in self.axes.iter_mut().zip(brake.advance(self.tick)) {
+            axis.move_braking(velocity, self.tick);
         }
-        let over = brake.is_over(self.tick);
-        self.watch_ranges();
+        let over = brake.is_finished(self.tick);
+        self.report_range_violations();
         if over {
             self.brake = None;
-            self.axes.iter_mut().for_each(Axis::take);
+            self.axes.iter_mut().for_each(Axis::apply_set_point);
         }
     }
 
     /// Reports axes that leave their range while braking. Braking cannot prevent this.
-    fn watch_ranges(&mut self) {
+    fn report_range_violations(&mut self) {
         for axis in 0..self.axes.len() {
             let (range, at) = (self.axes[axis].limits.position, self.axes[axis].driven);
             if self.enforced.position && !range.contains(at) && !self.axes[axis].code.is_failure() {
@@ -107,8 +107,8 @@ impl Arm {
                 } else {
                     range.lower
                 };
-                let code = Code::POSITION;
-                self.blame(
+                let code = ErrorCode::POSITION;
+                self.set_axis_error(
                     axis,
                     Violation {
                         code,
@@ -121,22 +121,22 @@ impl Arm {
     }
 
     fn drive(&mut self) {
-        let left = self.left;
+        let left = self.ticks_left;
         self.axes.iter_mut().for_each(|axis| axis.drive(left));
-        self.left = left.saturating_sub(1);
+        self.ticks_left = left.saturating_sub(1);
     }
 
     fn sense(&mut self) {
-        let (share, tick) = (self.share, self.tick);
+        let (share, tick) = (self.lag_fraction, self.tick);
         self.axes
             .iter_mut()
             .for_each(|axis| axis.measure(share, tick));
-        let mut sample = sample_of(&self.axes);
-        let deviation = self.deviation + self.state.deviation;
+        let mut sample = measured_sample(&self.axes);
+        let deviation = self.deviation + self.fault_effects.deviation;
         for axis in sample.iter_mut().take(self.axes.len()) {
             axis.position += self.noise.normal(deviation);
         }
-        let age = self.ticks(self.latency + self.state.delay);
+        let age = self.ticks(self.latency + self.fault_effects.delay);
         self.history.add(sample, age);
     }
 
@@ -144,7 +144,7 @@ impl Arm {
     /// present velocity: a set-point at the present position brings an axis to rest.
     pub(super) fn is_moving(&self) -> bool {
         let moves = |axis: &Axis| axis.staged.unwrap_or(axis.commanded).is_moving();
-        self.brake.is_some() || self.left > 0 || self.axes.iter().any(moves)
+        self.brake.is_some() || self.ticks_left > 0 || self.axes.iter().any(moves)
     }
 
     /// True if the arm or one of its joints has failed.
@@ -153,49 +153,55 @@ impl Arm {
     }
 
     /// Computes the effects of the faults that are active now.
-    pub(super) fn weather(&mut self) {
-        self.state = Troubles::default();
-        let mut whole = Code::OK;
+    pub(super) fn update_faults(&mut self) {
+        self.fault_effects = FaultEffects::default();
+        let mut whole = ErrorCode::OK;
         let mut failed = [false; rpi_kin::MAX_AXES];
-        for fault in self.faults.iter().filter(|fault| fault.is_on(self.time)) {
-            match fault.trouble {
-                Trouble::JointFailure(axis) => failed
+        for fault in self
+            .faults
+            .iter()
+            .filter(|fault| fault.is_active(self.time))
+        {
+            match fault.kind {
+                FaultKind::JointFailure(axis) => failed
                     .get_mut(axis)
                     .into_iter()
                     .for_each(|axis| *axis = true),
-                Trouble::EmergencyStop => whole = Code::EMERGENCY_STOP,
-                Trouble::LostSamples => self.state.samples_lost = true,
-                Trouble::LostSetPoints => self.state.set_points_lost = true,
-                Trouble::Latency(delay) => self.state.delay += delay,
-                Trouble::Noise(deviation) => self.state.deviation += deviation,
-                Trouble::Contact(wrench) => self.state.contact += wrench,
+                FaultKind::EmergencyStop => whole = ErrorCode::EMERGENCY_STOP,
+                FaultKind::LostSamples => self.fault_effects.samples_lost = true,
+                FaultKind::LostSetPoints => self.fault_effects.set_points_lost = true,
+                FaultKind::Latency(delay) => self.fault_effects.delay += delay,
+                FaultKind::Noise(deviation) => self.fault_effects.deviation += deviation,
+                FaultKind::Contact(wrench) => self.fault_effects.contact += wrench,
             }
         }
         if let Some(surface) = self.surface {
             // Component 2 is the force along z.
-            self.state.contact[2] += surface.push(self.pose().translation.z);
+            self.fault_effects.contact[2] += surface.force(self.pose().translation.z);
         }
-        self.fail(whole, &failed);
+        self.update_failures(whole, &failed);
     }
 
     /// Sets and clears failures. Each new failure is reported once.
-    fn fail(&mut self, whole: Code, failed: &[bool]) {
-        if whole != self.code && whole != Code::OK {
-            self.report(None, Violation::of(whole));
+    fn update_failures(&mut self, whole: ErrorCode, failed: &[bool]) {
+        if whole != self.code && whole != ErrorCode::OK {
+            self.report(None, Violation::from_code(whole));
         }
         self.code = whole;
         for (axis, failed) in failed.iter().enumerate().take(self.axes.len()) {
-            let was = self.axes[axis].code == Code::JOINT_FAILED;
+            let was = self.axes[axis].code == ErrorCode::JOINT_FAILED;
             match (was, failed) {
-                (false, true) => self.blame(axis, Violation::of(Code::JOINT_FAILED)),
-                (true, false) => self.axes[axis].code = Code::OK,
+                (false, true) => {
+                    self.set_axis_error(axis, Violation::from_code(ErrorCode::JOINT_FAILED))
+                }
+                (true, false) => self.axes[axis].code = ErrorCode::OK,
                 _ => {}
             }
         }
     }
 
     /// Sets the error code of an axis. Reports it if it is new.
-    pub(super) fn blame(&mut self, axis: usize, violation: Violation) {
+    pub(super) fn set_axis_error(&mut self, axis: usize, violation: Violation) {
         if self.axes[axis].code != violation.code {
             self.report(Some(axis), violation);
         }
@@ -203,7 +209,7 @@ impl Arm {
     }
 
     pub(super) fn report(&mut self, axis: Option<usize>, violation: Violation) {
-        if self.reports.len() == REPORTS {
+        if self.reports.len() == REPORT_CAPACITY {
             self.reports_lost += 1;
             return;
         }
@@ -218,9 +224,9 @@ impl Arm {
     }
 
     /// Reserves space for the largest latency that any fault may cause.
-    pub(super) fn make_room(&mut self) {
-        let delays = self.faults.iter().map(|fault| match fault.trouble {
-            Trouble::Latency(delay) => delay,
+    pub(super) fn reserve_history(&mut self) {
+        let delays = self.faults.iter().map(|fault| match fault.kind {
+            FaultKind::Latency(delay) => delay,
             _ => 0.0,
         });
         let oldest = self.ticks(self.latency + delays.sum::<f64>());

@@ -5,8 +5,8 @@ use super::quantity::Dimension::{
     self, Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Jerk, Length,
     Number, Time, Velocity,
 };
-use super::reader::{Reader, did_you_mean};
-use crate::fault::Fault;
+use super::reader::{TableReader, did_you_mean};
+use crate::fault::ScheduledFault;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use rpi_kin::{ArmModel, AxisLimits, models};
 
@@ -24,7 +24,7 @@ pub struct ArmSpec {
     /// Limits of the model with the cell's overrides.
     pub limits: Vec<AxisLimits>,
     /// Limits that set-points are checked against.
-    pub enforced: Enforced,
+    pub enforced: EnforcedLimits,
     /// Time constant of the first-order lag of measured positions, in s; 0 for no lag.
     pub lag: f64,
     /// Latency of samples, in s.
@@ -34,7 +34,7 @@ pub struct ArmSpec {
     /// An elastic surface under the tool, if any.
     pub surface: Option<Surface>,
     /// Scheduled faults.
-    pub faults: Vec<Fault>,
+    pub faults: Vec<ScheduledFault>,
 }
 
 /// A horizontal surface that pushes back like a spring.
@@ -48,7 +48,7 @@ pub struct Surface {
 
 impl Surface {
     /// Upward force on a tool at this height, N.
-    pub(crate) fn push(&self, tool: f64) -> f64 {
+    pub(crate) fn force(&self, tool: f64) -> f64 {
         self.stiffness * (self.height - tool).max(0.0)
     }
 }
@@ -56,7 +56,7 @@ impl Surface {
 /// Limits that set-points are checked against. Reachability, finiteness and the distance of the first set-point are
 /// always checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Enforced {
+pub struct EnforcedLimits {
     /// Joint ranges.
     pub position: bool,
     /// Joint velocities.
@@ -70,30 +70,34 @@ pub struct Enforced {
 const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
 
 /// Dimensions of an axis: position, velocity, acceleration, jerk.
-type Units = [Dimension; 4];
+type AxisDimensions = [Dimension; 4];
 
-const TURNING: Units = [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
-const SLIDING: Units = [Length, Velocity, Acceleration, Jerk];
+const REVOLUTE: AxisDimensions = [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
+const PRISMATIC: AxisDimensions = [Length, Velocity, Acceleration, Jerk];
 
-pub(super) fn read(reader: &mut Reader<'_>) -> Option<ArmSpec> {
+pub(super) fn read(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
     let Some(model) = read_model(reader) else {
         // The valid values of the other keys depend on the model. Without a model, the keys only count as known.
-        reader.assume(|other| drop(read_of(other, models::ALL[0], TURNING)));
+        reader.mark_known(|other| drop(read_of(other, models::ALL[0], REVOLUTE)));
         return None;
     };
-    let spec = read_of(reader, model, TURNING);
+    let spec = read_of(reader, model, REVOLUTE);
     check_start(reader, &spec);
     Some(spec)
 }
 
 /// Reads `kind = "linear-unit"`: an arm with one prismatic axis.
-pub(super) fn read_linear(reader: &mut Reader<'_>) -> Option<ArmSpec> {
-    let spec = read_of(reader, &models::linear::LINEAR_UNIT, SLIDING);
+pub(super) fn read_linear(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
+    let spec = read_of(reader, &models::linear::LINEAR_UNIT, PRISMATIC);
     check_start(reader, &spec);
     Some(spec)
 }
 
-fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel, units: Units) -> ArmSpec {
+fn read_of(
+    reader: &mut TableReader<'_>,
+    model: &'static ArmModel,
+    units: AxisDimensions,
+) -> ArmSpec {
     let axes = model.axes();
     let joints = reader.reals("joints", units[0], axes);
     let limits = read_limits(reader, model.limits, units);
@@ -115,7 +119,7 @@ fn read_of(reader: &mut Reader<'_>, model: &'static ArmModel, units: Units) -> A
 }
 
 /// Reads `{ height = length, stiffness = N/m }`.
-fn read_surface(reader: &mut Reader<'_>) -> Option<Surface> {
+fn read_surface(reader: &mut TableReader<'_>) -> Option<Surface> {
     let mut surface = reader.table("surface")?;
     let read = Surface {
         height: surface.real("height", Length).unwrap_or(0.0),
@@ -125,21 +129,21 @@ fn read_surface(reader: &mut Reader<'_>) -> Option<Surface> {
     Some(read)
 }
 
-fn read_model(reader: &mut Reader<'_>) -> Option<&'static ArmModel> {
+fn read_model(reader: &mut TableReader<'_>) -> Option<&'static ArmModel> {
     let known: Vec<&'static str> = models::ALL.iter().map(|model| model.id).collect();
-    let given = reader.word("model", &known);
+    let given = reader.keyword("model", &known);
     if given.is_none() && !reader.has("model") {
         let help = did_you_mean("", &known);
-        reader.fault_at("model", "`model` is missing".to_owned(), Some(help));
+        reader.error_at("model", "`model` is missing".to_owned(), Some(help));
     }
     given.and_then(models::by_id)
 }
 
-fn check_start(reader: &Reader<'_>, spec: &ArmSpec) {
+fn check_start(reader: &TableReader<'_>, spec: &ArmSpec) {
     for (axis, (joint, limits)) in spec.joints.iter().zip(&spec.limits).enumerate() {
         if spec.enforced.position && !limits.position.contains(*joint) {
             let (lower, upper) = (limits.position.lower, limits.position.upper);
-            reader.fault_at(
+            reader.error_at(
                 "joints",
                 format!("initial position {joint} of joint {axis} is out of range"),
                 Some(format!("the range is {lower:.4} to {upper:.4}")),
@@ -149,7 +153,7 @@ fn check_start(reader: &Reader<'_>, spec: &ArmSpec) {
 }
 
 /// Reads `{ position = [x, y, z], rpy = [roll, pitch, yaw] }`, or the same with `quaternion = [x, y, z, w]`.
-fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
+fn read_pose(reader: &mut TableReader<'_>, key: &'static str) -> Isometry3<f64> {
     let Some(mut pose) = reader.table(key) else {
         return Isometry3::identity();
     };
@@ -159,15 +163,15 @@ fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
     let rpy = pose.reals("rpy", Angle, 3);
     let quaternion = pose.reals("quaternion", Number, 4);
     if rpy.is_some() && quaternion.is_some() {
-        pose.fault_at(
+        pose.error_at(
             "rpy",
             "`rpy` and `quaternion` cannot be combined".to_owned(),
             None,
         );
     }
     let rotation = match (rpy.as_deref(), quaternion.as_deref()) {
-        (Some([roll, pitch, yaw]), _) => turned(*roll, *pitch, *yaw),
-        (_, Some([x, y, z, w])) => unit(&pose, Quaternion::new(*w, *x, *y, *z)),
+        (Some([roll, pitch, yaw]), _) => from_rpy(*roll, *pitch, *yaw),
+        (_, Some([x, y, z, w])) => checked_unit_quaternion(&pose, Quaternion::new(*w, *x, *y, *z)),
         _ => UnitQuaternion::identity(),
     };
     pose.finish();
@@ -178,7 +182,7 @@ fn read_pose(reader: &mut Reader<'_>, key: &'static str) -> Isometry3<f64> {
 }
 
 /// Rotation `Rz(yaw) Ry(pitch) Rx(roll)`, with arithmetic that gives the same bits on every machine.
-fn turned(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
+fn from_rpy(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, x: f64, y: f64, z: f64| {
         let (sin, cos) = libm::sincos(angle / 2.0);
         UnitQuaternion::new_unchecked(Quaternion::new(cos, x * sin, y * sin, z * sin))
@@ -186,25 +190,34 @@ fn turned(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
     about(yaw, 0.0, 0.0, 1.0) * about(pitch, 0.0, 1.0, 0.0) * about(roll, 1.0, 0.0, 0.0)
 }
 
-fn unit(reader: &Reader<'_>, quaternion: Quaternion<f64>) -> UnitQuaternion<f64> {
+fn checked_unit_quaternion(
+    reader: &TableReader<'_>,
+    quaternion: Quaternion<f64>,
+) -> UnitQuaternion<f64> {
     let length = quaternion.norm();
     if (length - 1.0).abs() > 1e-3 {
         let message = format!("`quaternion` has length {length:.4}, expected 1");
         let help = "the order is x, y, z, w".to_owned();
-        reader.fault_at("quaternion", message, Some(help));
+        reader.error_at("quaternion", message, Some(help));
         return UnitQuaternion::identity();
     }
     UnitQuaternion::new_unchecked(quaternion / length)
 }
 
 /// The model's limits; each key of `limits` replaces one limit for all axes or for each.
-fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits], units: Units) -> Vec<AxisLimits> {
+fn read_limits(
+    reader: &mut TableReader<'_>,
+    own: &[AxisLimits],
+    units: AxisDimensions,
+) -> Vec<AxisLimits> {
     let mut limits = own.to_vec();
     let Some(mut table) = reader.table("limits") else {
         return limits;
     };
     let mut set = |key, dimension, place: fn(&mut AxisLimits) -> &mut f64| {
-        let given = table.each(key, dimension, own.len()).unwrap_or_default();
+        let given = table
+            .one_or_list(key, dimension, own.len())
+            .unwrap_or_default();
         limits
             .iter_mut()
             .zip(given)
@@ -222,7 +235,7 @@ fn read_limits(reader: &mut Reader<'_>, own: &[AxisLimits], units: Units) -> Vec
     limits
 }
 
-fn check_limits(table: &Reader<'_>, axis: usize, limits: &AxisLimits) {
+fn check_limits(table: &TableReader<'_>, axis: usize, limits: &AxisLimits) {
     let checks = [
         (
             "upper",
@@ -246,14 +259,14 @@ fn check_limits(table: &Reader<'_>, axis: usize, limits: &AxisLimits) {
         ),
     ];
     for (key, what, _) in checks.into_iter().filter(|(_, _, good)| !good) {
-        table.fault_at(key, format!("axis {axis} {what}"), None);
+        table.error_at(key, format!("axis {axis} {what}"), None);
     }
 }
 
-fn read_enforced(reader: &mut Reader<'_>) -> Enforced {
-    let words = reader.words("enforce", ENFORCEABLE);
+fn read_enforced(reader: &mut TableReader<'_>) -> EnforcedLimits {
+    let words = reader.keywords("enforce", ENFORCEABLE);
     let has = |word: &str| words.as_ref().is_none_or(|words| words.contains(&word));
-    Enforced {
+    EnforcedLimits {
         position: has("position"),
         velocity: has("velocity"),
         acceleration: has("acceleration"),

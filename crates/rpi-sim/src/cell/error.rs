@@ -15,7 +15,7 @@ pub struct CellError {
 }
 
 /// Maximum number of characters shown of a line.
-const WIDEST: usize = 120;
+const MAX_LINE_WIDTH: usize = 120;
 
 /// All errors of one description, in the order of their positions. `Display` prints each with file, line, column and
 /// source line.
@@ -32,7 +32,7 @@ pub struct CellErrors {
 impl CellErrors {
     /// Line and column of an error, both from 1; the column counts characters.
     #[must_use]
-    pub fn place(&self, error: &CellError) -> (usize, usize) {
+    pub fn line_column(&self, error: &CellError) -> (usize, usize) {
         let before = self.text.get(..error.span.start).unwrap_or(&self.text);
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
@@ -40,14 +40,14 @@ impl CellErrors {
     }
 
     fn print(&self, error: &CellError, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (line, column) = self.place(error);
+        let (line, column) = self.line_column(error);
         let text = self.text.lines().nth(line - 1).unwrap_or("");
         let marked = self.text.get(error.span.clone()).unwrap_or("");
         let width = marked.lines().next().unwrap_or("").chars().count();
-        let width = width.clamp(1, WIDEST / 2);
+        let width = width.clamp(1, MAX_LINE_WIDTH / 2);
         // Shows only the part of a long line around the error.
-        let left_out = (column - 1).saturating_sub(WIDEST / 2);
-        let text: String = text.chars().skip(left_out).take(WIDEST).collect();
+        let left_out = (column - 1).saturating_sub(MAX_LINE_WIDTH / 2);
+        let text: String = text.chars().skip(left_out).take(MAX_LINE_WIDTH).collect();
         let gutter = line.to_string().len();
         writeln!(f, "{}:{line}:{column}: {}", self.file, error.message)?;
         writeln!(f, " {line} | {text}")?;

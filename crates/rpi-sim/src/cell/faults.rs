@@ -1,30 +1,30 @@
 //! Scheduled faults of an arm: `[[devices.NAME.faults]]`.
 
 use super::quantity::Dimension::{Angle, Force, Time, Torque};
-use super::reader::Reader;
-use crate::fault::{Fault, Trouble};
+use super::reader::TableReader;
+use crate::fault::{FaultKind, ScheduledFault};
 use nalgebra::Vector6;
 
 /// Reads the keys of one kind of fault; the number is the number of axes.
-type ReadTrouble = fn(&mut Reader<'_>, usize) -> Option<Trouble>;
+type ReadFaultKind = fn(&mut TableReader<'_>, usize) -> Option<FaultKind>;
 
 /// Values of the key `trouble`.
-const TROUBLES: &[(&str, ReadTrouble)] = &[
+const FAULT_KINDS: &[(&str, ReadFaultKind)] = &[
     ("joint-failure", |reader, axes| {
         let axis = required(reader, "axis", |reader| reader.index("axis", axes as u64))?;
-        Some(Trouble::JointFailure(usize::try_from(axis).ok()?))
+        Some(FaultKind::JointFailure(usize::try_from(axis).ok()?))
     }),
-    ("emergency-stop", |_, _| Some(Trouble::EmergencyStop)),
-    ("lost-samples", |_, _| Some(Trouble::LostSamples)),
-    ("lost-set-points", |_, _| Some(Trouble::LostSetPoints)),
+    ("emergency-stop", |_, _| Some(FaultKind::EmergencyStop)),
+    ("lost-samples", |_, _| Some(FaultKind::LostSamples)),
+    ("lost-set-points", |_, _| Some(FaultKind::LostSetPoints)),
     ("latency", |reader, _| {
-        required(reader, "delay", |reader| reader.magnitude("delay", Time)).map(Trouble::Latency)
+        required(reader, "delay", |reader| reader.magnitude("delay", Time)).map(FaultKind::Latency)
     }),
     ("noise", |reader, _| {
         required(reader, "deviation", |reader| {
             reader.magnitude("deviation", Angle)
         })
-        .map(Trouble::Noise)
+        .map(FaultKind::Noise)
     }),
     ("contact", |reader, _| {
         let force = reader
@@ -34,11 +34,11 @@ const TROUBLES: &[(&str, ReadTrouble)] = &[
             .reals("torque", Torque, 3)
             .unwrap_or_else(|| vec![0.0; 3]);
         let both = force.into_iter().chain(torque);
-        Some(Trouble::Contact(Vector6::from_iterator(both)))
+        Some(FaultKind::Contact(Vector6::from_iterator(both)))
     }),
 ];
 
-pub(super) fn read(reader: &mut Reader<'_>, axes: usize) -> Vec<Fault> {
+pub(super) fn read(reader: &mut TableReader<'_>, axes: usize) -> Vec<ScheduledFault> {
     reader
         .tables("faults")
         .into_iter()
@@ -46,37 +46,37 @@ pub(super) fn read(reader: &mut Reader<'_>, axes: usize) -> Vec<Fault> {
         .collect()
 }
 
-fn read_one(mut reader: Reader<'_>, axes: usize) -> Option<Fault> {
-    let words: Vec<&'static str> = TROUBLES.iter().map(|(word, _)| *word).collect();
+fn read_one(mut reader: TableReader<'_>, axes: usize) -> Option<ScheduledFault> {
+    let words: Vec<&'static str> = FAULT_KINDS.iter().map(|(word, _)| *word).collect();
     let from = reader.magnitude("at", Time).unwrap_or(0.0);
     let until = reader
         .magnitude("for", Time)
         .map_or(f64::INFINITY, |duration| from + duration);
     let word = required(&mut reader, "trouble", |reader| {
-        reader.word("trouble", &words)
+        reader.keyword("trouble", &words)
     });
-    let read = TROUBLES
+    let read = FAULT_KINDS
         .iter()
         .find(|(known, _)| Some(*known) == word)
         .map(|(_, read)| read)?;
     let trouble = read(&mut reader, axes);
     reader.finish();
-    Some(Fault {
+    Some(ScheduledFault {
         from,
         until,
-        trouble: trouble?,
+        kind: trouble?,
     })
 }
 
 /// Reads a required key. Reports an error if the key is missing.
 fn required<'a, T>(
-    reader: &mut Reader<'a>,
+    reader: &mut TableReader<'a>,
     key: &'static str,
-    read: impl FnOnce(&mut Reader<'a>) -> Option<T>,
+    read: impl FnOnce(&mut TableReader<'a>) -> Option<T>,
 ) -> Option<T> {
     let value = read(reader);
     if value.is_none() && !reader.has(key) {
-        reader.fault_at(key, format!("`{key}` is missing"), None);
+        reader.error_at(key, format!("`{key}` is missing"), None);
     }
     value
 }

@@ -1,33 +1,33 @@
 //! Terminals: `kind = "digital-io"`, `"analogue-io"`, and `"io"` with both.
 
 use super::quantity::Dimension::{Number, Time};
-use super::reader::{Reader, integer};
+use super::reader::{TableReader, integer};
 
 /// Description of a block of input and output terminals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IoSpec {
     /// Digital inputs and outputs.
-    pub digital: Signal<bool>,
+    pub digital: TerminalSpec<bool>,
     /// Analogue inputs and outputs, in the unit of the wired signal.
-    pub analogue: Signal<f64>,
+    pub analogue: TerminalSpec<f64>,
 }
 
 /// Inputs and outputs of one type.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Signal<T> {
+pub struct TerminalSpec<T> {
     /// Initial values of the inputs.
     pub inputs: Vec<T>,
     /// Initial values of the outputs.
     pub outputs: Vec<T>,
     /// Changes of the inputs, in order of time.
-    pub script: Vec<Change<T>>,
+    pub script: Vec<InputChange<T>>,
     /// Period of the script, in s; infinity if it does not repeat.
     pub repeat: f64,
 }
 
 /// One change of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change<T> {
+pub struct InputChange<T> {
     /// Time of the change in s, since the start of the cell or of the repeated script.
     pub at: f64,
     /// Index of the input, from 0.
@@ -37,21 +37,21 @@ pub struct Change<T> {
 }
 
 /// A type of input values.
-pub(super) trait Read: Sized + Copy + Default {
-    const WANTED: &'static str;
-    fn list(reader: &mut Reader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>>;
-    fn one(reader: &mut Reader<'_>, key: &'static str) -> Option<Self>;
+pub(super) trait InputValue: Sized + Copy + Default {
+    const EXPECTED: &'static str;
+    fn list(reader: &mut TableReader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>>;
+    fn one(reader: &mut TableReader<'_>, key: &'static str) -> Option<Self>;
 }
 
-impl Read for bool {
-    const WANTED: &'static str = "true or false";
+impl InputValue for bool {
+    const EXPECTED: &'static str = "true or false";
 
-    fn list(reader: &mut Reader<'_>, key: &'static str, _count: usize) -> Option<Vec<Self>> {
+    fn list(reader: &mut TableReader<'_>, key: &'static str, _count: usize) -> Option<Vec<Self>> {
         let nodes = reader.list(key)?;
         let values = nodes.iter().map(|node| node.get_ref().as_bool());
         let values: Option<Vec<bool>> = values.collect();
         if values.is_none() {
-            reader.fault_at(
+            reader.error_at(
                 key,
                 format!("expected a number of ports or a list of Booleans for `{key}`"),
                 None,
@@ -60,57 +60,57 @@ impl Read for bool {
         values
     }
 
-    fn one(reader: &mut Reader<'_>, key: &'static str) -> Option<Self> {
+    fn one(reader: &mut TableReader<'_>, key: &'static str) -> Option<Self> {
         reader.boolean(key)
     }
 }
 
-impl Read for f64 {
-    const WANTED: &'static str = "a number";
+impl InputValue for f64 {
+    const EXPECTED: &'static str = "a number";
 
-    fn list(reader: &mut Reader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>> {
+    fn list(reader: &mut TableReader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>> {
         reader.reals(key, Number, count)
     }
 
-    fn one(reader: &mut Reader<'_>, key: &'static str) -> Option<Self> {
+    fn one(reader: &mut TableReader<'_>, key: &'static str) -> Option<Self> {
         reader.real(key, Number)
     }
 }
 
 /// Maximum number of inputs or outputs of a terminal block.
-const MOST: u64 = 4096;
+const MAX_TERMINALS: u64 = 4096;
 
-pub(super) fn read_digital(reader: &mut Reader<'_>) -> Option<IoSpec> {
+pub(super) fn read_digital(reader: &mut TableReader<'_>) -> Option<IoSpec> {
     Some(IoSpec {
         digital: read_signal(reader),
-        analogue: Signal::none(),
+        analogue: TerminalSpec::none(),
     })
 }
 
-pub(super) fn read_analogue(reader: &mut Reader<'_>) -> Option<IoSpec> {
+pub(super) fn read_analogue(reader: &mut TableReader<'_>) -> Option<IoSpec> {
     Some(IoSpec {
-        digital: Signal::none(),
+        digital: TerminalSpec::none(),
         analogue: read_signal(reader),
     })
 }
 
-pub(super) fn read_both(reader: &mut Reader<'_>) -> Option<IoSpec> {
+pub(super) fn read_both(reader: &mut TableReader<'_>) -> Option<IoSpec> {
     Some(IoSpec {
         digital: read_inner(reader, "digital"),
         analogue: read_inner(reader, "analogue"),
     })
 }
 
-fn read_inner<T: Read>(reader: &mut Reader<'_>, key: &'static str) -> Signal<T> {
+fn read_inner<T: InputValue>(reader: &mut TableReader<'_>, key: &'static str) -> TerminalSpec<T> {
     let Some(mut inner) = reader.table(key) else {
-        return Signal::none();
+        return TerminalSpec::none();
     };
     let signal = read_signal(&mut inner);
     inner.finish();
     signal
 }
 
-impl<T> Signal<T> {
+impl<T> TerminalSpec<T> {
     fn none() -> Self {
         Self {
             inputs: Vec::new(),
@@ -121,20 +121,20 @@ impl<T> Signal<T> {
     }
 }
 
-fn read_signal<T: Read>(reader: &mut Reader<'_>) -> Signal<T> {
+fn read_signal<T: InputValue>(reader: &mut TableReader<'_>) -> TerminalSpec<T> {
     let inputs: Vec<T> = read_ports(reader, "inputs");
     let outputs = read_ports(reader, "outputs");
     let changes = reader.tables("script").into_iter();
-    let mut script: Vec<Change<T>> = changes
+    let mut script: Vec<InputChange<T>> = changes
         .filter_map(|change| read_change(change, inputs.len()))
         .collect();
     script.sort_by(|one, other| one.at.total_cmp(&other.at));
     let repeat = reader.magnitude("repeat", Time).unwrap_or(f64::INFINITY);
     if script.last().is_some_and(|last| last.at >= repeat) {
         let message = "`repeat` must be later than the last change of the script".to_owned();
-        reader.fault_at("repeat", message, None);
+        reader.error_at("repeat", message, None);
     }
-    Signal {
+    TerminalSpec {
         inputs,
         outputs,
         script,
@@ -143,10 +143,10 @@ fn read_signal<T: Read>(reader: &mut Reader<'_>) -> Signal<T> {
 }
 
 /// Reads a number of ports, all initially 0, or a list of their initial values.
-fn read_ports<T: Read>(reader: &mut Reader<'_>, key: &'static str) -> Vec<T> {
+fn read_ports<T: InputValue>(reader: &mut TableReader<'_>, key: &'static str) -> Vec<T> {
     let count = match reader.peek(key) {
         Some(node) if integer(node).is_some() => {
-            let count = reader.index(key, MOST + 1).unwrap_or(0);
+            let count = reader.index(key, MAX_TERMINALS + 1).unwrap_or(0);
             return vec![T::default(); usize::try_from(count).unwrap_or(0)];
         }
         Some(node) => node.get_ref().as_array().map_or(0, |list| list.len()),
@@ -155,18 +155,21 @@ fn read_ports<T: Read>(reader: &mut Reader<'_>, key: &'static str) -> Vec<T> {
     T::list(reader, key, count).unwrap_or_default()
 }
 
-fn read_change<T: Read>(mut reader: Reader<'_>, inputs: usize) -> Option<Change<T>> {
+fn read_change<T: InputValue>(
+    mut reader: TableReader<'_>,
+    inputs: usize,
+) -> Option<InputChange<T>> {
     let at = reader.magnitude("at", Time);
     let input = reader.index("input", inputs as u64);
     let value = T::one(&mut reader, "value");
     for key in ["at", "input", "value"] {
         if !reader.has(key) {
-            let help = (key == "value").then(|| format!("expected {}", T::WANTED));
-            reader.fault_at(key, format!("`{key}` is missing"), help);
+            let help = (key == "value").then(|| format!("expected {}", T::EXPECTED));
+            reader.error_at(key, format!("`{key}` is missing"), help);
         }
     }
     reader.finish();
-    Some(Change {
+    Some(InputChange {
         at: at?,
         input: usize::try_from(input?).ok()?,
         value: value?,

@@ -6,17 +6,17 @@ mod arm;
 mod error;
 mod faults;
 mod io;
-mod nearest;
-mod other;
 mod quantity;
 mod reader;
+mod simple_devices;
+mod suggestion;
 
-pub use arm::{ArmSpec, Enforced, Surface};
+pub use arm::{ArmSpec, EnforcedLimits, Surface};
 pub use error::{CellError, CellErrors};
-pub use io::{Change, IoSpec, Signal};
-pub use other::{BaseSpec, ForceSpec, GripperSpec};
+pub use io::{InputChange, IoSpec, TerminalSpec};
+pub use simple_devices::{BaseSpec, ForceSpec, GripperSpec};
 
-use reader::{Faults, Reader};
+use reader::{ErrorCollector, TableReader};
 use toml::de::DeTable;
 
 /// A robot cell: its devices and common settings.
@@ -36,12 +36,12 @@ pub struct DeviceSpec {
     /// Name by which programs refer to the device.
     pub name: String,
     /// Kind of the device, with its settings.
-    pub kind: Kind,
+    pub kind: DeviceKind,
 }
 
 /// Kind of a device, with its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum DeviceKind {
     /// A robot arm or a linear axis.
     Arm(ArmSpec),
     /// Digital or analogue inputs and outputs, or both.
@@ -55,27 +55,29 @@ pub enum Kind {
 }
 
 /// Reads the keys of one kind of device.
-type ReadKind = fn(&mut Reader<'_>) -> Option<Kind>;
+type ReadKind = fn(&mut TableReader<'_>) -> Option<DeviceKind>;
 
 /// Values of the key `kind`.
 const KINDS: &[(&str, ReadKind)] = &[
-    ("arm", |reader| arm::read(reader).map(Kind::Arm)),
+    ("arm", |reader| arm::read(reader).map(DeviceKind::Arm)),
     ("digital-io", |reader| {
-        io::read_digital(reader).map(Kind::Io)
+        io::read_digital(reader).map(DeviceKind::Io)
     }),
     ("analogue-io", |reader| {
-        io::read_analogue(reader).map(Kind::Io)
+        io::read_analogue(reader).map(DeviceKind::Io)
     }),
-    ("io", |reader| io::read_both(reader).map(Kind::Io)),
+    ("io", |reader| io::read_both(reader).map(DeviceKind::Io)),
     ("linear-unit", |reader| {
-        arm::read_linear(reader).map(Kind::Arm)
+        arm::read_linear(reader).map(DeviceKind::Arm)
     }),
-    ("base", |reader| other::read_base(reader).map(Kind::Base)),
+    ("base", |reader| {
+        simple_devices::read_base(reader).map(DeviceKind::Base)
+    }),
     ("gripper", |reader| {
-        other::read_gripper(reader).map(Kind::Gripper)
+        simple_devices::read_gripper(reader).map(DeviceKind::Gripper)
     }),
     ("force-torque", |reader| {
-        other::read_force(reader).map(Kind::Force)
+        simple_devices::read_force(reader).map(DeviceKind::Force)
     }),
 ];
 
@@ -85,14 +87,18 @@ impl Cell {
     /// # Errors
     /// Returns all errors of the description, with their positions.
     pub fn parse(file: &str, text: &str) -> Result<Self, CellErrors> {
-        let faults = Faults::default();
+        let faults = ErrorCollector::default();
         let (document, broken) = DeTable::parse_recoverable(text);
         for error in &broken {
             let span = error.span().unwrap_or(0..0);
             faults.add(span, error.message().replace('\n', ": "), None);
         }
         let cell = if broken.is_empty() {
-            Some(Self::read(Reader::new(document.get_ref(), 0..0, &faults)))
+            Some(Self::read(TableReader::new(
+                document.get_ref(),
+                0..0,
+                &faults,
+            )))
         } else {
             None
         };
@@ -109,19 +115,19 @@ impl Cell {
 
     /// Name of the device that owns a resource of a bank with these devices, and the resource within the device.
     #[must_use]
-    pub fn actuator(&self, resource: u32) -> Option<(&str, u32)> {
-        let (place, own) = crate::bank::split(resource);
+    pub fn resource_owner(&self, resource: u32) -> Option<(&str, u32)> {
+        let (place, own) = crate::bank::split_resource(resource);
         self.devices.get(place).map(|d| (d.name.as_str(), own))
     }
 
     /// All kinds of devices with their keys, for the manual.
     #[must_use]
     pub fn kinds_and_keys() -> Vec<(&'static str, Vec<&'static str>)> {
-        let faults = Faults::default();
+        let faults = ErrorCollector::default();
         let keys = |(kind, read): &(&'static str, ReadKind)| {
-            let mut reader = Reader::empty(&faults);
+            let mut reader = TableReader::empty(&faults);
             let _ = read(&mut reader);
-            (*kind, reader.asked())
+            (*kind, reader.known_keys())
         };
         KINDS.iter().map(keys).collect()
     }
@@ -132,7 +138,7 @@ impl Cell {
         self.devices.iter().find(|device| device.name == name)
     }
 
-    fn read(mut reader: Reader<'_>) -> Self {
+    fn read(mut reader: TableReader<'_>) -> Self {
         let name = reader.text("name").unwrap_or_default().to_owned();
         let seed = reader.index("seed", u64::MAX).unwrap_or(0);
         let devices = match reader.table("devices") {
@@ -148,15 +154,15 @@ impl Cell {
     }
 }
 
-fn read_devices(devices: &Reader<'_>) -> Vec<DeviceSpec> {
+fn read_devices(devices: &TableReader<'_>) -> Vec<DeviceSpec> {
     let mut all = Vec::new();
     for (name, span, node) in devices.entries() {
-        match Reader::of(node, devices.faults()) {
+        match TableReader::from_node(node, devices.errors()) {
             Some(device) => all.extend(read_device(name, device)),
             None => {
                 let message = format!("device `{name}` must be a table");
                 devices
-                    .faults()
+                    .errors()
                     .add(span, message, Some(format!("write [devices.{name}]")));
             }
         }
@@ -164,12 +170,12 @@ fn read_devices(devices: &Reader<'_>) -> Vec<DeviceSpec> {
     all
 }
 
-fn read_device(name: &str, mut reader: Reader<'_>) -> Option<DeviceSpec> {
+fn read_device(name: &str, mut reader: TableReader<'_>) -> Option<DeviceSpec> {
     let kinds: Vec<&'static str> = KINDS.iter().map(|(kind, _)| *kind).collect();
-    let Some(kind) = reader.word("kind", &kinds) else {
+    let Some(kind) = reader.keyword("kind", &kinds) else {
         if !reader.has("kind") {
             let help = format!("expected one of {}", kinds.join(", "));
-            reader.fault_at("kind", format!("device `{name}` has no `kind`"), Some(help));
+            reader.error_at("kind", format!("device `{name}` has no `kind`"), Some(help));
         }
         return None;
     };

@@ -79,7 +79,7 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     let number: f64 = number.replace('_', "").parse().map_err(|_| {
         format!(
             "expected a number and a unit, like \"2.5 {}\"",
-            si(dimension)
+            si_unit(dimension)
         )
     })?;
     if unit.is_empty() {
@@ -94,7 +94,7 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
 }
 
 /// The SI unit of a dimension.
-pub(super) fn si(dimension: Dimension) -> &'static str {
+pub(super) fn si_unit(dimension: Dimension) -> &'static str {
     let own = UNITS.iter().find(|(of, _, _)| *of == dimension);
     own.map_or("", |(_, name, _)| name)
 }

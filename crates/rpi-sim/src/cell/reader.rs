@@ -1,8 +1,8 @@
 //! Reader for one table of a cell description: typed keys, errors with positions, detection of unknown keys.
 
 use super::error::CellError;
-use super::nearest::nearest;
 use super::quantity::{self, Dimension};
+use super::suggestion::nearest;
 use core::ops::Range;
 use std::cell::RefCell;
 use toml::Spanned;
@@ -10,9 +10,9 @@ use toml::de::{DeTable, DeValue};
 
 /// Collector of errors during parsing.
 #[derive(Default)]
-pub(super) struct Faults(RefCell<Vec<CellError>>);
+pub(super) struct ErrorCollector(RefCell<Vec<CellError>>);
 
-impl Faults {
+impl ErrorCollector {
     pub(super) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
         self.0.borrow_mut().push(CellError {
             span,
@@ -30,32 +30,36 @@ impl Faults {
 }
 
 /// Reader for one table. The keys that are read are the known keys of the table.
-pub(super) struct Reader<'a> {
+pub(super) struct TableReader<'a> {
     table: Option<&'a DeTable<'a>>,
     span: Range<usize>,
-    asked: Vec<&'static str>,
-    faults: &'a Faults,
+    known_keys: Vec<&'static str>,
+    errors: &'a ErrorCollector,
 }
 
 pub(super) type Node<'a> = &'a Spanned<DeValue<'a>>;
 
-impl<'a> Reader<'a> {
-    pub(super) fn new(table: &'a DeTable<'a>, span: Range<usize>, faults: &'a Faults) -> Self {
+impl<'a> TableReader<'a> {
+    pub(super) fn new(
+        table: &'a DeTable<'a>,
+        span: Range<usize>,
+        faults: &'a ErrorCollector,
+    ) -> Self {
         Self {
             table: Some(table),
             span,
-            asked: Vec::new(),
-            faults,
+            known_keys: Vec::new(),
+            errors: faults,
         }
     }
 
     /// A reader without entries, to find out which keys a function reads.
-    pub(super) fn empty(faults: &'a Faults) -> Self {
+    pub(super) fn empty(faults: &'a ErrorCollector) -> Self {
         Self {
             table: None,
             span: 0..0,
-            asked: Vec::new(),
-            faults,
+            known_keys: Vec::new(),
+            errors: faults,
         }
     }
 
@@ -63,21 +67,21 @@ impl<'a> Reader<'a> {
         self.span.clone()
     }
 
-    pub(super) fn faults(&self) -> &'a Faults {
-        self.faults
+    pub(super) fn errors(&self) -> &'a ErrorCollector {
+        self.errors
     }
 
     /// Marks the keys that `read` reads as known, without reading them.
-    pub(super) fn assume(&mut self, read: impl FnOnce(&mut Reader<'_>)) {
-        let faults = Faults::default();
-        let mut other = Reader::empty(&faults);
+    pub(super) fn mark_known(&mut self, read: impl FnOnce(&mut TableReader<'_>)) {
+        let faults = ErrorCollector::default();
+        let mut other = TableReader::empty(&faults);
         read(&mut other);
-        self.asked.append(&mut other.asked);
+        self.known_keys.append(&mut other.known_keys);
     }
 
     /// The keys read so far.
-    pub(super) fn asked(self) -> Vec<&'static str> {
-        self.asked
+    pub(super) fn known_keys(self) -> Vec<&'static str> {
+        self.known_keys
     }
 
     /// All entries in text order, for a table whose keys are names.
@@ -101,19 +105,19 @@ impl<'a> Reader<'a> {
     }
 
     fn get(&mut self, key: &'static str) -> Option<Node<'a>> {
-        self.asked.push(key);
+        self.known_keys.push(key);
         self.peek(key)
     }
 
     /// Reports an error at the value of `key`, or at the head of the table if the key is missing.
-    pub(super) fn fault_at(&self, key: &str, message: String, help: Option<String>) {
+    pub(super) fn error_at(&self, key: &str, message: String, help: Option<String>) {
         let place = self.peek(key).map_or(self.span(), Spanned::span);
-        self.faults.add(place, message, help);
+        self.errors.add(place, message, help);
     }
 
     fn wrong_type(&self, key: &str, node: Node<'a>, wanted: &str) {
         let found = node.get_ref().type_str();
-        self.faults.add(
+        self.errors.add(
             node.span(),
             format!("expected {wanted} for `{key}`, found {found}"),
             None,
@@ -151,7 +155,7 @@ impl<'a> Reader<'a> {
                 0 => "no value is valid here".to_owned(),
                 _ => format!("the range is 0 to {}", bound - 1),
             };
-            self.faults.add(
+            self.errors.add(
                 node.span(),
                 format!("`{key}` is {value}, out of range"),
                 Some(help),
@@ -171,7 +175,7 @@ impl<'a> Reader<'a> {
         let node = self.get(key)?;
         let value = self.number(key, node, dimension)?;
         if value < 0.0 {
-            self.faults
+            self.errors
                 .add(node.span(), format!("`{key}` is negative"), None);
             return None;
         }
@@ -182,7 +186,7 @@ impl<'a> Reader<'a> {
     pub(super) fn positive(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
         let value = self.magnitude(key, dimension)?;
         if value == 0.0 {
-            self.fault_at(key, format!("`{key}` must be greater than zero"), None);
+            self.error_at(key, format!("`{key}` must be greater than zero"), None);
             return None;
         }
         Some(value)
@@ -202,7 +206,7 @@ impl<'a> Reader<'a> {
         };
         if list.len() != count {
             let message = format!("`{key}` has {} entries, expected {count}", list.len());
-            self.faults.add(node.span(), message, None);
+            self.errors.add(node.span(), message, None);
             return None;
         }
         list.iter()
@@ -211,7 +215,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads one number for all, or a list of exactly `count` numbers.
-    pub(super) fn each(
+    pub(super) fn one_or_list(
         &mut self,
         key: &'static str,
         dimension: Dimension,
@@ -236,7 +240,7 @@ impl<'a> Reader<'a> {
                 .map(|value| value as f64)
                 .ok_or_else(String::new),
             _ => {
-                let unit = quantity::si(dimension);
+                let unit = quantity::si_unit(dimension);
                 let wanted = if unit.is_empty() {
                     "a number".to_owned()
                 } else {
@@ -249,13 +253,13 @@ impl<'a> Reader<'a> {
         match value {
             Ok(value) if value.is_finite() => Some(value),
             Ok(_) => {
-                self.faults
+                self.errors
                     .add(node.span(), format!("`{key}` is not a finite number"), None);
                 None
             }
             Err(help) => {
                 let help = Some(help).filter(|help| !help.is_empty());
-                self.faults
+                self.errors
                     .add(node.span(), format!("`{key}` is not a valid number"), help);
                 None
             }
@@ -263,7 +267,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a string that must be one of `known`.
-    pub(super) fn word(
+    pub(super) fn keyword(
         &mut self,
         key: &'static str,
         known: &[&'static str],
@@ -273,7 +277,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a list of strings that must be in `known`.
-    pub(super) fn words(
+    pub(super) fn keywords(
         &mut self,
         key: &'static str,
         known: &[&'static str],
@@ -298,7 +302,7 @@ impl<'a> Reader<'a> {
         let found = known.iter().copied().find(|word| *word == text);
         if found.is_none() {
             let help = did_you_mean(text, known);
-            self.faults.add(
+            self.errors.add(
                 node.span(),
                 format!("unknown value \"{text}\" for `{key}`"),
                 Some(help),
@@ -318,9 +322,9 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a nested table.
-    pub(super) fn table(&mut self, key: &'static str) -> Option<Reader<'a>> {
+    pub(super) fn table(&mut self, key: &'static str) -> Option<TableReader<'a>> {
         let node = self.get(key)?;
-        let inner = Self::of(node, self.faults);
+        let inner = Self::from_node(node, self.errors);
         if inner.is_none() {
             self.wrong_type(key, node, "a table");
         }
@@ -328,10 +332,10 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a list of tables, `[[...]]`.
-    pub(super) fn tables(&mut self, key: &'static str) -> Vec<Reader<'a>> {
+    pub(super) fn tables(&mut self, key: &'static str) -> Vec<TableReader<'a>> {
         let nodes = self.list(key).unwrap_or_default();
         let readers = nodes.into_iter().filter_map(|node| {
-            let inner = Self::of(node, self.faults);
+            let inner = Self::from_node(node, self.errors);
             if inner.is_none() {
                 self.wrong_type(key, node, "a list of tables");
             }
@@ -341,7 +345,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A reader for a node; `None` if the node is not a table.
-    pub(super) fn of(node: Node<'a>, faults: &'a Faults) -> Option<Self> {
+    pub(super) fn from_node(node: Node<'a>, faults: &'a ErrorCollector) -> Option<Self> {
         let table = node.get_ref().as_table()?;
         Some(Self::new(table, node.span(), faults))
     }
@@ -349,9 +353,9 @@ impl<'a> Reader<'a> {
     /// Reports every key that was not read as unknown.
     pub(super) fn finish(self) {
         for (key, span, _) in self.entries() {
-            if !self.asked.contains(&key) {
-                let help = did_you_mean(key, &self.asked);
-                self.faults
+            if !self.known_keys.contains(&key) {
+                let help = did_you_mean(key, &self.known_keys);
+                self.errors
                     .add(span, format!("unknown key `{key}`"), Some(help));
             }
         }

@@ -77,7 +77,7 @@ pub enum StatementKind {
     /// `assert e;`, `assume e;`, `guarantee e;`, `check e;`
     Claim(Box<Claim>),
     /// `finish r when c;`, `yield ...`, `fail ...`
-    End(Box<End>),
+    CommandEnd(Box<CommandEnd>),
     /// `export x, y.z;`
     Export(Vec<Dotted>),
     /// Local fragment
@@ -85,29 +85,29 @@ pub enum StatementKind {
     /// `automaton ... end`
     Automaton(Box<Automaton>),
     /// `if c then x = 1; else x = 2; fi` (Kind 2)
-    Choice(Box<Choice>),
+    Conditional(Box<ConditionalBlock>),
     /// `frame (x) x = 0; let ... tel` (Kind 2)
-    Keep(Box<Keep>),
+    FrameBlock(Box<FrameBlock>),
     /// Statement with an error; the names that it seems to define
-    Broken(Vec<Ident>),
+    Error(Vec<Ident>),
 }
 
 /// Block of conditional equations (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
-pub struct Choice {
+pub struct ConditionalBlock {
     /// Notation of the block.
-    pub word: ChoiceWord,
+    pub keyword: ConditionalKeyword,
     /// Branches in text order, at least one.
-    pub branches: Vec<ChoiceBranch>,
+    pub branches: Vec<BlockBranch>,
     /// Statements of the `else` branch.
-    pub otherwise: Option<Vec<Statement>>,
+    pub else_statements: Option<Vec<Statement>>,
     /// Equivalent equations, one for each flow.
-    pub means: Meaning,
+    pub desugared: Desugared,
 }
 
 /// Notation of a [`Choice`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ChoiceWord {
+pub enum ConditionalKeyword {
     /// `if c then ... elsif d then ... else ... fi`
     If,
     /// `when c then ... else ... end`
@@ -118,7 +118,7 @@ pub enum ChoiceWord {
 
 /// Branch of a [`Choice`].
 #[derive(Clone, PartialEq, Debug)]
-pub struct ChoiceBranch {
+pub struct BlockBranch {
     /// Condition of the branch.
     pub condition: Expr,
     /// Statements of the branch.
@@ -127,7 +127,7 @@ pub struct ChoiceBranch {
 
 /// Frame block, `frame (names) initial let statements tel` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
-pub struct Keep {
+pub struct FrameBlock {
     /// Flows that keep their values if no equation of the block defines them.
     pub names: Vec<Ident>,
     /// Equations of the values in the first cycle.
@@ -135,29 +135,29 @@ pub struct Keep {
     /// Statements that define the flows.
     pub statements: Vec<Statement>,
     /// Equivalent equations, one for each flow.
-    pub means: Meaning,
+    pub desugared: Desugared,
 }
 
 /// Result of desugaring a block: equivalent equations, and errors.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Meaning {
+pub struct Desugared {
     /// Equations with their source ranges.
     pub equations: Vec<(Equation, Span)>,
     /// Errors in the block.
-    pub faults: Vec<BlockFault>,
+    pub errors: Vec<BlockError>,
 }
 
 /// Error in a block of equations.
 #[derive(Clone, PartialEq, Debug)]
-pub enum BlockFault {
+pub enum BlockError {
     /// A branch does not define a flow: the flow as defined in another branch, and the place of the branch.
-    MissingIn(Ident, Span),
+    MissingDefinition(Ident, Span),
     /// A statement is neither an equation nor a block: its place, and a description.
-    NoEquation(Span, &'static str),
+    NotAnEquation(Span, &'static str),
     /// An equation defines a flow that the `frame` does not list.
-    NotNamed(Ident),
+    NotInFrame(Ident),
     /// A branch defines a flow twice: the second definition, and the place of the first.
-    Twice(Ident, Span),
+    DuplicateDefinition(Ident, Span),
 }
 
 /// Equation: `x, arm.tcp, a[2] = value`.
@@ -210,9 +210,9 @@ pub enum ClaimKind {
 
 /// Result of a command: `finish result when condition`.
 #[derive(Clone, PartialEq, Debug)]
-pub struct End {
+pub struct CommandEnd {
     /// How the command ends.
-    pub kind: EndKind,
+    pub kind: CommandEndKind,
     /// Name of the result.
     pub result: Ident,
     /// Condition under which the command ends.
@@ -221,7 +221,7 @@ pub struct End {
 
 /// How a command ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum EndKind {
+pub enum CommandEndKind {
     /// `finish`: with all motion at rest.
     Finish,
     /// `yield`: possibly in motion, for a takeover by the successor.
@@ -243,7 +243,7 @@ pub struct State {
     /// Preceding doc comment.
     pub doc: Option<Doc>,
     /// Whether it is the initial state.
-    pub initial: bool,
+    pub is_initial: bool,
     /// Name of the state.
     pub name: Ident,
     /// Strong transitions, evaluated in each cycle before the body.

@@ -1,6 +1,6 @@
 //! Direct subexpressions of an expression, for generic traversals.
 
-use super::{Access, Activation, Call, Expr, ExprKind, Slice};
+use super::{Access, Activation, Call, Expr, ExprKind, SliceBounds};
 
 impl Expr {
     /// Returns the direct subexpressions in text order, but conditions of activation come before the arguments of a
@@ -14,27 +14,27 @@ impl Expr {
             | ExprKind::Name(_) => Vec::new(),
             ExprKind::Field(field) => vec![&field.base],
             ExprKind::Index(of) => vec![&of.base, &of.index],
-            ExprKind::Slice(of) => [vec![&of.base], bounds(&of.slice)].concat(),
-            ExprKind::Bits(of) => vec![&of.base, &of.high, &of.low],
+            ExprKind::Slice(of) => [vec![&of.base], bound_exprs(&of.slice)].concat(),
+            ExprKind::BitRange(of) => vec![&of.base, &of.high, &of.low],
             ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => vec![inner],
             ExprKind::Binary(of) => vec![&of.lhs, &of.rhs],
             ExprKind::When(of) => vec![&of.value],
-            ExprKind::If(of) => vec![&of.condition, &of.yes, &of.no],
-            ExprKind::Call(call) => of_call(call),
-            ExprKind::Among(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
+            ExprKind::If(of) => vec![&of.condition, &of.then_value, &of.else_value],
+            ExprKind::Call(call) => call_exprs(call),
+            ExprKind::BoolList(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
                 all.iter().collect()
             }
             ExprKind::Merge(merge) => {
                 let cases = merge.cases.iter().map(|case| &case.then);
-                [&merge.on].into_iter().chain(cases).collect()
+                [&merge.selector].into_iter().chain(cases).collect()
             }
             ExprKind::Struct(of) => {
                 let fields = of.fields.iter().map(|field| &field.value);
                 of.base.iter().chain(fields).collect()
             }
             ExprKind::Quantified(of) => vec![&of.condition],
-            ExprKind::Ascribed(of) => vec![&of.value],
-            ExprKind::IsA(of) => vec![&of.value],
+            ExprKind::Ascription(of) => vec![&of.value],
+            ExprKind::ConstructorTest(of) => vec![&of.value],
             ExprKind::EmptySet(_) => Vec::new(),
             ExprKind::Match(of) => {
                 let arms = of.arms.iter().map(|arm| &arm.then);
@@ -42,14 +42,14 @@ impl Expr {
             }
             ExprKind::Update(update) => {
                 let changes = update.changes.iter();
-                let parts = changes.flat_map(|c| [of_path(&c.path), vec![&c.value]].concat());
+                let parts = changes.flat_map(|c| [path_exprs(&c.path), vec![&c.value]].concat());
                 [&update.base].into_iter().chain(parts).collect()
             }
         }
     }
 }
 
-fn bounds(slice: &Slice) -> Vec<&Expr> {
+fn bound_exprs(slice: &SliceBounds) -> Vec<&Expr> {
     [&slice.from, &slice.to]
         .into_iter()
         .chain(&slice.step)
@@ -57,16 +57,16 @@ fn bounds(slice: &Slice) -> Vec<&Expr> {
 }
 
 /// Returns the indices and slice bounds of a path.
-pub(super) fn of_path(path: &[Access]) -> Vec<&Expr> {
+pub(super) fn path_exprs(path: &[Access]) -> Vec<&Expr> {
     let step = |access| match access {
         &Access::Field(_) => Vec::new(),
         Access::Index(index) => vec![index],
-        Access::Slice(slice) => bounds(slice),
+        Access::Slice(slice) => bound_exprs(slice),
     };
     path.iter().flat_map(step).collect()
 }
 
-fn of_call(call: &Call) -> Vec<&Expr> {
+fn call_exprs(call: &Call) -> Vec<&Expr> {
     let conditions: Vec<&Expr> = match &call.activation {
         Activation::Always => Vec::new(),
         Activation::Restart { every } => vec![every],

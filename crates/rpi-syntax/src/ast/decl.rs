@@ -44,12 +44,12 @@ pub enum ItemKind {
     /// `test "name" let ... tel`
     Test(Box<TestDecl>),
     /// Declaration with an error that left nothing to check; the names that it seems to declare
-    Broken(Vec<Declared>),
+    Error(Vec<DeclaredName>),
 }
 
 /// Name that a declaration with an error seems to declare.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Declared {
+pub struct DeclaredName {
     /// Kind of the declared entity, by the keyword of the declaration.
     pub kind: DeclaredKind,
     /// Declared name.
@@ -146,13 +146,13 @@ pub struct NodeDecl {
     /// Name, static parameters and ports. The ports are absent only in `node f = g<<3>>;`.
     pub signature: Signature,
     /// `const` in-ports that determine array sizes (Kind 2). They act as static parameters.
-    pub sizes: Vec<ConstDef>,
+    pub size_params: Vec<ConstDef>,
     /// Contract: `con ... noc`.
     pub contract: Option<Contract>,
     /// Definition: body, alias or external.
     pub definition: NodeDef,
     /// Notation of an external definition; meaningless for other definitions.
-    pub outside: Outside,
+    pub external_form: ExternalForm,
 }
 
 /// Modifier before `node` or `function`.
@@ -171,7 +171,7 @@ pub enum Modifier {
 
 /// Notation of an externally defined node. All notations are equivalent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Outside {
+pub enum ExternalForm {
     /// `extern node f ...;`
     #[default]
     Extern,
@@ -181,14 +181,14 @@ pub enum Outside {
     NoBody,
 }
 
-impl Outside {
+impl ExternalForm {
     /// Returns the keyword of the notation, if it has one.
     #[must_use]
-    pub fn word(self) -> Option<&'static str> {
+    pub fn keyword(self) -> Option<&'static str> {
         match self {
-            Outside::Extern => Some("extern"),
-            Outside::Imported => Some("imported"),
-            Outside::NoBody => None,
+            ExternalForm::Extern => Some("extern"),
+            ExternalForm::Imported => Some("imported"),
+            ExternalForm::NoBody => None,
         }
     }
 }
@@ -210,7 +210,7 @@ pub struct Contract {
     /// Ghost variables and constants: `var x: int = e;`, `const n = 3;`.
     pub locals: Vec<Locals>,
     /// Ghost variables defined by a common equation: `var x, y: int = f(z);`.
-    pub together: Vec<Together>,
+    pub ghost_tuples: Vec<GhostTuple>,
     /// Assumptions and guarantees of every mode.
     pub claims: Vec<Claim>,
     /// Modes (Kind 2).
@@ -223,7 +223,7 @@ pub struct Contract {
 
 /// Ghost variables of a contract with a common equation: `var x: int, y: bool = value;`.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Together {
+pub struct GhostTuple {
     /// Declared variables.
     pub vars: Vec<VarDecl>,
     /// Equation that defines the variables.
@@ -238,7 +238,7 @@ pub struct ContractImport {
     /// Call of the contract with the inputs, followed by the outputs, as arguments.
     pub call: Expr,
     /// Number of arguments that are inputs.
-    pub inputs: usize,
+    pub input_count: usize,
 }
 
 /// Mode of a contract: `mode m (require e; ensure e;);`.
@@ -273,7 +273,7 @@ pub struct FragmentWhen {
     /// Condition under which the fragment is active.
     pub condition: Expr,
     /// Whether each activation resets the fragment to its initial state.
-    pub restart: bool,
+    pub resets: bool,
 }
 
 /// Declaration of a primitive: `primitive Core::Clock <<...>> (...) returns (...) budget 1[us];`.

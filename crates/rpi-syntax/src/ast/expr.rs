@@ -31,21 +31,21 @@ pub enum ExprKind {
     /// `a[i]`
     Index(Box<Index>),
     /// `a[1..6 step 2]`
-    Slice(Box<SliceOf>),
+    Slice(Box<SliceExpr>),
     /// `x[7:0]` (Kind 2)
-    Bits(Box<Bits>),
+    BitRange(Box<BitRange>),
     /// `not x`, `pre x`
     Unary(UnaryOp, Box<Expr>),
     /// `x + y`, `x -> y`, `x fby y`, `x ?? y`
     Binary(Box<Binary>),
     /// `x when c`
-    When(Box<When>),
+    When(Box<WhenExpr>),
     /// `if c then x else y`, `with c then x else y`
-    If(Box<If>),
+    If(Box<IfExpr>),
     /// `f<<n: 3>>(x, y: z)`, also with `activate` and `restart`
     Call(Box<Call>),
     /// `#(a, b, c)`, `nor(a, b, c)`
-    Among(Among, Box<[Expr]>),
+    BoolList(BoolListOp, Box<[Expr]>),
     /// `merge c (A -> x) (B -> y)`
     Merge(Box<Merge>),
     /// `(x)`: kept, so that formatting preserves redundant parentheses
@@ -61,9 +61,9 @@ pub enum ExprKind {
     /// `forall (x: int) x > y`, `exists (x: int) x > y` (Kind 2)
     Quantified(Box<Quantified>),
     /// `(x: T)` (Kind 2)
-    Ascribed(Box<Ascribed>),
+    Ascription(Box<Ascription>),
     /// `A?(x)` (Kind 2)
-    IsA(Box<IsA>),
+    ConstructorTest(Box<ConstructorTest>),
     /// `match x with A: 1 | B(n): n end` (Kind 2)
     Match(Box<Match>),
     /// `{}@<T>` (Kind 2)
@@ -118,16 +118,16 @@ pub struct Index {
 
 /// Slice of an array: `base[from..to step s]`.
 #[derive(Clone, PartialEq, Debug)]
-pub struct SliceOf {
+pub struct SliceExpr {
     /// Array.
     pub base: Expr,
     /// Selected elements.
-    pub slice: Slice,
+    pub slice: SliceBounds,
 }
 
 /// Bit range of a machine integer: `base[high:low]`, both ends included (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
-pub struct Bits {
+pub struct BitRange {
     /// Machine integer.
     pub base: Expr,
     /// Highest selected bit.
@@ -138,7 +138,7 @@ pub struct Bits {
 
 /// Bounds of a slice: `from..to step s`, both ends included.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Slice {
+pub struct SliceBounds {
     /// Index of the first element.
     pub from: Expr,
     /// Index of the last element.
@@ -162,7 +162,7 @@ pub struct Binary {
 
 /// Sampled expression: `value when clock`.
 #[derive(Clone, PartialEq, Debug)]
-pub struct When {
+pub struct WhenExpr {
     /// Sampled value.
     pub value: Expr,
     /// Clock of the samples.
@@ -171,16 +171,16 @@ pub struct When {
 
 /// Conditional expression: `if condition then yes else no`.
 #[derive(Clone, PartialEq, Debug)]
-pub struct If {
+pub struct IfExpr {
     /// Whether it is written `with` instead of `if`: the condition is evaluated at compile time, and the other branch
     /// is not elaborated.
     pub is_static: bool,
     /// Condition.
     pub condition: Expr,
     /// Value if the condition is true.
-    pub yes: Expr,
+    pub then_value: Expr,
     /// Value if the condition is false.
-    pub no: Expr,
+    pub else_value: Expr,
 }
 
 /// Call of a node, function, fragment, primitive or predeclared operator.
@@ -273,7 +273,7 @@ pub enum StaticOp {
 
 /// Operator over any number of Booleans.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Among {
+pub enum BoolListOp {
     /// `#(...)`: at most one is true.
     AtMostOne,
     /// `nor(...)`: none is true.
@@ -284,7 +284,7 @@ pub enum Among {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Merge {
     /// Selecting flow: a plain name in Lustre V6, any expression in `merge(c; x; y)`.
-    pub on: Expr,
+    pub selector: Expr,
     /// Cases in text order.
     pub cases: Vec<MergeCase>,
 }
@@ -302,7 +302,7 @@ pub struct MergeCase {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Quantified {
     /// Whether the quantifier is `forall`, not `exists`.
-    pub for_all: bool,
+    pub is_forall: bool,
     /// Bound variables.
     pub vars: Vec<VarDecl>,
     /// Quantified condition.
@@ -311,7 +311,7 @@ pub struct Quantified {
 
 /// Type ascription: `(value: ty)` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
-pub struct Ascribed {
+pub struct Ascription {
     /// Value.
     pub value: Expr,
     /// Ascribed type.
@@ -320,7 +320,7 @@ pub struct Ascribed {
 
 /// Constructor test: `constructor?(value)` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
-pub struct IsA {
+pub struct ConstructorTest {
     /// Tested constructor.
     pub constructor: Ident,
     /// Value of the datatype.
@@ -418,5 +418,5 @@ pub enum Access {
     /// `[i]`
     Index(Expr),
     /// `[1..3]`
-    Slice(Box<Slice>),
+    Slice(Box<SliceBounds>),
 }

@@ -20,12 +20,12 @@ impl Number {
     }
 
     /// Returns the value of an integer. [`None`] for a real, and for values above 2^63, which the parser has reported.
-    pub fn int(&self) -> Option<u64> {
-        self.bits().filter(|value| *value <= 1 << 63)
+    pub fn int_value(&self) -> Option<u64> {
+        self.u64_value().filter(|value| *value <= 1 << 63)
     }
 
     /// Returns the value of an unsigned 64-bit integer, as for the machine integers of Kind 2.
-    pub fn bits(&self) -> Option<u64> {
+    pub fn u64_value(&self) -> Option<u64> {
         match self.hex() {
             Some(digits) => u64::from_str_radix(digits, 16).ok(),
             None => self.text.parse().ok(),
@@ -33,9 +33,9 @@ impl Number {
     }
 
     /// Returns the value as a real, rounded to nearest.
-    pub fn real(&self) -> f64 {
+    pub fn real_value(&self) -> f64 {
         match self.hex() {
-            Some(digits) => hex_real(digits),
+            Some(digits) => parse_hex_real(digits),
             None => self.text.parse().unwrap_or(f64::NAN),
         }
     }
@@ -48,7 +48,7 @@ impl Number {
 }
 
 /// Returns the nearest real to a hexadecimal number, with optional fraction and binary exponent: `1.8p3` is 12.
-fn hex_real(text: &str) -> f64 {
+fn parse_hex_real(text: &str) -> f64 {
     let (digits, power) = text.split_once(['p', 'P']).unwrap_or((text, "0"));
     let beyond = if power.starts_with('-') {
         i64::MIN
@@ -75,11 +75,11 @@ fn hex_real(text: &str) -> f64 {
             _ => power,
         };
     }
-    nearest(value, power)
+    round_to_f64(value, power)
 }
 
 /// Returns `value * 2^power` rounded to the nearest real, ties to even (IEEE 754).
-fn nearest(value: u64, power: i64) -> f64 {
+fn round_to_f64(value: u64, power: i64) -> f64 {
     if value == 0 {
         return 0.0;
     }
@@ -139,7 +139,7 @@ pub struct UnitFactor {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Clock {
     /// Value of the flow at which the clock ticks.
-    pub tick: Tick,
+    pub value: ClockValue,
     /// Flow that determines the clock.
     pub flow: Ident,
     /// Source range, without `when`.
@@ -148,7 +148,7 @@ pub struct Clock {
 
 /// Value of its flow at which a clock ticks.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Tick {
+pub enum ClockValue {
     /// `when c`
     True,
     /// `when not c`

@@ -18,7 +18,7 @@
 //! | `build.rs` | constructors of nodes without source text |
 
 mod body;
-mod build;
+mod builder;
 mod children;
 mod children_mut;
 mod decl;
@@ -34,9 +34,9 @@ pub use expr::*;
 pub use literal::*;
 pub use task::*;
 pub use ty::*;
-pub use walk::{Visit, Walk};
+pub use walk::{Visitor, Walker};
 
-use crate::Mode;
+use crate::Dialect;
 pub use crate::name::Name;
 use rpi_diag::Span;
 use std::sync::Arc;
@@ -47,7 +47,7 @@ pub struct File {
     /// Declarations in text order.
     pub items: Vec<Item>,
     /// Dialect of the file.
-    pub mode: Mode,
+    pub dialect: Dialect,
 }
 
 /// Name with its source range. A reference may be qualified (`Core::DoubleAdd`).

@@ -40,16 +40,16 @@ pub enum StepKind {
         steps: Vec<Step>,
     },
     /// `parallel let ... tel let ... tel`: concurrent branches
-    Parallel(Vec<Strand>),
+    Parallel(Vec<ParallelBranch>),
     /// `start search;`: label of the first step
     Start(Ident),
     /// Step with an error; the labels that it seems to define
-    Broken(Vec<Ident>),
+    Error(Vec<Ident>),
 }
 
 /// Concurrent branch of a `parallel` step.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Strand {
+pub struct ParallelBranch {
     /// Steps in text order.
     pub steps: Vec<Step>,
     /// Source range from `let` to `tel`.
@@ -73,16 +73,16 @@ pub struct Run {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Branch {
     /// Results, at least one.
-    pub on: Vec<OnResult>,
+    pub results: Vec<ResultPattern>,
     /// Continuation.
-    pub then: Next,
+    pub next: NextStep,
     /// Source range.
     pub span: Span,
 }
 
 /// Result that selects a branch.
 #[derive(Clone, PartialEq, Debug)]
-pub enum OnResult {
+pub enum ResultPattern {
     /// `lost`
     Named(Ident),
     /// `fail`: any `fail` result
@@ -93,7 +93,7 @@ pub enum OnResult {
 
 /// Continuation after a step.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Next {
+pub enum NextStep {
     /// Step with this label.
     Step(Ident),
     /// `end`: ends the task or the enclosing parallel branch.

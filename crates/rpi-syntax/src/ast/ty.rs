@@ -32,15 +32,15 @@ pub enum TypeKind {
     /// `[T, U]` (Kind 2)
     Tuple(Vec<Type>),
     /// `subtype { x: T | x > 0 }` (Kind 2)
-    Refined(Box<Refined>),
+    Refinement(Box<RefinementType>),
     /// `A | B(x: int)`; only in a declaration of a `datatype` (Kind 2)
-    Data(Vec<Constructor>),
+    Datatype(Vec<Constructor>),
     /// `enum { A, B }`; only in a type declaration
     Enum(Vec<EnumValue>),
     /// `struct { x: real; y: real = 0.0 }`; only in a type declaration
     Struct(Vec<VarDecl>),
     /// Type with an error; it must not cause further diagnostics
-    Broken,
+    Error,
 }
 
 /// Named type with its static arguments and frames.
@@ -51,16 +51,16 @@ pub struct NamedType {
     /// Static arguments.
     pub statics: Vec<StaticArg>,
     /// Coordinate frames: `(tool in base)`, `(base)`.
-    pub frames: Option<Frames>,
+    pub frames: Option<FramePair>,
 }
 
 /// Coordinate frames of a spatial type.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Frames {
+pub struct FramePair {
     /// Located frame: `tool` in `(tool in base)`; absent in `(base)`.
-    pub of: Option<Dotted>,
+    pub located: Option<Dotted>,
     /// Reference frame of the coordinates: `base`.
-    pub in_frame: Dotted,
+    pub reference: Dotted,
 }
 
 /// Array type: `element^size`.
@@ -76,14 +76,14 @@ pub struct ArrayType {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Subrange {
     /// Lower bound, inclusive; absent if unbounded (`*`).
-    pub from: Option<Expr>,
+    pub lower: Option<Expr>,
     /// Upper bound, inclusive; absent if unbounded (`*`).
-    pub to: Option<Expr>,
+    pub upper: Option<Expr>,
 }
 
 /// Refinement type: `subtype { name: base | condition }`.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Refined {
+pub struct RefinementType {
     /// Name of the value in the condition.
     pub name: Ident,
     /// Base type.

@@ -1,43 +1,43 @@
 //! Visitor of a whole declaration, for analyses that need only some kinds of nodes.
 
-use super::children::of_path;
+use super::children::path_exprs;
 use super::{
-    Automaton, Body, Callee, Claim, Clock, CommandDecl, ConstDef, Contract, DeviceDecl, Equation,
-    Expr, ExprKind, FragmentDecl, Locals, Name, NamedType, NodeDecl, NodeDef, Run, Signature,
-    Statement, StatementKind, StaticArg, StaticParam, StaticParamKind, StaticValue, Step, StepKind,
-    TaskDecl, TestDecl, Tick, Type, TypeKind, Unit, VarDecl,
+    Automaton, Body, Callee, Claim, Clock, ClockValue, CommandDecl, ConstDef, Contract, DeviceDecl,
+    Equation, Expr, ExprKind, FragmentDecl, Locals, Name, NamedType, NodeDecl, NodeDef, Run,
+    Signature, Statement, StatementKind, StaticArg, StaticParam, StaticParamKind, StaticValue,
+    Step, StepKind, TaskDecl, TestDecl, Type, TypeKind, Unit, VarDecl,
 };
 
 /// Visitor of the parts of a declaration. All methods do nothing by default.
-pub trait Visit<'a> {
+pub trait Visitor<'a> {
     /// Returns whether expressions are visited. Visiting them takes most of the time of a walk.
-    fn looks_into_expressions(&self) -> bool {
+    fn visits_expressions(&self) -> bool {
         true
     }
 
     /// Visits a reference to a name, but no declaration or definition of a whole flow. A name may be visited
     /// repeatedly.
-    fn name(&mut self, _: &'a Name) {}
+    fn visit_name(&mut self, _: &'a Name) {}
 
     /// Visits an expression that is evaluated at run time, before its subexpressions.
-    fn flow(&mut self, _: &'a Expr) {}
+    fn visit_flow(&mut self, _: &'a Expr) {}
 
     /// Visits a local fragment, before its contents.
-    fn fragment(&mut self, _: &'a FragmentDecl) {}
+    fn visit_fragment(&mut self, _: &'a FragmentDecl) {}
 
     /// Visits an automaton, before its contents.
-    fn automaton(&mut self, _: &'a Automaton) {}
+    fn visit_automaton(&mut self, _: &'a Automaton) {}
 }
 
 /// Traversal of declarations that calls a visitor.
-pub struct Walk<'w, 'a> {
-    visitor: &'w mut dyn Visit<'a>,
+pub struct Walker<'w, 'a> {
+    visitor: &'w mut dyn Visitor<'a>,
 }
 
-impl<'a> Walk<'_, 'a> {
+impl<'a> Walker<'_, 'a> {
     /// Creates a traversal that calls `visitor`.
-    pub fn new<'w>(visitor: &'w mut dyn Visit<'a>) -> Walk<'w, 'a> {
-        Walk { visitor }
+    pub fn new<'w>(visitor: &'w mut dyn Visitor<'a>) -> Walker<'w, 'a> {
+        Walker { visitor }
     }
 
     /// Walks a node or function.
@@ -56,7 +56,7 @@ impl<'a> Walk<'_, 'a> {
         self.signature(&fragment.signature);
         let when = fragment.when.iter().map(|when| &when.condition);
         self.exprs(when);
-        self.fixed(&fragment.budget);
+        self.static_exprs(&fragment.budget);
         self.contract(fragment.contract.as_ref());
         self.body(&fragment.body);
     }
@@ -73,7 +73,7 @@ impl<'a> Walk<'_, 'a> {
         self.statics(&command.statics);
         self.vars(&command.params);
         self.vars(&command.given);
-        self.fixed(&command.budget);
+        self.static_exprs(&command.budget);
         self.contract(command.contract.as_ref());
         self.body(&command.body);
     }
@@ -113,13 +113,13 @@ impl<'a> Walk<'_, 'a> {
         for var in vars {
             self.ty(&var.ty);
             var.clock.iter().for_each(|clock| self.clock(clock));
-            self.fixed(&var.default);
+            self.static_exprs(&var.default);
         }
     }
 
     fn constant(&mut self, def: &'a ConstDef) {
         def.ty.iter().for_each(|ty| self.ty(ty));
-        self.fixed(&def.value);
+        self.static_exprs(&def.value);
     }
 
     fn locals(&mut self, all: &'a [Locals]) {
@@ -134,7 +134,7 @@ impl<'a> Walk<'_, 'a> {
     fn contract(&mut self, contract: Option<&'a Contract>) {
         let Some(contract) = contract else { return };
         self.locals(&contract.locals);
-        for together in &contract.together {
+        for together in &contract.ghost_tuples {
             self.vars(&together.vars);
             self.expr(&together.equation.value);
         }
@@ -165,41 +165,41 @@ impl<'a> Walk<'_, 'a> {
             StatementKind::Equation(equation) => self.equation(equation),
             StatementKind::Call(call) => self.expr(call),
             StatementKind::Claim(claim) => self.claim(claim),
-            StatementKind::End(end) => self.expr(&end.condition),
+            StatementKind::CommandEnd(end) => self.expr(&end.condition),
             StatementKind::Export(flows) => flows
                 .iter()
                 .filter_map(|flow| flow.parts.first())
-                .for_each(|first| self.visitor.name(&first.name)),
+                .for_each(|first| self.visitor.visit_name(&first.name)),
             StatementKind::Fragment(fragment) => {
-                self.visitor.fragment(fragment);
+                self.visitor.visit_fragment(fragment);
                 self.fragment(fragment);
             }
             StatementKind::Automaton(automaton) => self.automaton(automaton),
-            StatementKind::Choice(choice) => {
+            StatementKind::Conditional(choice) => {
                 let branches = choice.branches.iter();
                 self.exprs(branches.clone().map(|branch| &branch.condition));
                 let branches = branches.map(|branch| &branch.statements);
-                let all = branches.chain(&choice.otherwise);
+                let all = branches.chain(&choice.else_statements);
                 all.for_each(|statements| self.statements(statements));
             }
-            StatementKind::Keep(keep) => {
+            StatementKind::FrameBlock(keep) => {
                 self.statements(&keep.initial);
                 self.statements(&keep.statements);
             }
-            StatementKind::Broken(_) => {}
+            StatementKind::Error(_) => {}
         }
     }
 
     fn equation(&mut self, equation: &'a Equation) {
         for target in equation.targets.iter().filter(|t| !t.path.is_empty()) {
-            self.visitor.name(&target.name.name);
-            self.exprs(of_path(&target.path));
+            self.visitor.visit_name(&target.name.name);
+            self.exprs(path_exprs(&target.path));
         }
         self.expr(&equation.value);
     }
 
     fn automaton(&mut self, automaton: &'a Automaton) {
-        self.visitor.automaton(automaton);
+        self.visitor.visit_automaton(automaton);
         for state in &automaton.states {
             let transitions = state.unless.iter().chain(&state.until);
             self.exprs(transitions.filter_map(|transition| transition.condition.as_ref()));
@@ -218,7 +218,7 @@ impl<'a> Walk<'_, 'a> {
                 StepKind::Parallel(strands) => {
                     strands.iter().for_each(|strand| self.steps(&strand.steps));
                 }
-                StepKind::Start(_) | StepKind::Broken(_) => {}
+                StepKind::Start(_) | StepKind::Error(_) => {}
             }
         }
     }
@@ -234,57 +234,59 @@ impl<'a> Walk<'_, 'a> {
 
     /// Walks an expression that is evaluated at run time.
     fn expr(&mut self, expr: &'a Expr) {
-        self.all_in(expr, true);
+        self.expr_tree(expr, true);
     }
 
     /// Walks expressions that are evaluated before the program runs.
-    fn fixed(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
-        exprs.into_iter().for_each(|expr| self.all_in(expr, false));
+    fn static_exprs(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
+        exprs
+            .into_iter()
+            .for_each(|expr| self.expr_tree(expr, false));
     }
 
     /// Walks an expression and its subexpressions. Uses a list instead of recursion, as expressions may be nested
     /// deeply.
-    fn all_in(&mut self, expr: &'a Expr, runs: bool) {
-        if !self.visitor.looks_into_expressions() {
+    fn expr_tree(&mut self, expr: &'a Expr, runs: bool) {
+        if !self.visitor.visits_expressions() {
             return;
         }
         let mut open = vec![expr];
         while let Some(expr) = open.pop() {
             if runs {
-                self.visitor.flow(expr);
+                self.visitor.visit_flow(expr);
             }
-            self.beside_children(expr);
+            self.own_names(expr);
             open.extend(expr.children());
         }
     }
 
     /// Visits the names of an expression that are not part of a subexpression.
-    fn beside_children(&mut self, expr: &'a Expr) {
+    fn own_names(&mut self, expr: &'a Expr) {
         match &expr.kind {
-            ExprKind::Name(name) => self.visitor.name(name),
+            ExprKind::Name(name) => self.visitor.visit_name(name),
             ExprKind::Quantity(quantity) => self.unit(&quantity.unit),
             ExprKind::When(when) => self.clock(&when.clock),
             ExprKind::Call(call) => self.callee(&call.callee),
             ExprKind::Struct(of) => {
-                self.visitor.name(&of.ty.name);
+                self.visitor.visit_name(&of.ty.name);
                 self.static_args(&of.statics);
             }
             ExprKind::Quantified(of) => self.vars(&of.vars),
-            ExprKind::Ascribed(of) => self.ty(&of.ty),
+            ExprKind::Ascription(of) => self.ty(&of.ty),
             ExprKind::EmptySet(types) => self.static_args(types),
             _ => {}
         }
     }
 
     fn callee(&mut self, callee: &'a Callee) {
-        self.visitor.name(&callee.name.name);
+        self.visitor.visit_name(&callee.name.name);
         self.static_args(&callee.statics);
     }
 
     fn static_args(&mut self, args: &'a [StaticArg]) {
         for arg in args {
             match &arg.value {
-                StaticValue::Expr(expr) => self.fixed([expr]),
+                StaticValue::Expr(expr) => self.static_exprs([expr]),
                 StaticValue::Type(ty) => self.ty(ty),
                 StaticValue::Op(_) => {}
                 StaticValue::Callee(callee) => self.callee(callee),
@@ -293,46 +295,46 @@ impl<'a> Walk<'_, 'a> {
     }
 
     fn clock(&mut self, clock: &'a Clock) {
-        self.visitor.name(&clock.flow.name);
-        if let Tick::Value(value) = &clock.tick {
-            self.visitor.name(&value.name);
+        self.visitor.visit_name(&clock.flow.name);
+        if let ClockValue::Value(value) = &clock.value {
+            self.visitor.visit_name(&value.name);
         }
     }
 
     fn unit(&mut self, unit: &'a Unit) {
         for factor in &unit.factors {
-            self.visitor.name(&factor.unit.name);
+            self.visitor.visit_name(&factor.unit.name);
         }
     }
 
     fn ty(&mut self, ty: &'a Type) {
         match &ty.kind {
-            TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) | TypeKind::Broken => {}
+            TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) | TypeKind::Error => {}
             TypeKind::Real(Some(unit)) => self.unit(unit),
             TypeKind::Named(named) => self.named(named),
             TypeKind::Array(array) => {
                 self.ty(&array.element);
-                self.fixed([&array.size]);
+                self.static_exprs([&array.size]);
             }
             TypeKind::Optional(inner) => self.ty(inner),
-            TypeKind::Subrange(range) => self.fixed(range.from.iter().chain(&range.to)),
+            TypeKind::Subrange(range) => self.static_exprs(range.lower.iter().chain(&range.upper)),
             TypeKind::Tuple(types) => types.iter().for_each(|ty| self.ty(ty)),
-            TypeKind::Refined(refined) => {
+            TypeKind::Refinement(refined) => {
                 self.ty(&refined.base);
-                self.fixed([&refined.condition]);
+                self.static_exprs([&refined.condition]);
             }
-            TypeKind::Data(all) => all.iter().for_each(|one| self.vars(&one.fields)),
+            TypeKind::Datatype(all) => all.iter().for_each(|one| self.vars(&one.fields)),
             TypeKind::Enum(_) => {}
             TypeKind::Struct(fields) => self.vars(fields),
         }
     }
 
     fn named(&mut self, named: &'a NamedType) {
-        self.visitor.name(&named.name.name);
+        self.visitor.visit_name(&named.name.name);
         self.static_args(&named.statics);
         let frames = named.frames.iter();
-        let frames = frames.flat_map(|frames| frames.of.iter().chain([&frames.in_frame]));
+        let frames = frames.flat_map(|frames| frames.located.iter().chain([&frames.reference]));
         let first = frames.filter_map(|frame| frame.parts.first());
-        first.for_each(|name| self.visitor.name(&name.name));
+        first.for_each(|name| self.visitor.visit_name(&name.name));
     }
 }

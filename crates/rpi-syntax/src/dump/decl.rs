@@ -2,7 +2,7 @@
 
 use super::expr::{clock, dotted, flag, name, option};
 use super::sexp::Sexp;
-use super::{Dumper, node, nodes};
+use super::{Dumper, list_node, nodes};
 use crate::ast::*;
 
 pub(super) fn doc(doc: Option<&Doc>) -> Sexp {
@@ -18,29 +18,29 @@ impl Dumper {
     pub(super) fn item(&self, item: &Item) -> Sexp {
         let declared = match &item.kind {
             ItemKind::Use(modules) => nodes("use", modules, name),
-            ItemKind::Include(file) => node("include", [Sexp::quoted(&file.name)]),
+            ItemKind::Include(file) => list_node("include", [Sexp::quoted(&file.name)]),
             ItemKind::Const(defs) => nodes("const", defs, |def| self.const_def(def)),
             ItemKind::Type(defs) => nodes("type", defs, |def| self.type_def(def)),
             ItemKind::Node(decl) => self.node_decl(decl),
             ItemKind::Fragment(fragment) => self.fragment(fragment),
             ItemKind::Primitive(primitive) => {
                 let budget = self.budget(primitive.budget.as_ref());
-                node("primitive", [self.signature(&primitive.signature), budget])
+                list_node("primitive", [self.signature(&primitive.signature), budget])
             }
             ItemKind::Device(device) => self.device(device),
             ItemKind::Frame(frame) => {
-                let parent = frame.parent.as_ref().map_or(Sexp::Nothing, dotted);
+                let parent = frame.parent.as_ref().map_or(Sexp::Empty, dotted);
                 let pose = option("pose", frame.pose.as_ref(), |pose| self.expr(pose));
-                node("frame", [nodes("names", &frame.names, name), parent, pose])
+                list_node("frame", [nodes("names", &frame.names, name), parent, pose])
             }
             ItemKind::Command(command) => self.command(command),
             ItemKind::Task(task) => self.task(task),
-            ItemKind::Test(test) => node(
+            ItemKind::Test(test) => list_node(
                 "test",
                 [Sexp::quoted(&test.title.name), self.body(&test.body)],
             ),
-            ItemKind::Broken(declared) => nodes("broken", declared, |d| {
-                node("declares", [word(d.kind), name(&d.name)])
+            ItemKind::Error(declared) => nodes("broken", declared, |d| {
+                list_node("declares", [word(d.kind), name(&d.name)])
             }),
         };
         with_doc(item.doc.as_ref(), declared)
@@ -51,15 +51,15 @@ impl Dumper {
         let value = option("value", def.value.as_ref(), |value| self.expr(value));
         with_doc(
             def.doc.as_ref(),
-            node("def", [nodes("names", &def.names, name), ty, value]),
+            list_node("def", [nodes("names", &def.names, name), ty, value]),
         )
     }
 
     fn type_def(&self, def: &TypeDef) -> Sexp {
-        let ty = def.ty.as_ref().map_or(Sexp::Nothing, |ty| self.ty(ty));
+        let ty = def.ty.as_ref().map_or(Sexp::Empty, |ty| self.ty(ty));
         with_doc(
             def.doc.as_ref(),
-            node("def", [name(&def.name), self.statics(&def.statics), ty]),
+            list_node("def", [name(&def.name), self.statics(&def.statics), ty]),
         )
     }
 
@@ -68,10 +68,10 @@ impl Dumper {
             flag("const", var.is_const),
             nodes("names", &var.names, name),
             self.ty(&var.ty),
-            var.clock.as_ref().map_or(Sexp::Nothing, clock),
+            var.clock.as_ref().map_or(Sexp::Empty, clock),
             option("default", var.default.as_ref(), |value| self.expr(value)),
         ];
-        with_doc(var.doc.as_ref(), node("var", parts))
+        with_doc(var.doc.as_ref(), list_node("var", parts))
     }
 
     fn vars(&self, tag: &str, vars: &[VarDecl]) -> Sexp {
@@ -81,13 +81,13 @@ impl Dumper {
     fn signature(&self, signature: &Signature) -> Sexp {
         let ports = |tag: &str, ports: &Option<Vec<VarDecl>>| match ports {
             Some(ports) => self.vars(tag, ports),
-            None => Sexp::Nothing,
+            None => Sexp::Empty,
         };
         let (inputs, outputs) = (
             ports("in", &signature.inputs),
             ports("out", &signature.outputs),
         );
-        node(
+        list_node(
             "signature",
             [
                 name(&signature.name),
@@ -100,16 +100,16 @@ impl Dumper {
 
     fn statics(&self, params: &[StaticParam]) -> Sexp {
         if params.is_empty() {
-            return Sexp::Nothing;
+            return Sexp::Empty;
         }
         nodes("statics", params, |param| {
             let declared = match &param.kind {
                 StaticParamKind::Type(ident, constraint) => {
-                    node("type", [ident].into_iter().chain(constraint).map(name))
+                    list_node("type", [ident].into_iter().chain(constraint).map(name))
                 }
                 StaticParamKind::Value(def) => self.const_def(def),
                 StaticParamKind::Node(kind, signature) => {
-                    node("node", [word(kind), self.signature(signature)])
+                    list_node("node", [word(kind), self.signature(signature)])
                 }
             };
             with_doc(param.doc.as_ref(), declared)
@@ -119,16 +119,16 @@ impl Dumper {
     fn node_decl(&self, decl: &NodeDecl) -> Sexp {
         let definition = match &decl.definition {
             NodeDef::Body(body) => self.body(body),
-            NodeDef::Alias(callee) => node("alias", [self.callee(callee)]),
-            NodeDef::Extern => node("extern", [word(decl.outside)]),
+            NodeDef::Alias(callee) => list_node("alias", [self.callee(callee)]),
+            NodeDef::Extern => list_node("extern", [word(decl.external_form)]),
         };
         let head = [
             word(decl.kind),
-            decl.modifier.word().map_or(Sexp::Nothing, Sexp::atom),
+            decl.modifier.keyword().map_or(Sexp::Empty, Sexp::atom),
             self.signature(&decl.signature),
         ];
         let contract = self.contract(decl.contract.as_ref());
-        node("node", head.into_iter().chain([contract, definition]))
+        list_node("node", head.into_iter().chain([contract, definition]))
     }
 
     fn fragment(&self, fragment: &FragmentDecl) -> Sexp {
@@ -137,7 +137,7 @@ impl Dumper {
         });
         let restart = flag(
             "restart",
-            fragment.when.as_ref().is_some_and(|when| when.restart),
+            fragment.when.as_ref().is_some_and(|when| when.resets),
         );
         let head = [
             self.signature(&fragment.signature),
@@ -149,7 +149,7 @@ impl Dumper {
             self.contract(fragment.contract.as_ref()),
             self.body(&fragment.body),
         ];
-        node("fragment", head.into_iter().chain(rest))
+        list_node("fragment", head.into_iter().chain(rest))
     }
 
     fn budget(&self, budget: Option<&Expr>) -> Sexp {
@@ -159,13 +159,13 @@ impl Dumper {
     fn device(&self, device: &DeviceDecl) -> Sexp {
         let port = |port: &DevicePort| self.vars("port", &port.alternatives);
         let section = |s: &DeviceSection| {
-            node(
+            list_node(
                 "section",
                 std::iter::once(word(s.kind)).chain(s.ports.iter().map(port)),
             )
         };
         let sections = device.sections.iter().map(section);
-        node(
+        list_node(
             "device",
             [name(&device.name), self.statics(&device.statics)]
                 .into_iter()
@@ -185,7 +185,7 @@ impl Dumper {
             self.contract(command.contract.as_ref()),
             self.body(&command.body),
         ];
-        node("command", head.into_iter().chain(rest))
+        list_node("command", head.into_iter().chain(rest))
     }
 
     fn body(&self, body: &Body) -> Sexp {
@@ -194,7 +194,7 @@ impl Dumper {
             .statements
             .iter()
             .map(|statement| self.statement(statement));
-        node("body", locals.chain(statements))
+        list_node("body", locals.chain(statements))
     }
 
     fn locals(&self, locals: &Locals) -> Sexp {
@@ -209,9 +209,9 @@ impl Dumper {
             StatementKind::Equation(equation) => {
                 let target = |t: &Target| match &t.path[..] {
                     [] => name(&t.name),
-                    path => node("target", [name(&t.name), self.path(path)]),
+                    path => list_node("target", [name(&t.name), self.path(path)]),
                 };
-                node(
+                list_node(
                     "let",
                     [
                         nodes("targets", &equation.targets, target),
@@ -219,9 +219,9 @@ impl Dumper {
                     ],
                 )
             }
-            StatementKind::Call(call) => node("do", [self.expr(call)]),
+            StatementKind::Call(call) => list_node("do", [self.expr(call)]),
             StatementKind::Claim(claim) => self.claim(claim),
-            StatementKind::End(end) => node(
+            StatementKind::CommandEnd(end) => list_node(
                 "end",
                 [word(end.kind), name(&end.result), self.expr(&end.condition)],
             ),
@@ -230,8 +230,8 @@ impl Dumper {
             StatementKind::Automaton(automaton) => {
                 nodes("automaton", &automaton.states, |s| self.state(s))
             }
-            StatementKind::Choice(choice) => self.choice(choice),
-            StatementKind::Keep(keep) => node(
+            StatementKind::Conditional(choice) => self.choice(choice),
+            StatementKind::FrameBlock(keep) => list_node(
                 "frame",
                 [
                     nodes("names", &keep.names, name),
@@ -239,7 +239,7 @@ impl Dumper {
                     self.block("then", &keep.statements),
                 ],
             ),
-            StatementKind::Broken(names) => nodes("broken", names, name),
+            StatementKind::Error(names) => nodes("broken", names, name),
         };
         with_doc(statement.doc.as_ref(), written)
     }
@@ -248,18 +248,18 @@ impl Dumper {
         nodes(tag, statements, |statement| self.statement(statement))
     }
 
-    fn choice(&self, choice: &Choice) -> Sexp {
+    fn choice(&self, choice: &ConditionalBlock) -> Sexp {
         let branches = choice.branches.iter().map(|branch| {
             let condition = self.expr(&branch.condition);
-            node(
+            list_node(
                 "branch",
                 [condition, self.block("then", &branch.statements)],
             )
         });
-        let otherwise = choice.otherwise.as_ref();
-        let otherwise = otherwise.map_or(Sexp::Nothing, |all| self.block("otherwise", all));
-        let head = Sexp::atom(choice.word.opens().trim_end());
-        node(
+        let otherwise = choice.else_statements.as_ref();
+        let otherwise = otherwise.map_or(Sexp::Empty, |all| self.block("otherwise", all));
+        let head = Sexp::atom(choice.keyword.open_keyword().trim_end());
+        list_node(
             "choice",
             [head].into_iter().chain(branches).chain([otherwise]),
         )
@@ -269,7 +269,7 @@ impl Dumper {
         let label = option("label", claim.label.as_ref(), |label| {
             Sexp::quoted(&label.name)
         });
-        node(
+        list_node(
             "claim",
             [
                 word(claim.kind),
@@ -283,13 +283,13 @@ impl Dumper {
     fn state(&self, state: &State) -> Sexp {
         let transitions = |tag: &str, list: &[Transition]| nodes(tag, list, |t| self.transition(t));
         let parts = [
-            flag("initial", state.initial),
+            flag("initial", state.is_initial),
             name(&state.name),
             transitions("unless", &state.unless),
             self.body(&state.body),
             transitions("until", &state.until),
         ];
-        with_doc(state.doc.as_ref(), node("state", parts))
+        with_doc(state.doc.as_ref(), list_node("state", parts))
     }
 
     fn transition(&self, transition: &Transition) -> Sexp {
@@ -299,29 +299,29 @@ impl Dumper {
         } else {
             "then"
         };
-        node(then, [condition, name(&transition.target)])
+        list_node(then, [condition, name(&transition.target)])
     }
 
     fn contract(&self, contract: Option<&Contract>) -> Sexp {
         let Some(contract) = contract else {
-            return Sexp::Nothing;
+            return Sexp::Empty;
         };
         let mode = |mode: &ContractMode| {
             let claims = mode.requires.iter().chain(&mode.ensures);
-            node(
+            list_node(
                 "mode",
                 std::iter::once(name(&mode.name)).chain(claims.map(|claim| self.claim(claim))),
             )
         };
         let locals = contract.locals.iter().map(|locals| self.locals(locals));
-        let together = contract.together.iter().map(|together| {
+        let together = contract.ghost_tuples.iter().map(|together| {
             let value = self.expr(&together.equation.value);
-            node("together", [self.vars("vars", &together.vars), value])
+            list_node("together", [self.vars("vars", &together.vars), value])
         });
         let claims = contract.claims.iter().map(|claim| self.claim(claim));
         let imports = contract.imports.iter();
-        let imports = imports.map(|import| node("import", [self.expr(&import.call)]));
-        node(
+        let imports = imports.map(|import| list_node("import", [self.expr(&import.call)]));
+        list_node(
             "contract",
             locals
                 .chain(together)
@@ -337,7 +337,7 @@ impl Dumper {
             self.statics(&task.statics),
             self.vars("params", &task.params),
         ];
-        node(
+        list_node(
             "task",
             head.into_iter()
                 .chain(task.steps.iter().map(|step| self.step(step))),
@@ -349,7 +349,7 @@ impl Dumper {
             StepKind::Run(run) => self.run(run),
             StepKind::Repeat { count, steps } => {
                 let count = option("times", count.as_ref(), |count| self.expr(count));
-                node(
+                list_node(
                     "repeat",
                     std::iter::once(count).chain(steps.iter().map(|step| self.step(step))),
                 )
@@ -357,8 +357,8 @@ impl Dumper {
             StepKind::Parallel(strands) => nodes("parallel", strands, |strand| {
                 nodes("strand", &strand.steps, |step| self.step(step))
             }),
-            StepKind::Start(label) => node("start", [name(label)]),
-            StepKind::Broken(names) => nodes("broken", names, name),
+            StepKind::Start(label) => list_node("start", [name(label)]),
+            StepKind::Error(names) => nodes("broken", names, name),
         };
         with_doc(step.doc.as_ref(), written)
     }
@@ -369,7 +369,7 @@ impl Dumper {
             self.callee(&run.callee),
             self.args(&run.args),
         ];
-        node(
+        list_node(
             "run",
             head.into_iter().chain(run.branches.iter().map(branch)),
         )
@@ -377,21 +377,21 @@ impl Dumper {
 }
 
 fn branch(branch: &Branch) -> Sexp {
-    let on = nodes("on", &branch.on, |result| match result {
-        OnResult::Named(result) => name(result),
-        OnResult::Fail(_) => Sexp::atom("fail"),
-        OnResult::Any(_) => Sexp::atom("any"),
+    let on = nodes("on", &branch.results, |result| match result {
+        ResultPattern::Named(result) => name(result),
+        ResultPattern::Fail(_) => Sexp::atom("fail"),
+        ResultPattern::Any(_) => Sexp::atom("any"),
     });
-    let then = match &branch.then {
-        Next::Step(label) => name(label),
-        Next::End(_) => Sexp::atom("end"),
+    let then = match &branch.next {
+        NextStep::Step(label) => name(label),
+        NextStep::End(_) => Sexp::atom("end"),
     };
-    node("branch", [on, then])
+    list_node("branch", [on, then])
 }
 
 fn with_doc(text: Option<&Doc>, declared: Sexp) -> Sexp {
     match text {
-        Some(_) => node("documented", [doc(text), declared]),
+        Some(_) => list_node("documented", [doc(text), declared]),
         None => declared,
     }
 }

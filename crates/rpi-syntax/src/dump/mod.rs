@@ -6,7 +6,7 @@ mod sexp;
 
 use crate::ast::File;
 use crate::lexer::lex;
-use crate::{Mode, with_stack};
+use crate::{Dialect, with_large_stack};
 use rpi_diag::FileId;
 use sexp::Sexp;
 use std::fmt::Write as _;
@@ -24,7 +24,7 @@ pub enum Parens {
 pub fn dump_ast(file: &File, parens: Parens) -> String {
     let dumper = Dumper { parens };
     let mut out = String::new();
-    with_stack(|| {
+    with_large_stack(|| {
         for item in &file.items {
             dumper.item(item).write(&mut out);
             out.push('\n');
@@ -34,7 +34,7 @@ pub fn dump_ast(file: &File, parens: Parens) -> String {
 }
 
 /// Dumps the tokens of the parser, one per line: byte range, kind, text.
-pub fn dump_tokens(text: &str, mode: Mode) -> String {
+pub fn dump_tokens(text: &str, mode: Dialect) -> String {
     let mut out = String::new();
     for lexeme in lex(FileId(0), text, mode).lexemes {
         let written = &text[lexeme.start as usize..lexeme.end as usize];
@@ -53,11 +53,11 @@ struct Dumper {
 }
 
 /// Creates a list of a name and the given parts.
-fn node(name: &str, parts: impl IntoIterator<Item = Sexp>) -> Sexp {
+fn list_node(name: &str, parts: impl IntoIterator<Item = Sexp>) -> Sexp {
     Sexp::List(std::iter::once(Sexp::atom(name)).chain(parts).collect())
 }
 
 /// Creates a list of a name and the converted elements.
 fn nodes<T>(name: &str, elements: &[T], one: impl Fn(&T) -> Sexp) -> Sexp {
-    node(name, elements.iter().map(one))
+    list_node(name, elements.iter().map(one))
 }

@@ -5,7 +5,7 @@ pub(super) enum Sexp {
     Atom(String),
     List(Vec<Sexp>),
     /// Empty element, which is not written.
-    Nothing,
+    Empty,
 }
 
 /// Maximum line width in characters.
@@ -28,7 +28,7 @@ impl Sexp {
     fn write_at(&self, out: &mut String, margin: usize) {
         match self {
             Sexp::Atom(atom) => out.push_str(atom),
-            Sexp::Nothing => {}
+            Sexp::Empty => {}
             Sexp::List(parts) if margin + self.width(WIDTH) <= WIDTH => write_flat(parts, out),
             Sexp::List(parts) => write_broken(parts, out, margin),
         }
@@ -38,7 +38,7 @@ impl Sexp {
     fn width(&self, limit: usize) -> usize {
         match self {
             Sexp::Atom(atom) => atom.chars().count(),
-            Sexp::Nothing => 0,
+            Sexp::Empty => 0,
             Sexp::List(parts) => {
                 let mut width = 1;
                 for part in parts {
@@ -53,13 +53,13 @@ impl Sexp {
     }
 }
 
-fn written(parts: &[Sexp]) -> impl Iterator<Item = &Sexp> {
-    parts.iter().filter(|part| !matches!(part, Sexp::Nothing))
+fn visible(parts: &[Sexp]) -> impl Iterator<Item = &Sexp> {
+    parts.iter().filter(|part| !matches!(part, Sexp::Empty))
 }
 
 fn write_flat(parts: &[Sexp], out: &mut String) {
     out.push('(');
-    for (i, part) in written(parts).enumerate() {
+    for (i, part) in visible(parts).enumerate() {
         out.push_str(if i == 0 { "" } else { " " });
         part.write_at(out, 0);
     }
@@ -68,7 +68,7 @@ fn write_flat(parts: &[Sexp], out: &mut String) {
 
 fn write_broken(parts: &[Sexp], out: &mut String, margin: usize) {
     out.push('(');
-    for (i, part) in written(parts).enumerate() {
+    for (i, part) in visible(parts).enumerate() {
         if i > 0 {
             out.push('\n');
             out.extend(std::iter::repeat_n(' ', margin + 2));

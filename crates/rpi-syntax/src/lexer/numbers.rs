@@ -1,19 +1,20 @@
 //! Lexing of numbers: checks, and conversion of literals of other languages.
 
 use super::{Lexeme, Lexer};
-use crate::Mode;
-use crate::lexical::{self, Behind};
-use crate::numeral::{self, Numeral, Read};
-use crate::token::{Place, Token};
+use crate::Dialect;
+use crate::foreign_literal::{self, ForeignLiteral, LiteralReplacement};
+use crate::lexical_errors::{self, SuffixKind};
+use crate::token::{KeywordContext, Token};
 use logos::Logos;
 use rpi_diag::Code;
 
 impl Lexer<'_> {
     /// Checks the range of a number and pushes it.
     pub(super) fn number(&mut self, lexeme: Lexeme) {
-        let is_machine = self.is_converted();
-        let finding = lexical::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
-        self.out.findings.extend(finding);
+        let is_machine = self.is_machine_int_operand();
+        let diagnostic =
+            lexical_errors::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
+        self.output.diagnostics.extend(diagnostic);
         self.push(lexeme.token, lexeme);
     }
 
@@ -33,32 +34,33 @@ impl Lexer<'_> {
     }
 
     /// Returns the keyword that a text is, if a number may precede it.
-    fn word_behind_number(&self, text: &str) -> Option<Token> {
-        let token = Token::of_spelling(text)?;
+    fn keyword_after_number(&self, text: &str) -> Option<Token> {
+        let token = Token::from_spelling(text)?;
         let word = token.keyword().filter(|word| word.is_in(self.mode))?;
-        let is_word = word.is_reserved_in(self.mode) || word.place == Place::AfterOperand;
+        let is_word =
+            word.is_reserved_in(self.mode) || word.context == KeywordContext::AfterOperand;
         is_word.then_some(token)
     }
 
     /// Reports a number that is directly followed by a word, such as `250mm/s`, and pushes a number with its unit.
-    pub(super) fn number_word(&mut self, lexeme: Lexeme) {
+    pub(super) fn number_with_suffix(&mut self, lexeme: Lexeme) {
         let text = self.slice(lexeme);
-        let digits = numeral::digits(text);
-        let is_foreign = !self.seeming.declares(&text[digits..]);
-        if let Some(mut numeral) = numeral::foreign(text).filter(|_| is_foreign) {
+        let digits = foreign_literal::number_len(text);
+        let is_foreign = !self.guessed_names.declares(&text[digits..]);
+        if let Some(mut numeral) = foreign_literal::convert_number(text).filter(|_| is_foreign) {
             // `5z` may be a misspelling of a flow `z5`.
             let (number, suffix) = text.split_at(digits);
-            numeral.is_sure &= !self.seeming.declares(&format!("{suffix}{number}"));
-            return self.literal(lexeme, Code::RPI0007, numeral);
+            numeral.is_sure &= !self.guessed_names.declares(&format!("{suffix}{number}"));
+            return self.foreign_literal(lexeme, Code::RPI0007, numeral);
         }
-        let word = self.word_behind_number(&text[digits..]);
+        let word = self.keyword_after_number(&text[digits..]);
         let behind = match word {
-            Some(_) => Behind::Keyword,
-            None if self.seeming.declares(&text[digits..]) => Behind::Name,
-            None => Behind::Unit,
+            Some(_) => SuffixKind::Keyword,
+            None if self.guessed_names.declares(&text[digits..]) => SuffixKind::Name,
+            None => SuffixKind::Unit,
         };
-        let finding = lexical::number_runs_into_word(self.span(lexeme), text, digits, behind);
-        self.out.findings.push(finding);
+        let diagnostic = lexical_errors::invalid_suffix(self.span(lexeme), text, digits, behind);
+        self.output.diagnostics.push(diagnostic);
         let end = lexeme.start + digits as u32;
         let token = match text[..digits].contains(['.', 'e', 'E']) {
             true => Token::Real,
@@ -73,93 +75,93 @@ impl Lexer<'_> {
                     ..lexeme
                 },
             ),
-            None if behind == Behind::Name => self.factor(lexeme, end),
-            None => self.unit(&text[digits..], end),
+            None if behind == SuffixKind::Name => self.push_factor(lexeme, end),
+            None => self.push_unit(&text[digits..], end),
         }
     }
 
     /// Pushes a name after a number as a factor, with an inserted `*`.
-    fn factor(&mut self, lexeme: Lexeme, start: u32) {
+    fn push_factor(&mut self, lexeme: Lexeme, start: u32) {
         let star = Lexeme {
             token: Token::Star,
             start,
             end: start,
         };
-        self.out.lexemes.push(star);
+        self.output.lexemes.push(star);
         self.push(Token::Ident, Lexeme { start, ..lexeme });
     }
 
     /// Pushes a unit without brackets, with inserted brackets.
-    fn unit(&mut self, text: &str, start: u32) {
+    fn push_unit(&mut self, text: &str, start: u32) {
         let at = |offset: usize| start + offset as u32;
         let bracket = |token, place| Lexeme {
             token,
             start: place,
             end: place,
         };
-        self.out.lexemes.push(bracket(Token::LBracket, start));
+        self.output.lexemes.push(bracket(Token::LBracket, start));
         for (token, range) in Token::lexer(text).spanned() {
             let (start, end) = (at(range.start), at(range.end));
             let token = token.unwrap_or(Token::Broken);
-            self.out.lexemes.push(Lexeme { token, start, end });
+            self.output.lexemes.push(Lexeme { token, start, end });
         }
-        self.out
+        self.output
             .lexemes
             .push(bracket(Token::RBracket, at(text.len())));
     }
 
     /// Reports a literal of IEC 61131-3, such as `T#500ms`, and pushes its RPI equivalent.
     pub(super) fn iec_literal(&mut self, lexeme: Lexeme) {
-        let numeral = numeral::typed(self.slice(lexeme));
-        self.literal(lexeme, Code::RPI0016, numeral);
+        let numeral = foreign_literal::convert_iec(self.slice(lexeme));
+        self.foreign_literal(lexeme, Code::RPI0016, numeral);
     }
 
     /// Reports a literal of another language and pushes its replacement.
-    fn literal(&mut self, lexeme: Lexeme, code: Code, numeral: Numeral) {
+    fn foreign_literal(&mut self, lexeme: Lexeme, code: Code, numeral: ForeignLiteral) {
         let (span, text) = (self.span(lexeme), self.slice(lexeme));
-        self.out
-            .findings
-            .push(lexical::foreign_literal(span, text, code, &numeral));
+        self.output
+            .diagnostics
+            .push(lexical_errors::foreign_literal(span, text, code, &numeral));
         let place = (lexeme.start, lexeme.end);
-        match numeral.read {
-            Read::Bool(true) => self.push(Token::True, lexeme),
-            Read::Bool(false) => self.push(Token::False, lexeme),
-            Read::Name(name) => {
-                self.out.read_as.insert(place, name);
+        match numeral.replacement {
+            LiteralReplacement::Bool(true) => self.push(Token::True, lexeme),
+            LiteralReplacement::Bool(false) => self.push(Token::False, lexeme),
+            LiteralReplacement::Name(name) => {
+                self.output.replaced_text.insert(place, name);
                 self.push(Token::Ident, lexeme);
             }
-            Read::Number(number, unit) => {
+            LiteralReplacement::Number(number, unit) => {
                 let is_real = !number.starts_with("0x") && number.contains(['.', 'e', 'E']);
-                self.out.read_as.insert(place, number);
+                self.output.replaced_text.insert(place, number);
                 let token = if is_real { Token::Real } else { Token::Int };
                 self.push(token, lexeme);
                 if let Some(unit) = unit {
-                    self.unit_read(unit, lexeme.end);
+                    self.push_replaced_unit(unit, lexeme.end);
                 }
             }
         }
     }
 
     /// Pushes a unit in brackets that has no text of its own, all at offset `at`.
-    fn unit_read(&mut self, unit: &str, at: u32) {
-        self.out.read_as.insert((at, at), unit.to_owned());
+    fn push_replaced_unit(&mut self, unit: &str, at: u32) {
+        self.output.replaced_text.insert((at, at), unit.to_owned());
         for token in [Token::LBracket, Token::Ident, Token::RBracket] {
             let (start, end) = (at, at);
-            self.out.lexemes.push(Lexeme { token, start, end });
+            self.output.lexemes.push(Lexeme { token, start, end });
         }
     }
 
     /// Returns whether a number is converted to a machine integer of Kind 2: `(uint64 18446744073709551615)`.
-    fn is_converted(&self) -> bool {
+    fn is_machine_int_operand(&self) -> bool {
         use Token::{Gt, Int64, LParen, UInt64};
         let mut before = self
-            .out
+            .output
             .lexemes
             .iter()
             .rev()
             .take(4)
             .map(|lexeme| lexeme.token);
         let before = before.find(|token| *token != LParen);
-        self.mode == Mode::Lustre && matches!(before, Some(UInt64 | Int64 | Gt))
+        self.mode == Dialect::Lustre && matches!(before, Some(UInt64 | Int64 | Gt))
     }
 }

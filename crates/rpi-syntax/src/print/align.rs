@@ -7,16 +7,16 @@
 use std::ops::Range;
 
 /// Token of the document.
-pub(super) struct Printed<'d> {
+pub(super) struct DocWord<'d> {
     pub(super) text: &'d str,
     /// Index of the source token at the offset of the part, if the part has an offset.
     pub(super) anchor: Option<usize>,
 }
 
 /// Returns for each source token the index of its document token, or `None` if the token was omitted.
-pub(super) fn align(source: &[&str], printed: &[Printed<'_>]) -> Vec<Option<usize>> {
+pub(super) fn align(source: &[&str], printed: &[DocWord<'_>]) -> Vec<Option<usize>> {
     let mut became = vec![None; source.len()];
-    for (from, to) in stretches(source, printed) {
+    for (from, to) in anchored_ranges(source, printed) {
         let texts: Vec<&str> = printed[to.clone()].iter().map(|p| p.text).collect();
         for (i, j) in pairs(&source[from.clone()], &texts) {
             became[from.start + i] = Some(to.start + j);
@@ -26,9 +26,9 @@ pub(super) fn align(source: &[&str], printed: &[Printed<'_>]) -> Vec<Option<usiz
 }
 
 /// Returns the token ranges between consecutive anchors: in the source, and in the document.
-fn stretches(source: &[&str], printed: &[Printed<'_>]) -> Vec<(Range<usize>, Range<usize>)> {
+fn anchored_ranges(source: &[&str], printed: &[DocWord<'_>]) -> Vec<(Range<usize>, Range<usize>)> {
     let anchored = printed.iter().enumerate();
-    let anchored = anchored.filter_map(|(to, word)| Some((begin(source, word)?, to)));
+    let anchored = anchored.filter_map(|(to, word)| Some((anchor_token(source, word)?, to)));
     let begins: Vec<(usize, usize)> = std::iter::once((0, 0)).chain(anchored).collect();
     let mut places: Vec<usize> = begins.iter().map(|(from, _)| *from).collect();
     places.push(source.len());
@@ -47,7 +47,7 @@ fn stretches(source: &[&str], printed: &[Printed<'_>]) -> Vec<(Range<usize>, Ran
 }
 
 /// Returns the index of the source token that corresponds to an anchored document token.
-fn begin(source: &[&str], word: &Printed<'_>) -> Option<usize> {
+fn anchor_token(source: &[&str], word: &DocWord<'_>) -> Option<usize> {
     let at = word.anchor?.min(source.len());
     let is = |at: usize| source.get(at) == Some(&word.text);
     // Some parts begin with a keyword that is not in their span.
@@ -59,7 +59,7 @@ fn begin(source: &[&str], word: &Printed<'_>) -> Option<usize> {
 fn pairs(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut done = (0, 0);
-    for (i, j) in same(source, printed)
+    for (i, j) in longest_common_subsequence(source, printed)
         .into_iter()
         .chain([(source.len(), printed.len())])
     {
@@ -81,18 +81,18 @@ fn is_rewritten(source: &[&str], printed: &[&str]) -> bool {
 }
 
 /// Maximum number of token comparisons between two anchors. Time and memory are quadratic in the number of tokens.
-const MAX_COMPARED: usize = 1 << 16;
+const MAX_COMPARISONS: usize = 1 << 16;
 
 /// Returns the longest common subsequence of two token lists, as pairs of indices.
-fn same(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
+fn longest_common_subsequence(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     let head = source.iter().zip(printed).take_while(|(a, b)| a == b);
     let head = head.count();
     let mut same: Vec<(usize, usize)> = (0..head).map(|i| (i, i)).collect();
     let (source, printed) = (&source[head..], &printed[head..]);
-    if source.len() * printed.len() > MAX_COMPARED {
+    if source.len() * printed.len() > MAX_COMPARISONS {
         return same;
     }
-    let lengths = lengths(source, printed);
+    let lengths = lcs_lengths(source, printed);
     let (mut i, mut j) = (0, 0);
     while i < source.len() && j < printed.len() {
         if source[i] == printed[j] {
@@ -108,7 +108,7 @@ fn same(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
 }
 
 /// Returns the table of the lengths of the longest common subsequences of all suffixes.
-fn lengths(source: &[&str], printed: &[&str]) -> Vec<Vec<u32>> {
+fn lcs_lengths(source: &[&str], printed: &[&str]) -> Vec<Vec<u32>> {
     let mut lengths = vec![vec![0; printed.len() + 1]; source.len() + 1];
     for i in (0..source.len()).rev() {
         for j in (0..printed.len()).rev() {
@@ -133,7 +133,7 @@ mod tests {
         for text in printed.split(' ') {
             match text.strip_prefix('@') {
                 Some(place) => anchor = place.parse().ok(),
-                None => words.push(Printed {
+                None => words.push(DocWord {
                     text,
                     anchor: anchor.take(),
                 }),

@@ -7,15 +7,15 @@ use super::layout::{Doc, concat, indent, word};
 use super::ty::names;
 use crate::ast::*;
 
-pub(super) fn print_choice(printer: &Printer<'_>, choice: &Choice) -> Doc {
+pub(super) fn print_choice(printer: &Printer<'_>, choice: &ConditionalBlock) -> Doc {
     let mut parts = Vec::new();
-    if choice.word == ChoiceWord::Cond {
+    if choice.keyword == ConditionalKeyword::Cond {
         parts.push(word("cond"));
     }
     for (i, branch) in choice.branches.iter().enumerate() {
-        let (head, close) = choice.word.head(i == 0);
-        if i > 0 || choice.word == ChoiceWord::Cond {
-            parts.push(Doc::Hard);
+        let (head, close) = choice.keyword.branch_delimiters(i == 0);
+        if i > 0 || choice.keyword == ConditionalKeyword::Cond {
+            parts.push(Doc::HardLine);
         }
         parts.extend([
             word(head),
@@ -24,58 +24,58 @@ pub(super) fn print_choice(printer: &Printer<'_>, choice: &Choice) -> Doc {
         ]);
         parts.push(indented(printer, &branch.statements));
     }
-    if let Some(otherwise) = &choice.otherwise {
-        let head = match choice.word {
-            ChoiceWord::Cond => "otherwise:",
+    if let Some(otherwise) = &choice.else_statements {
+        let head = match choice.keyword {
+            ConditionalKeyword::Cond => "otherwise:",
             _ => "else",
         };
-        parts.extend([Doc::Hard, word(head), indented(printer, otherwise)]);
+        parts.extend([Doc::HardLine, word(head), indented(printer, otherwise)]);
     }
-    parts.extend([Doc::Hard, word(choice.word.closes())]);
+    parts.extend([Doc::HardLine, word(choice.keyword.close_keyword())]);
     concat(parts)
 }
 
-pub(super) fn print_keep(printer: &Printer<'_>, keep: &Keep) -> Doc {
+pub(super) fn print_keep(printer: &Printer<'_>, keep: &FrameBlock) -> Doc {
     let head = word("frame (");
     let names = super::layout::text(names(&keep.names));
     let initial = indented(printer, &keep.initial);
     let body = body::print_statements(printer, &keep.statements);
     let body = super::body::block("let", body, "tel");
-    concat([head, names, word(")"), initial, Doc::Hard, body])
+    concat([head, names, word(")"), initial, Doc::HardLine, body])
 }
 
 fn indented(printer: &Printer<'_>, statements: &[Statement]) -> Doc {
     let lines = body::print_statements(printer, statements);
-    match lines.is_nothing() {
+    match lines.is_empty() {
         true => lines,
-        false => indent(concat([Doc::Hard, lines])),
+        false => indent(concat([Doc::HardLine, lines])),
     }
 }
 
-impl ChoiceWord {
+impl ConditionalKeyword {
     /// Returns the keyword that begins the block, with a space.
-    pub(crate) fn opens(self) -> &'static str {
+    pub(crate) fn open_keyword(self) -> &'static str {
         match self {
-            ChoiceWord::If => "if ",
-            ChoiceWord::When => "when ",
-            ChoiceWord::Cond => "cond ",
+            ConditionalKeyword::If => "if ",
+            ConditionalKeyword::When => "when ",
+            ConditionalKeyword::Cond => "cond ",
         }
     }
 
     /// Returns the text before and after the condition of a branch.
-    fn head(self, is_first: bool) -> (&'static str, &'static str) {
+    fn branch_delimiters(self, is_first: bool) -> (&'static str, &'static str) {
         match (self, is_first) {
-            (ChoiceWord::Cond, _) => ("| ", ":"),
-            (_, true) => (self.opens(), " then"),
+            (ConditionalKeyword::Cond, _) => ("| ", ":"),
+            (_, true) => (self.open_keyword(), " then"),
             (_, false) => ("elsif ", " then"),
         }
     }
 
     /// Returns the keyword that closes the block.
-    fn closes(self) -> &'static str {
+    fn close_keyword(self) -> &'static str {
         match self {
-            ChoiceWord::If => "fi",
-            ChoiceWord::When | ChoiceWord::Cond => "end",
+            ConditionalKeyword::If => "fi",
+            ConditionalKeyword::When | ConditionalKeyword::Cond => "end",
         }
     }
 }

@@ -4,13 +4,13 @@ use super::blocks;
 use super::contract;
 use super::decl;
 use super::expr;
-use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::layout::{Doc, concat, empty, group, indent, text, word};
 use super::list;
 use super::ty;
 use super::ty::dotted;
 use super::{Printer, parens};
 use crate::ast::{self, *};
-use crate::text::quote;
+use crate::string_literal::quote;
 use rpi_diag::Span;
 
 /// Prints a header with its contract, local declarations and `let ... tel` below it.
@@ -21,7 +21,7 @@ pub(super) fn with_body(
     body: &Body,
 ) -> Doc {
     let contract = contract::print_contract(printer, contract.as_ref());
-    concat([head, contract, Doc::Hard, print_body(printer, body)])
+    concat([head, contract, Doc::HardLine, print_body(printer, body)])
 }
 
 /// Prints local declarations and `let ... tel`, with each statement on its own line.
@@ -64,7 +64,7 @@ fn print_locals(printer: &Printer<'_>, locals: &[Locals]) -> Doc {
                 ty::const_def,
             ),
         };
-        [section, Doc::Hard]
+        [section, Doc::HardLine]
     });
     concat(sections.collect::<Vec<_>>())
 }
@@ -87,11 +87,11 @@ pub(super) fn print_section<T>(
     let lines = list::print_lines(printer, elements, span, |p, _, element| {
         (concat([write(p, element), word(";")]), false)
     });
-    concat([word(head), indent(concat([Doc::Hard, lines]))])
+    concat([word(head), indent(concat([Doc::HardLine, lines]))])
 }
 
 pub(super) fn print_statements(printer: &Printer<'_>, statements: &[Statement]) -> Doc {
-    let widths = end_widths(statements);
+    let widths = result_keyword_widths(statements);
     list::print_lines(
         printer,
         statements,
@@ -113,8 +113,8 @@ fn print_statement(printer: &Printer<'_>, kind: &StatementKind, width: usize) ->
             return property(printer, claim);
         }
         StatementKind::Claim(claim) => print_claim(printer, claim),
-        StatementKind::End(end) => {
-            let head = format!("{:width$} {} when ", end.kind.word(), end.result.name);
+        StatementKind::CommandEnd(end) => {
+            let head = format!("{:width$} {} when ", end.kind.keyword(), end.result.name);
             concat([text(head), expr::print_expr(printer, &end.condition)])
         }
         StatementKind::Export(flows) => {
@@ -123,9 +123,9 @@ fn print_statement(printer: &Printer<'_>, kind: &StatementKind, width: usize) ->
         }
         StatementKind::Fragment(fragment) => return print_fragment(printer, fragment),
         StatementKind::Automaton(automaton) => return print_automaton(printer, automaton),
-        StatementKind::Choice(choice) => return blocks::print_choice(printer, choice),
-        StatementKind::Keep(keep) => return blocks::print_keep(printer, keep),
-        StatementKind::Broken(_) => return nothing(),
+        StatementKind::Conditional(choice) => return blocks::print_choice(printer, choice),
+        StatementKind::FrameBlock(keep) => return blocks::print_keep(printer, keep),
+        StatementKind::Error(_) => return empty(),
     };
     concat([phrase, word(";")])
 }
@@ -149,10 +149,10 @@ fn print_equation(printer: &Printer<'_>, equation: &Equation) -> Doc {
 pub(super) fn print_claim(printer: &Printer<'_>, claim: &Claim) -> Doc {
     let condition = print_condition(printer, claim);
     let provided = claim.provided.as_ref();
-    let provided = provided.map_or_else(nothing, |when| {
+    let provided = provided.map_or_else(empty, |when| {
         concat([word(" provided "), expr::print_expr(printer, when)])
     });
-    concat([word(claim.kind.word()), word(" "), condition, provided])
+    concat([word(claim.kind.keyword()), word(" "), condition, provided])
 }
 
 /// Prints `--%PROPERTY x;`, which ends with its line. Comments within it are moved before it.
@@ -182,7 +182,7 @@ fn print_fragment(printer: &Printer<'_>, fragment: &FragmentDecl) -> Doc {
     concat([
         head,
         contract,
-        Doc::Hard,
+        Doc::HardLine,
         short_body(printer, &fragment.body),
     ])
 }
@@ -201,7 +201,7 @@ fn print_automaton(printer: &Printer<'_>, automaton: &Automaton) -> Doc {
 }
 
 fn print_state(printer: &Printer<'_>, state: &State) -> Doc {
-    let head = if state.initial {
+    let head = if state.is_initial {
         "initial state "
     } else {
         "state "
@@ -220,19 +220,19 @@ fn print_state(printer: &Printer<'_>, state: &State) -> Doc {
 
 fn state_body(printer: &Printer<'_>, body: &Body) -> Doc {
     if *body == Body::default() {
-        return nothing();
+        return empty();
     }
-    concat([Doc::Hard, short_body(printer, body)])
+    concat([Doc::HardLine, short_body(printer, body)])
 }
 
 /// Prints all strong or all weak transitions of a state as one clause.
 // Several clauses and one clause with alternatives mean the same: the first transition that holds is taken.
 fn clause(printer: &Printer<'_>, head: &'static str, transitions: &[Transition]) -> Doc {
     if transitions.is_empty() {
-        return nothing();
+        return empty();
     }
     let alternatives = print_transitions(printer, transitions);
-    concat([Doc::Hard, word(head), alternatives, word(";")])
+    concat([Doc::HardLine, word(head), alternatives, word(";")])
 }
 
 fn print_transitions(printer: &Printer<'_>, transitions: &[Transition]) -> Doc {
@@ -271,12 +271,12 @@ pub(super) fn one_line_body(statements: Doc) -> Doc {
 
 /// Prints indented lines between two keywords.
 pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc {
-    match lines.is_nothing() {
-        true => concat([word(open), Doc::Hard, word(close)]),
+    match lines.is_empty() {
+        true => concat([word(open), Doc::HardLine, word(close)]),
         false => concat([
             word(open),
-            indent(concat([Doc::Hard, lines])),
-            Doc::Hard,
+            indent(concat([Doc::HardLine, lines])),
+            Doc::HardLine,
             word(close),
         ]),
     }
@@ -287,15 +287,15 @@ fn has_body(kind: &StatementKind) -> bool {
         kind,
         StatementKind::Fragment(_)
             | StatementKind::Automaton(_)
-            | StatementKind::Choice(_)
-            | StatementKind::Keep(_)
+            | StatementKind::Conditional(_)
+            | StatementKind::FrameBlock(_)
     )
 }
 
 /// Returns for each statement the longest keyword width among adjacent `finish`, `yield` and `fail` statements, or 0.
-fn end_widths(statements: &[Statement]) -> Vec<usize> {
+fn result_keyword_widths(statements: &[Statement]) -> Vec<usize> {
     let width = |statement: &Statement| match &statement.kind {
-        StatementKind::End(end) => end.kind.word().len(),
+        StatementKind::CommandEnd(end) => end.kind.keyword().len(),
         _ => 0,
     };
     let both_end = |a: &Statement, b: &Statement| width(a) > 0 && width(b) > 0;
@@ -307,20 +307,20 @@ fn end_widths(statements: &[Statement]) -> Vec<usize> {
     widths.collect()
 }
 
-impl EndKind {
+impl CommandEndKind {
     /// Returns the keyword of the statement.
-    fn word(self) -> &'static str {
+    fn keyword(self) -> &'static str {
         match self {
-            EndKind::Finish => "finish",
-            EndKind::Yield => "yield",
-            EndKind::Fail => "fail",
+            CommandEndKind::Finish => "finish",
+            CommandEndKind::Yield => "yield",
+            CommandEndKind::Fail => "fail",
         }
     }
 }
 
 impl ClaimKind {
     /// Returns the keyword of the claim.
-    fn word(self) -> &'static str {
+    fn keyword(self) -> &'static str {
         match self {
             ClaimKind::Assert => "assert",
             ClaimKind::Check => "check",

@@ -6,7 +6,7 @@ use super::layout::{Doc, concat, group, text, word};
 use super::list;
 use super::list::{PARENS, STATIC_ARGS};
 use super::ty;
-use crate::Mode;
+use crate::Dialect;
 use crate::ast::*;
 use rpi_diag::Span;
 
@@ -15,7 +15,7 @@ pub(super) fn print_call(printer: &Printer<'_>, call: &Call) -> Doc {
         StaticArg {
             value:
                 StaticValue::Type(Type {
-                    kind: TypeKind::Refined(refined),
+                    kind: TypeKind::Refinement(refined),
                     ..
                 }),
             ..
@@ -72,7 +72,7 @@ fn is_of_types(printer: &Printer<'_>, call: &Call) -> bool {
         arg.name.is_none() && matches!(arg.value, StaticValue::Type(_) | StaticValue::Expr(_))
     };
     let statics = &call.callee.statics;
-    printer.mode == Mode::Lustre
+    printer.mode == Dialect::Lustre
         && matches!(&*call.callee.name.name, "any" | "choose")
         && matches!(call.activation, Activation::Always)
         && call.args.is_empty()
@@ -115,7 +115,7 @@ fn is_of_kind2(printer: &Printer<'_>, callee: &Callee) -> bool {
     let name = callee.name.span;
     let source = printer
         .source
-        .filter(|_| printer.mode == Mode::Lustre && !name.is_none());
+        .filter(|_| printer.mode == Dialect::Lustre && !name.is_none());
     source.is_some_and(|source| source.token_from(name.end) == "@")
 }
 

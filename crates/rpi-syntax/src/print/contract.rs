@@ -4,7 +4,7 @@ use super::Printer;
 use super::body;
 use super::call;
 use super::expr;
-use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::layout::{Doc, concat, empty, group, indent, text, word};
 use super::list;
 use super::ty;
 use crate::ast::*;
@@ -13,16 +13,28 @@ use rpi_diag::Span;
 /// Prints a contract as `con ... noc` on lines of its own, or nothing.
 pub(super) fn print_contract(printer: &Printer<'_>, contract: Option<&Contract>) -> Doc {
     let Some(contract) = contract else {
-        return nothing();
+        return empty();
     };
     let parts = contract_parts(printer, contract);
-    concat([Doc::Hard, word("con"), parts, Doc::Hard, word("noc")])
+    concat([
+        Doc::HardLine,
+        word("con"),
+        parts,
+        Doc::HardLine,
+        word("noc"),
+    ])
 }
 
 /// Prints the body of a `contract` declaration: `let ... tel`.
 pub(super) fn contract_alone(printer: &Printer<'_>, contract: Option<&Contract>) -> Doc {
-    let parts = contract.map_or_else(nothing, |contract| contract_parts(printer, contract));
-    concat([Doc::Hard, word("let"), parts, Doc::Hard, word("tel")])
+    let parts = contract.map_or_else(empty, |contract| contract_parts(printer, contract));
+    concat([
+        Doc::HardLine,
+        word("let"),
+        parts,
+        Doc::HardLine,
+        word("tel"),
+    ])
 }
 
 /// Prints the parts of a contract in source order, so that comments stay with them; without a source, by kind.
@@ -31,9 +43,9 @@ fn contract_parts(printer: &Printer<'_>, contract: &Contract) -> Doc {
     for locals in &contract.locals {
         contract_locals(printer, locals, &mut parts);
     }
-    for together in &contract.together {
+    for together in &contract.ghost_tuples {
         parts.push((
-            printer.with_word(together.span),
+            printer.with_keyword(together.span),
             print_together(printer, together),
         ));
     }
@@ -42,13 +54,16 @@ fn contract_parts(printer: &Printer<'_>, contract: &Contract) -> Doc {
     }
     for claim in &contract.claims {
         let doc = concat([body::print_claim(printer, claim), word(";")]);
-        parts.push((printer.with_word(claim_span(claim)), doc));
+        parts.push((printer.with_keyword(claim_span(claim)), doc));
     }
     for mode in &contract.modes {
-        parts.push((printer.with_word(mode.name.span), print_mode(printer, mode)));
+        parts.push((
+            printer.with_keyword(mode.name.span),
+            print_mode(printer, mode),
+        ));
     }
     if parts.is_empty() {
-        return nothing();
+        return empty();
     }
     parts.sort_by_key(|(span, _)| span.start);
     let lines = list::print_lines(
@@ -57,11 +72,11 @@ fn contract_parts(printer: &Printer<'_>, contract: &Contract) -> Doc {
         |(span, _)| *span,
         |_, _, (_, doc)| (doc.clone(), false),
     );
-    indent(concat([Doc::Hard, lines]))
+    indent(concat([Doc::HardLine, lines]))
 }
 
 /// Prints several ghost variables with one value: `var x: int, y: bool = e;`.
-fn print_together(printer: &Printer<'_>, together: &Together) -> Doc {
+fn print_together(printer: &Printer<'_>, together: &GhostTuple) -> Doc {
     let vars = together.vars.iter().enumerate().flat_map(|(i, var)| {
         let comma = word(if i == 0 { "" } else { ", " });
         [comma, ty::var_decl(printer, var)]
@@ -73,9 +88,9 @@ fn print_together(printer: &Printer<'_>, together: &Together) -> Doc {
 
 fn contract_import(printer: &Printer<'_>, import: &ContractImport) -> Doc {
     let ExprKind::Call(call) = &import.call.kind else {
-        return nothing();
+        return empty();
     };
-    let (inputs, outputs) = call.args.split_at(import.inputs.min(call.args.len()));
+    let (inputs, outputs) = call.args.split_at(import.input_count.min(call.args.len()));
     let callee = call::print_callee(printer, &call.callee);
     let inputs = call::print_args(printer, inputs);
     let outputs = call::print_args(printer, outputs);
@@ -96,7 +111,7 @@ fn contract_locals(printer: &Printer<'_>, locals: &Locals, parts: &mut Vec<(Span
         Locals::Var(vars) => {
             parts.extend(vars.iter().map(|v| {
                 (
-                    printer.with_word(v.span),
+                    printer.with_keyword(v.span),
                     line("var ", ty::var_decl(printer, v)),
                 )
             }));
@@ -104,7 +119,7 @@ fn contract_locals(printer: &Printer<'_>, locals: &Locals, parts: &mut Vec<(Span
         Locals::Const(defs) => {
             parts.extend(defs.iter().map(|d| {
                 (
-                    printer.with_word(d.span),
+                    printer.with_keyword(d.span),
                     line("const ", ty::const_def(printer, d)),
                 )
             }));

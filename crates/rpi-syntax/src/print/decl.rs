@@ -5,14 +5,14 @@ use super::body;
 use super::call;
 use super::contract;
 use super::expr;
-use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::layout::{Doc, concat, empty, group, indent, text, word};
 use super::list;
 use super::task;
 use super::ty;
 use super::ty::{dotted, names, type_params};
-use crate::Mode;
+use crate::Dialect;
 use crate::ast::*;
-use crate::text::quote;
+use crate::string_literal::quote;
 
 /// Prints declarations one below the other. Those of several lines have empty lines around them.
 pub(super) fn print_items(printer: &Printer<'_>, items: &[Item]) -> Doc {
@@ -60,7 +60,7 @@ fn print_item(printer: &Printer<'_>, kind: &ItemKind) -> Doc {
             let head = text(format!("test {}", quote(&test.title.name)));
             body::with_body(printer, head, &None, &test.body)
         }
-        ItemKind::Broken(_) => nothing(),
+        ItemKind::Error(_) => empty(),
     }
 }
 
@@ -103,11 +103,16 @@ fn signature_ports(printer: &Printer<'_>, signature: &Signature) -> Doc {
 }
 
 fn print_node(printer: &Printer<'_>, node: &NodeDecl) -> Doc {
-    let (before, after) = match node.outside {
-        Outside::Imported => (None, node.outside.word()),
-        _ => (node.outside.word(), None),
+    let (before, after) = match node.external_form {
+        ExternalForm::Imported => (None, node.external_form.keyword()),
+        _ => (node.external_form.keyword(), None),
     };
-    let words = [node.modifier.word(), before, Some(node.kind.word()), after];
+    let words = [
+        node.modifier.keyword(),
+        before,
+        Some(node.kind.keyword()),
+        after,
+    ];
     let words = words.into_iter().flatten();
     let mut head: Vec<Doc> = words.flat_map(|of| [word(of), word(" ")]).collect();
     head.push(print_signature(printer, &node.signature));
@@ -118,7 +123,7 @@ fn print_node(printer: &Printer<'_>, node: &NodeDecl) -> Doc {
             concat([head, word(";"), contract])
         }
         NodeDef::Body(body) => {
-            let semi = word(if printer.mode == Mode::Lustre {
+            let semi = word(if printer.mode == Dialect::Lustre {
                 ";"
             } else {
                 ""
@@ -151,7 +156,7 @@ pub(super) fn fragment_head(printer: &Printer<'_>, fragment: &FragmentDecl) -> D
             word("when "),
             expr::print_expr(printer, &when.condition),
         ]);
-        if when.restart {
+        if when.resets {
             parts.push(word(" restart"));
         }
     }
@@ -171,7 +176,7 @@ fn print_budget(printer: &Printer<'_>, budget: Option<&Expr>) -> Doc {
             word("budget "),
             expr::print_expr(printer, budget),
         ]),
-        None => nothing(),
+        None => empty(),
     }
 }
 
@@ -203,13 +208,13 @@ fn print_device(printer: &Printer<'_>, device: &DeviceDecl) -> Doc {
         |s| s.span,
         |p, _, section| (device_section(p, section), false),
     );
-    concat([head, indent(concat([Doc::Hard, sections]))])
+    concat([head, indent(concat([Doc::HardLine, sections]))])
 }
 
 fn device_section(printer: &Printer<'_>, section: &DeviceSection) -> Doc {
     /// Width of the longest keyword and a space.
     const COLUMN: usize = "actuator ".len();
-    let word = section.kind.word();
+    let word = section.kind.keyword();
     let ports = list::print_lines(
         printer,
         &section.ports,
@@ -265,14 +270,14 @@ fn print_command(printer: &Printer<'_>, command: &CommandDecl) -> Doc {
 /// Prints the parameters of a command or task, or nothing if there are none.
 pub(super) fn print_params(printer: &Printer<'_>, params: &[VarDecl]) -> Doc {
     match params {
-        [] => nothing(),
+        [] => empty(),
         params => concat([Doc::Line, ty::print_ports(printer, params)]),
     }
 }
 
 impl NodeKind {
     /// Returns the keyword of the declaration.
-    pub(super) fn word(self) -> &'static str {
+    pub(super) fn keyword(self) -> &'static str {
         match self {
             NodeKind::Node => "node",
             NodeKind::Function => "function",
@@ -283,7 +288,7 @@ impl NodeKind {
 
 impl PortKind {
     /// Returns the keyword before the ports.
-    fn word(self) -> &'static str {
+    fn keyword(self) -> &'static str {
         match self {
             PortKind::Actuator => "actuator",
             PortKind::Sensor => "sensor",
@@ -294,14 +299,18 @@ impl PortKind {
 
 /// Returns whether all definitions are algebraic data types, declared with `datatype`.
 fn is_datatype(defs: &[TypeDef]) -> bool {
-    let is_data =
-        |def: &TypeDef| matches!(def.ty.as_ref().map(|ty| &ty.kind), Some(TypeKind::Data(_)));
+    let is_data = |def: &TypeDef| {
+        matches!(
+            def.ty.as_ref().map(|ty| &ty.kind),
+            Some(TypeKind::Datatype(_))
+        )
+    };
     defs.iter().all(is_data)
 }
 
 impl Modifier {
     /// Returns the keyword of the modifier.
-    pub(crate) fn word(self) -> Option<&'static str> {
+    pub(crate) fn keyword(self) -> Option<&'static str> {
         match self {
             Modifier::None => None,
             Modifier::Unsafe => Some("unsafe"),

@@ -7,29 +7,29 @@ use super::list::{CURLY, PARENS, SQUARE, brackets};
 use super::ty;
 use super::{Printer, parens};
 use crate::ast::*;
-use crate::ops::{BinaryOp, Grouping, LEVEL_PRIMARY, UnaryOp};
-use crate::text::quote;
+use crate::ops::{Associativity, BinaryOp, PRECEDENCE_PRIMARY, UnaryOp};
+use crate::string_literal::quote;
 use rpi_diag::Span;
 
 pub(super) fn print_expr(printer: &Printer<'_>, expr: &Expr) -> Doc {
     match &expr.kind {
         ExprKind::Bool(value) => {
-            printer.part(expr.span, word(if *value { "true" } else { "false" }))
+            printer.mark_offset(expr.span, word(if *value { "true" } else { "false" }))
         }
-        ExprKind::Number(number) => printer.part(expr.span, text(&*number.text)),
-        ExprKind::Quantity(quantity) => printer.part(expr.span, print_quantity(quantity)),
-        ExprKind::Str(content) => printer.part(expr.span, text(quote(content))),
-        ExprKind::Name(name) => printer.part(expr.span, text(&**name)),
+        ExprKind::Number(number) => printer.mark_offset(expr.span, text(&*number.text)),
+        ExprKind::Quantity(quantity) => printer.mark_offset(expr.span, print_quantity(quantity)),
+        ExprKind::Str(content) => printer.mark_offset(expr.span, text(quote(content))),
+        ExprKind::Name(name) => printer.mark_offset(expr.span, text(&**name)),
         ExprKind::Field(field) => print_field(printer, field),
         ExprKind::Index(index) => print_index(printer, index),
         ExprKind::Slice(slice) => slice_of(printer, slice),
-        ExprKind::Bits(of) => bits(printer, of),
+        ExprKind::BitRange(of) => bits(printer, of),
         ExprKind::Unary(op, operand) => unary(printer, *op, operand),
         ExprKind::Binary(binary) => chain(printer, binary),
         ExprKind::When(when) => print_when(printer, when),
         ExprKind::If(conditional) => print_conditional(printer, conditional),
         ExprKind::Call(call) => call::print_call(printer, call),
-        ExprKind::Among(among, elements) => print_among(printer, *among, elements),
+        ExprKind::BoolList(among, elements) => print_among(printer, *among, elements),
         ExprKind::Merge(merge) => print_merge(printer, merge),
         ExprKind::Paren(inner) => paren(printer, inner),
         ExprKind::Tuple(elements) => {
@@ -39,8 +39,8 @@ pub(super) fn print_expr(printer: &Printer<'_>, expr: &Expr) -> Doc {
             list::print_list(printer, SQUARE, elements, |e| e.span, print_expr)
         }
         ExprKind::Quantified(of) => print_quantified(printer, of),
-        ExprKind::Ascribed(of) => print_ascribed(printer, of),
-        ExprKind::IsA(of) => print_is_a(printer, of),
+        ExprKind::Ascription(of) => print_ascribed(printer, of),
+        ExprKind::ConstructorTest(of) => print_is_a(printer, of),
         ExprKind::Match(of) => match_expr(printer, of),
         ExprKind::EmptySet(types) => concat([word("{}"), call::type_args(printer, "@<", types)]),
         ExprKind::Struct(value) => struct_expr(printer, value),
@@ -50,14 +50,14 @@ pub(super) fn print_expr(printer: &Printer<'_>, expr: &Expr) -> Doc {
 
 fn print_quantified(printer: &Printer<'_>, of: &Quantified) -> Doc {
     concat([
-        word(if of.for_all { "forall " } else { "exists " }),
+        word(if of.is_forall { "forall " } else { "exists " }),
         ty::print_ports(printer, &of.vars),
         word(" "),
         print_expr(printer, &of.condition),
     ])
 }
 
-fn print_ascribed(printer: &Printer<'_>, of: &Ascribed) -> Doc {
+fn print_ascribed(printer: &Printer<'_>, of: &Ascription) -> Doc {
     concat([
         word("("),
         print_expr(printer, &of.value),
@@ -67,7 +67,7 @@ fn print_ascribed(printer: &Printer<'_>, of: &Ascribed) -> Doc {
     ])
 }
 
-fn print_is_a(printer: &Printer<'_>, of: &IsA) -> Doc {
+fn print_is_a(printer: &Printer<'_>, of: &ConstructorTest) -> Doc {
     concat([
         ty::print_name(printer, &of.constructor),
         word("?("),
@@ -88,8 +88,8 @@ fn paren(printer: &Printer<'_>, inner: &Expr) -> Doc {
     let inner = print_expr(printer, inner);
     group(concat([
         word("("),
-        indent(concat([Doc::Soft, inner])),
-        Doc::Soft,
+        indent(concat([Doc::SoftLine, inner])),
+        Doc::SoftLine,
         word(")"),
     ]))
 }
@@ -123,7 +123,7 @@ fn print_index(printer: &Printer<'_>, index: &Index) -> Doc {
     ])
 }
 
-fn bits(printer: &Printer<'_>, of: &Bits) -> Doc {
+fn bits(printer: &Printer<'_>, of: &BitRange) -> Doc {
     let [high, low] = [&of.high, &of.low].map(|bound| print_expr(printer, bound));
     concat([
         print_base(printer, &of.base),
@@ -135,7 +135,7 @@ fn bits(printer: &Printer<'_>, of: &Bits) -> Doc {
     ])
 }
 
-fn slice_of(printer: &Printer<'_>, of: &SliceOf) -> Doc {
+fn slice_of(printer: &Printer<'_>, of: &SliceExpr) -> Doc {
     concat([
         print_base(printer, &of.base),
         word("["),
@@ -144,10 +144,10 @@ fn slice_of(printer: &Printer<'_>, of: &SliceOf) -> Doc {
     ])
 }
 
-pub(super) fn print_slice(printer: &Printer<'_>, slice: &Slice) -> Doc {
+pub(super) fn print_slice(printer: &Printer<'_>, slice: &SliceBounds) -> Doc {
     // `1.` directly before `..` would be lexed as three dots.
     let ends_in_dot = matches!(&slice.from.kind, ExprKind::Number(n) if n.text.ends_with('.'));
-    let apart = ends_in_dot || parens::level(&slice.from) < LEVEL_PRIMARY;
+    let apart = ends_in_dot || parens::level(&slice.from) < PRECEDENCE_PRIMARY;
     let dots = word(if apart { " .. " } else { ".." });
     let mut parts = vec![
         print_expr(printer, &slice.from),
@@ -173,7 +173,7 @@ fn unary(printer: &Printer<'_>, op: UnaryOp, operand: &Expr) -> Doc {
 /// Prints a chain of operators of one precedence level, `a and b and c`. Lines break at all operators or at none.
 fn chain(printer: &Printer<'_>, binary: &Binary) -> Doc {
     if binary.op == BinaryOp::Repeat {
-        return repeated(printer, binary);
+        return array_repeat(printer, binary);
     }
     let links = links(binary);
     list::print_phrases(printer, &links, |p, _, link| {
@@ -186,31 +186,33 @@ fn chain(printer: &Printer<'_>, binary: &Binary) -> Doc {
 }
 
 /// Prints an array of repeated elements: `x^3`.
-fn repeated(printer: &Printer<'_>, binary: &Binary) -> Doc {
+fn array_repeat(printer: &Printer<'_>, binary: &Binary) -> Doc {
     let element = wrapped(printer, &binary.lhs, parens::left(binary.op, &binary.lhs));
     let size = wrapped(printer, &binary.rhs, parens::right(binary.op, &binary.rhs));
     concat([element, word("^"), size])
 }
 
-fn print_when(printer: &Printer<'_>, when: &When) -> Doc {
+fn print_when(printer: &Printer<'_>, when: &WhenExpr) -> Doc {
     let value = wrapped(printer, &when.value, parens::sampled(&when.value));
     concat([value, word(" when "), print_clock(printer, &when.clock)])
 }
 
 pub(super) fn print_clock(printer: &Printer<'_>, clock: &Clock) -> Doc {
     let flow = ty::print_name(printer, &clock.flow);
-    match &clock.tick {
-        Tick::True => flow,
-        Tick::False => concat([word("not "), flow]),
-        Tick::Value(value) => concat([ty::print_name(printer, value), word("("), flow, word(")")]),
+    match &clock.value {
+        ClockValue::True => flow,
+        ClockValue::False => concat([word("not "), flow]),
+        ClockValue::Value(value) => {
+            concat([ty::print_name(printer, value), word("("), flow, word(")")])
+        }
     }
 }
 
 /// Prints `if a then x else if b then y else z`. Lines break at all branches or at none.
-fn print_conditional(printer: &Printer<'_>, conditional: &If) -> Doc {
+fn print_conditional(printer: &Printer<'_>, conditional: &IfExpr) -> Doc {
     let branches = branches(conditional);
     list::print_phrases(printer, &branches, |p, _, branch| match branch {
-        Alternative::If {
+        ConditionalBranch::If {
             head,
             condition,
             yes,
@@ -220,14 +222,14 @@ fn print_conditional(printer: &Printer<'_>, conditional: &If) -> Doc {
             word(" then "),
             print_expr(p, yes),
         ]),
-        Alternative::Else(no) => concat([word("else "), print_expr(p, no)]),
+        ConditionalBranch::Else(no) => concat([word("else "), print_expr(p, no)]),
     })
 }
 
-fn print_among(printer: &Printer<'_>, among: Among, elements: &[Expr]) -> Doc {
+fn print_among(printer: &Printer<'_>, among: BoolListOp, elements: &[Expr]) -> Doc {
     let head = match among {
-        Among::AtMostOne => "#",
-        Among::Nor => "nor",
+        BoolListOp::AtMostOne => "#",
+        BoolListOp::Nor => "nor",
     };
     concat([
         word(head),
@@ -236,7 +238,7 @@ fn print_among(printer: &Printer<'_>, among: Among, elements: &[Expr]) -> Doc {
 }
 
 fn print_merge(printer: &Printer<'_>, merge: &Merge) -> Doc {
-    match (&merge.on.kind, &merge.cases[..]) {
+    match (&merge.selector.kind, &merge.cases[..]) {
         (ExprKind::Name(name), cases) if !name.is_qualified() => {
             let cases = cases
                 .iter()
@@ -244,12 +246,12 @@ fn print_merge(printer: &Printer<'_>, merge: &Merge) -> Doc {
             let cases = concat(cases.collect::<Vec<_>>());
             group(concat([
                 word("merge "),
-                print_expr(printer, &merge.on),
+                print_expr(printer, &merge.selector),
                 indent(cases),
             ]))
         }
         (_, cases) => {
-            let on = print_expr(printer, &merge.on);
+            let on = print_expr(printer, &merge.selector);
             let rest = cases
                 .iter()
                 .flat_map(|case| [word("; "), print_expr(printer, &case.then)]);
@@ -314,7 +316,7 @@ fn field_value(printer: &Printer<'_>, field: &FieldValue) -> Doc {
 }
 
 /// Prints an update in the syntax of Kind 2: `a[0 := x; 1 := y]`.
-fn keyed(printer: &Printer<'_>, update: &Update) -> Doc {
+fn keyed_update(printer: &Printer<'_>, update: &Update) -> Doc {
     let base = print_base(printer, &update.base);
     let key = |change: &Change| match &change.path[..] {
         [Access::Index(key)] => key.span.merge(change.value.span),
@@ -338,7 +340,7 @@ fn keyed(printer: &Printer<'_>, update: &Update) -> Doc {
 
 fn print_update(printer: &Printer<'_>, update: &Update) -> Doc {
     if update.is_keyed {
-        return keyed(printer, update);
+        return keyed_update(printer, update);
     }
     let base = concat([word("("), print_expr(printer, &update.base), word(" with")]);
     let after_base = brackets(" ", ";", ")");
@@ -384,36 +386,38 @@ fn field_span(field: &FieldValue) -> Span {
 }
 
 /// Operand of a chain, with the operator before it.
-struct Link<'e> {
+struct ChainOperand<'e> {
     op: Option<BinaryOp>,
     operand: &'e Expr,
     parens: bool,
 }
 
 /// Returns the operands of a chain of operators of one precedence level.
-fn links(binary: &Binary) -> Vec<Link<'_>> {
-    match binary.op.grouping() {
-        Grouping::Right => links_to_right(binary),
-        Grouping::Left | Grouping::None => links_to_left(binary),
+fn links(binary: &Binary) -> Vec<ChainOperand<'_>> {
+    match binary.op.associativity() {
+        Associativity::Right => links_to_right(binary),
+        Associativity::Left | Associativity::None => links_to_left(binary),
     }
 }
 
-fn links_to_left(mut binary: &Binary) -> Vec<Link<'_>> {
+fn links_to_left(mut binary: &Binary) -> Vec<ChainOperand<'_>> {
     let mut links = Vec::new();
     loop {
         let (op, lhs) = (binary.op, &binary.lhs);
-        links.push(Link {
+        links.push(ChainOperand {
             op: Some(op),
             operand: &binary.rhs,
             parens: parens::right(op, &binary.rhs),
         });
         match &lhs.kind {
-            ExprKind::Binary(inner) if inner.op.level() == op.level() && !parens::left(op, lhs) => {
+            ExprKind::Binary(inner)
+                if inner.op.precedence() == op.precedence() && !parens::left(op, lhs) =>
+            {
                 binary = inner
             }
             _ => {
                 let parens = parens::left(op, lhs);
-                links.push(Link {
+                links.push(ChainOperand {
                     op: None,
                     operand: lhs,
                     parens,
@@ -425,23 +429,23 @@ fn links_to_left(mut binary: &Binary) -> Vec<Link<'_>> {
     }
 }
 
-fn links_to_right(mut binary: &Binary) -> Vec<Link<'_>> {
+fn links_to_right(mut binary: &Binary) -> Vec<ChainOperand<'_>> {
     let mut links = Vec::new();
     let mut before = None;
     loop {
         let (op, rhs) = (binary.op, &binary.rhs);
         let parens = parens::left(op, &binary.lhs);
-        links.push(Link {
+        links.push(ChainOperand {
             op: before,
             operand: &binary.lhs,
             parens,
         });
         before = Some(op);
         match &rhs.kind {
-            ExprKind::Binary(inner) if inner.op.level() == op.level() => binary = inner,
+            ExprKind::Binary(inner) if inner.op.precedence() == op.precedence() => binary = inner,
             _ => {
                 let parens = parens::right(op, rhs);
-                links.push(Link {
+                links.push(ChainOperand {
                     op: before,
                     operand: rhs,
                     parens,
@@ -453,7 +457,7 @@ fn links_to_right(mut binary: &Binary) -> Vec<Link<'_>> {
 }
 
 /// Branch of a chain of conditional expressions.
-enum Alternative<'e> {
+enum ConditionalBranch<'e> {
     If {
         head: &'static str,
         condition: &'e Expr,
@@ -462,10 +466,10 @@ enum Alternative<'e> {
     Else(&'e Expr),
 }
 
-fn branches(mut conditional: &If) -> Vec<Alternative<'_>> {
+fn branches(mut conditional: &IfExpr) -> Vec<ConditionalBranch<'_>> {
     let mut branches = Vec::new();
     loop {
-        branches.push(Alternative::If {
+        branches.push(ConditionalBranch::If {
             head: match (branches.is_empty(), conditional.is_static) {
                 (true, false) => "if ",
                 (true, true) => "with ",
@@ -473,12 +477,12 @@ fn branches(mut conditional: &If) -> Vec<Alternative<'_>> {
                 (false, true) => "else with ",
             },
             condition: &conditional.condition,
-            yes: &conditional.yes,
+            yes: &conditional.then_value,
         });
-        match &conditional.no.kind {
+        match &conditional.else_value.kind {
             ExprKind::If(inner) => conditional = inner,
             _ => {
-                branches.push(Alternative::Else(&conditional.no));
+                branches.push(ConditionalBranch::Else(&conditional.else_value));
                 return branches;
             }
         }

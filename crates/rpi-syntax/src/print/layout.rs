@@ -4,11 +4,11 @@
 //! of adjacent lines are aligned in one column.
 
 /// Maximum line width in characters. Single tokens and comments may exceed it.
-pub(super) const WIDTH: usize = 100;
+pub(super) const MAX_WIDTH: usize = 100;
 
 /// Maximum indentation in columns.
 // Without a limit, the text of a deeply nested program would grow with the square of its size.
-const FARTHEST: usize = 80;
+const MAX_INDENT: usize = 80;
 
 /// Text that can be laid out in several ways.
 #[derive(Clone, Debug)]
@@ -20,13 +20,13 @@ pub(super) enum Doc {
     /// Line break in a broken group, else a space.
     Line,
     /// Line break in a broken group, else nothing.
-    Soft,
+    SoftLine,
     /// Line break; breaks every enclosing group.
-    Hard,
+    HardLine,
     /// Empty line, at the beginning of a line; breaks every enclosing group.
-    Empty,
+    EmptyLine,
     /// Comment at the end of the current line; breaks every enclosing group.
-    Suffix(String),
+    LineSuffix(String),
     /// Documents one after the other.
     Concat(Vec<Doc>),
     /// Document whose lines are indented by a number of columns.
@@ -34,7 +34,7 @@ pub(super) enum Doc {
     /// Document in which lines after a comment are indented by one more step.
     Hang(Box<Doc>),
     /// Source offset of the following text.
-    At(u32),
+    SourceOffset(u32),
     /// Document on one line, regardless of its width.
     Flat(Box<Doc>),
     /// Document on one line if it fits, else broken at each `Line` and `Soft` directly in it.
@@ -42,7 +42,7 @@ pub(super) enum Doc {
 }
 
 /// Indentation of the content of blocks, in columns.
-pub(super) const STEP: usize = 2;
+pub(super) const INDENT: usize = 2;
 
 pub(super) fn text(text: impl Into<String>) -> Doc {
     Doc::Text(text.into())
@@ -56,12 +56,12 @@ pub(super) fn concat(parts: impl IntoIterator<Item = Doc>) -> Doc {
     Doc::Concat(parts.into_iter().collect())
 }
 
-pub(super) fn nothing() -> Doc {
+pub(super) fn empty() -> Doc {
     Doc::Concat(Vec::new())
 }
 
 pub(super) fn indent(doc: Doc) -> Doc {
-    Doc::Indent(STEP, Box::new(doc))
+    Doc::Indent(INDENT, Box::new(doc))
 }
 
 pub(super) fn group(doc: Doc) -> Doc {
@@ -70,13 +70,13 @@ pub(super) fn group(doc: Doc) -> Doc {
 
 impl Doc {
     /// Returns whether the document is empty.
-    pub(super) fn is_nothing(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         match self {
-            Doc::Concat(parts) => parts.iter().all(Doc::is_nothing),
+            Doc::Concat(parts) => parts.iter().all(Doc::is_empty),
             Doc::Indent(_, doc) | Doc::Hang(doc) | Doc::Group(doc) | Doc::Flat(doc) => {
-                doc.is_nothing()
+                doc.is_empty()
             }
-            Doc::At(_) => true,
+            Doc::SourceOffset(_) => true,
             Doc::Text(text) => text.is_empty(),
             _ => false,
         }
@@ -84,15 +84,15 @@ impl Doc {
 
     /// Returns the width of the document on one line; [`None`] if it has a line break or is wider than [`WIDTH`].
     pub(super) fn flat_width(&self) -> Option<usize> {
-        let mut left = WIDTH;
+        let mut left = MAX_WIDTH;
         let mut todo = vec![self];
         while let Some(doc) = todo.pop() {
             let width = match doc {
                 Doc::Text(text) => text.chars().count(),
                 Doc::Word(word) => word.len(),
                 Doc::Line => 1,
-                Doc::Soft | Doc::At(_) => 0,
-                Doc::Hard | Doc::Empty | Doc::Suffix(_) => return None,
+                Doc::SoftLine | Doc::SourceOffset(_) => 0,
+                Doc::HardLine | Doc::EmptyLine | Doc::LineSuffix(_) => return None,
                 Doc::Concat(parts) => {
                     todo.extend(parts.iter().rev());
                     0
@@ -104,7 +104,7 @@ impl Doc {
             };
             left = left.checked_sub(width)?;
         }
-        Some(WIDTH - left)
+        Some(MAX_WIDTH - left)
     }
 }
 
@@ -127,7 +127,7 @@ pub(super) fn lay_out(doc: &Doc) -> String {
 
 /// Whether the optional line breaks of a group are used.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Mode {
+enum BreakMode {
     Flat,
     Broken,
 }
@@ -157,27 +157,27 @@ struct Layout {
 
 impl Layout {
     fn run(&mut self, doc: &Doc) {
-        let mut todo = vec![(0, Mode::Broken, doc)];
+        let mut todo = vec![(0, BreakMode::Broken, doc)];
         while let Some((margin, mode, doc)) = todo.pop() {
             match doc {
                 Doc::Text(text) => self.text(text),
                 Doc::Word(word) => self.text(word),
-                Doc::Line | Doc::Hard if mode == Mode::Flat => self.text(" "),
-                Doc::Soft if mode == Mode::Flat => {}
-                Doc::At(_) => {}
-                Doc::Line | Doc::Soft | Doc::Hard => self.break_line(margin),
-                Doc::Empty => self.end_line(),
-                Doc::Suffix(comment) => self.suffix(comment),
+                Doc::Line | Doc::HardLine if mode == BreakMode::Flat => self.text(" "),
+                Doc::SoftLine if mode == BreakMode::Flat => {}
+                Doc::SourceOffset(_) => {}
+                Doc::Line | Doc::SoftLine | Doc::HardLine => self.break_line(margin),
+                Doc::EmptyLine => self.end_line(),
+                Doc::LineSuffix(comment) => self.suffix(comment),
                 Doc::Concat(parts) => {
                     todo.extend(parts.iter().rev().map(|part| (margin, mode, part)))
                 }
-                Doc::Indent(by, doc) => todo.push(((margin + by).min(FARTHEST), mode, doc)),
+                Doc::Indent(by, doc) => todo.push(((margin + by).min(MAX_INDENT), mode, doc)),
                 Doc::Hang(doc) => todo.push((margin, mode, doc)),
-                Doc::Flat(doc) => todo.push((margin, Mode::Flat, doc)),
+                Doc::Flat(doc) => todo.push((margin, BreakMode::Flat, doc)),
                 Doc::Group(doc) => {
-                    let mode = match mode == Mode::Flat || self.fits(margin, doc, &todo) {
-                        true => Mode::Flat,
-                        false => Mode::Broken,
+                    let mode = match mode == BreakMode::Flat || self.fits(margin, doc, &todo) {
+                        true => BreakMode::Flat,
+                        false => BreakMode::Broken,
                     };
                     todo.push((margin, mode, doc));
                 }
@@ -186,14 +186,14 @@ impl Layout {
     }
 
     /// Returns whether a group on one line, with the text after it up to the next line break, fits into the line.
-    fn fits(&self, margin: usize, group: &Doc, rest: &[(usize, Mode, &Doc)]) -> bool {
+    fn fits(&self, margin: usize, group: &Doc, rest: &[(usize, BreakMode, &Doc)]) -> bool {
         let used = if self.line.is_empty() {
             margin
         } else {
             self.column
         };
-        let mut left = WIDTH.saturating_sub(used);
-        let mut todo = vec![(Mode::Flat, group)];
+        let mut left = MAX_WIDTH.saturating_sub(used);
+        let mut todo = vec![(BreakMode::Flat, group)];
         let mut rest = rest.iter().rev();
         loop {
             let Some((mode, doc)) = todo
@@ -205,11 +205,13 @@ impl Layout {
             let width = match doc {
                 Doc::Text(text) => text.chars().count(),
                 Doc::Word(word) => word.len(),
-                Doc::Line if mode == Mode::Flat => 1,
-                Doc::Soft if mode == Mode::Flat => 0,
-                Doc::At(_) => 0,
-                Doc::Line | Doc::Soft => return true,
-                Doc::Hard | Doc::Empty | Doc::Suffix(_) => return mode == Mode::Broken,
+                Doc::Line if mode == BreakMode::Flat => 1,
+                Doc::SoftLine if mode == BreakMode::Flat => 0,
+                Doc::SourceOffset(_) => 0,
+                Doc::Line | Doc::SoftLine => return true,
+                Doc::HardLine | Doc::EmptyLine | Doc::LineSuffix(_) => {
+                    return mode == BreakMode::Broken;
+                }
                 Doc::Concat(parts) => {
                     todo.extend(parts.iter().rev().map(|part| (mode, part)));
                     0
@@ -219,7 +221,7 @@ impl Layout {
                     0
                 }
                 Doc::Flat(doc) => {
-                    todo.push((Mode::Flat, doc));
+                    todo.push((BreakMode::Flat, doc));
                     0
                 }
             };
@@ -295,7 +297,7 @@ mod tests {
     use super::*;
 
     fn list(elements: &[&'static str]) -> Doc {
-        let mut parts = vec![Doc::Soft];
+        let mut parts = vec![Doc::SoftLine];
         for (i, element) in elements.iter().enumerate() {
             parts.extend((i > 0).then_some(concat([word(","), Doc::Line])));
             parts.push(word(element));
@@ -303,7 +305,7 @@ mod tests {
         group(concat([
             word("("),
             indent(concat(parts)),
-            Doc::Soft,
+            Doc::SoftLine,
             word(")"),
         ]))
     }
@@ -322,7 +324,7 @@ mod tests {
     fn what_breaks_inside_breaks_outside() {
         let inner = concat([
             word("a"),
-            Doc::Suffix("-- why".into()),
+            Doc::LineSuffix("-- why".into()),
             Doc::Line,
             word("b"),
         ]);
@@ -331,12 +333,13 @@ mod tests {
 
     #[test]
     fn suffixes_of_adjacent_lines_stand_in_one_column() {
-        let line = |code, why: &str| concat([word(code), Doc::Suffix(why.into()), Doc::Hard]);
+        let line =
+            |code, why: &str| concat([word(code), Doc::LineSuffix(why.into()), Doc::HardLine]);
         let doc = concat([
             line("x", "-- 1"),
             line("long", "-- 2"),
             word("y"),
-            Doc::Hard,
+            Doc::HardLine,
             line("z", "-- 3"),
         ]);
         assert_eq!(lay_out(&doc), "x     -- 1\nlong  -- 2\ny\nz  -- 3\n\n");

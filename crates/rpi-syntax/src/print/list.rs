@@ -1,13 +1,13 @@
 //! Printing of lists, with the empty lines between their elements.
 
 use super::Printer;
-use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::layout::{Doc, concat, empty, group, indent, text, word};
 use crate::ast;
 use rpi_diag::Span;
 
 /// Delimiters of a list in brackets.
 #[derive(Clone, Copy)]
-pub(super) struct Brackets {
+pub(super) struct Delimiters {
     pub(super) open: &'static str,
     pub(super) separator: &'static str,
     pub(super) close: &'static str,
@@ -15,22 +15,22 @@ pub(super) struct Brackets {
     pub(super) spaced: bool,
 }
 
-pub(super) const PARENS: Brackets = brackets("(", ",", ")");
-pub(super) const PORTS: Brackets = brackets("(", ";", ")");
-pub(super) const SQUARE: Brackets = brackets("[", ",", "]");
-pub(super) const CURLY: Brackets = brackets("{", ";", "}");
-pub(super) const STATIC_ARGS: Brackets = brackets("<<", ",", ">>");
-pub(super) const STATIC_PARAMS: Brackets = brackets("<<", ";", ">>");
+pub(super) const PARENS: Delimiters = brackets("(", ",", ")");
+pub(super) const PORTS: Delimiters = brackets("(", ";", ")");
+pub(super) const SQUARE: Delimiters = brackets("[", ",", "]");
+pub(super) const CURLY: Delimiters = brackets("{", ";", "}");
+pub(super) const STATIC_ARGS: Delimiters = brackets("<<", ",", ">>");
+pub(super) const STATIC_PARAMS: Delimiters = brackets("<<", ";", ">>");
 
-pub(super) const SPACED_COMMAS: Brackets = spaced(",");
-pub(super) const SPACED_SEMIS: Brackets = spaced(";");
+pub(super) const SPACED_COMMAS: Delimiters = spaced(",");
+pub(super) const SPACED_SEMIS: Delimiters = spaced(";");
 
 pub(super) const fn brackets(
     open: &'static str,
     separator: &'static str,
     close: &'static str,
-) -> Brackets {
-    Brackets {
+) -> Delimiters {
+    Delimiters {
         open,
         separator,
         close,
@@ -38,8 +38,8 @@ pub(super) const fn brackets(
     }
 }
 
-const fn spaced(separator: &'static str) -> Brackets {
-    Brackets {
+const fn spaced(separator: &'static str) -> Delimiters {
+    Delimiters {
         open: "{",
         separator,
         close: "}",
@@ -50,7 +50,7 @@ const fn spaced(separator: &'static str) -> Brackets {
 /// Prints a list in brackets on one line, `(a, b)`, or with one element per line.
 pub(super) fn print_list<T>(
     printer: &Printer<'_>,
-    brackets: Brackets,
+    brackets: Delimiters,
     elements: &[T],
     span: impl Fn(&T) -> Span,
     mut write: impl FnMut(&Printer, &T) -> Doc,
@@ -59,7 +59,7 @@ pub(super) fn print_list<T>(
         if brackets.spaced {
             Doc::Line
         } else {
-            Doc::Soft
+            Doc::SoftLine
         }
     };
     let mut parts = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn print_list<T>(
         let is_last = i + 1 == elements.len();
         parts.push(if i == 0 { edge() } else { Doc::Line });
         let written = write(printer, element);
-        parts.push(printer.part(span(element), written));
+        parts.push(printer.mark_offset(span(element), written));
         parts.push(word(if is_last { "" } else { brackets.separator }));
     }
     bracketed(brackets, concat(parts), edge())
@@ -80,9 +80,9 @@ pub(super) fn print_phrases<T>(
     write: impl FnMut(&Printer, usize, &T) -> Doc,
 ) -> Doc {
     let mut parts = print_phrase_parts(printer, elements, write).into_iter();
-    let first = parts.next().unwrap_or_else(nothing);
+    let first = parts.next().unwrap_or_else(empty);
     let rest = concat(parts.map(indent));
-    match rest.is_nothing() {
+    match rest.is_empty() {
         true => group(first),
         false => group(concat([Doc::Hang(Box::new(first)), rest])),
     }
@@ -96,7 +96,7 @@ pub(super) fn print_phrase_parts<T>(
 ) -> Vec<Doc> {
     let mut parts = Vec::new();
     for (i, element) in elements.iter().enumerate() {
-        let before = if i == 0 { nothing() } else { Doc::Line };
+        let before = if i == 0 { empty() } else { Doc::Line };
         parts.push(concat([before, write(printer, i, element)]));
     }
     parts
@@ -117,9 +117,9 @@ pub(super) fn print_lines<T>(
     for (i, element) in elements.iter().enumerate() {
         let (doc, apart) = write(printer, i, element);
         let blank = apart || was_apart || printer.blank_before(span(element));
-        parts.extend((i > 0).then_some(Doc::Hard));
-        parts.extend((i > 0 && blank).then_some(Doc::Empty));
-        parts.push(printer.part(span(element), doc));
+        parts.extend((i > 0).then_some(Doc::HardLine));
+        parts.extend((i > 0 && blank).then_some(Doc::EmptyLine));
+        parts.push(printer.mark_offset(span(element), doc));
         was_apart = apart;
     }
     concat(parts)
@@ -128,20 +128,20 @@ pub(super) fn print_lines<T>(
 /// Prints the doc comment of a tree without source. With a source, comments are inserted later.
 pub(super) fn doc_lines(printer: &Printer<'_>, doc: Option<&ast::Doc>) -> Doc {
     let Some(doc) = doc.filter(|_| printer.source.is_none()) else {
-        return nothing();
+        return empty();
     };
     let line = |line: &str| match line.trim_end() {
         "" => text("--|"),
         line => text(format!("--| {line}")),
     };
-    concat(doc.split('\n').flat_map(|l| [line(l), Doc::Hard]))
+    concat(doc.split('\n').flat_map(|l| [line(l), Doc::HardLine]))
 }
 
 /// Prints content between brackets, indented if it breaks. `edge` precedes the closing bracket.
-fn bracketed(brackets: Brackets, content: Doc, edge: Doc) -> Doc {
+fn bracketed(brackets: Delimiters, content: Doc, edge: Doc) -> Doc {
     let open = word(brackets.open);
     let close = word(brackets.close);
-    match content.is_nothing() {
+    match content.is_empty() {
         true => concat([open, close]),
         false => group(concat([open, indent(content), edge, close])),
     }

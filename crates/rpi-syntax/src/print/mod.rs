@@ -17,40 +17,40 @@ mod call;
 mod contract;
 mod decl;
 mod expr;
-mod gaps;
-mod head;
+mod flat_doc;
+mod header;
+mod insert_comments;
 mod layout;
 mod list;
 mod parens;
-mod pieces;
 mod task;
+mod trivia;
 mod ty;
-mod weave;
 
 use crate::ast::File;
 use crate::parse::parse_with_tokens;
-use crate::{Mode, with_stack};
-use gaps::Source;
+use crate::{Dialect, with_large_stack};
+use insert_comments::insert_comments;
 use layout::{Doc, concat, lay_out};
-use rpi_diag::{FileId, Finding, Severity, Span};
-use weave::weave;
+use rpi_diag::{Diagnostic, FileId, Severity, Span};
+use trivia::Source;
 
-pub use head::head;
+pub use header::header;
 
 /// Prints a tree without source text, in the style of the language. Doc comments of the tree are kept.
 ///
 /// Parsing the result gives the same tree, except for parentheses and locations, if every name in it is valid: see
 /// [`is_name`](crate::is_name).
-pub fn print(file: &File, mode: Mode) -> String {
+pub fn print(file: &File, mode: Dialect) -> String {
     let printer = Printer { mode, source: None };
-    with_stack(|| written(&decl::print_items(&printer, &file.items)))
+    with_large_stack(|| layout_text(&decl::print_items(&printer, &file.items)))
 }
 
 /// Formats a source text. A text with errors is not formatted: its errors are returned instead.
 ///
 /// The result has the same tree and the same comments, and formatting it again changes nothing. Its line ends are those
 /// of most lines of the text (`\n` or `\r\n`).
-pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
+pub fn format(text: &str, mode: Dialect) -> Result<String, Vec<Diagnostic>> {
     if !text.contains(CRLF) {
         return format_lines(text, mode);
     }
@@ -68,26 +68,26 @@ pub fn format(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
 const CRLF: &str = "\r\n";
 
 /// Formats a text without regard to `\r\n`.
-fn format_lines(text: &str, mode: Mode) -> Result<String, Vec<Finding>> {
+fn format_lines(text: &str, mode: Dialect) -> Result<String, Vec<Diagnostic>> {
     let (parsed, tokens) = parse_with_tokens(FileId(0), text, mode);
-    let is_error = |finding: &Finding| finding.severity() == Severity::Error;
-    let errors: Vec<Finding> = parsed.findings.into_iter().filter(is_error).collect();
+    let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
+    let errors: Vec<Diagnostic> = parsed.diagnostics.into_iter().filter(is_error).collect();
     if !errors.is_empty() {
         return Err(errors);
     }
     let source = Source::new(text, &tokens, &parsed.comments.all);
-    Ok(with_stack(|| {
+    Ok(with_large_stack(|| {
         let printer = Printer {
             mode,
             source: Some(&source),
         };
         let plain = decl::print_items(&printer, &parsed.file.items);
-        written(&weave(plain, &source))
+        layout_text(&insert_comments(plain, &source))
     }))
 }
 
-fn written(doc: &Doc) -> String {
-    match doc.is_nothing() {
+fn layout_text(doc: &Doc) -> String {
+    match doc.is_empty() {
         true => String::new(),
         false => lay_out(doc),
     }
@@ -95,7 +95,7 @@ fn written(doc: &Doc) -> String {
 
 /// Builder of documents from nodes of the tree.
 struct Printer<'a> {
-    mode: Mode,
+    mode: Dialect,
     /// Source text of the tree, if there is one. Its comments and empty lines are kept.
     source: Option<&'a Source<'a>>,
 }
@@ -107,13 +107,13 @@ impl Printer<'_> {
             .source
             .and_then(|source| source.text.get(..span.start as usize));
         let before = before.filter(|_| !span.is_none()).unwrap_or("");
-        let before = self.without_comments_behind(before);
+        let before = self.without_trailing_comments(before);
         let gap = &before[before.trim_end().len()..];
         gap.bytes().filter(|b| *b == b'\n').count() > 1
     }
 
     /// Returns a prefix of the source without the comments at its end that are on its last line.
-    fn without_comments_behind<'t>(&self, mut text: &'t str) -> &'t str {
+    fn without_trailing_comments<'t>(&self, mut text: &'t str) -> &'t str {
         let comments = self.source.map_or(&[][..], |source| source.comments);
         loop {
             let end = text.trim_end_matches([' ', '\t']).len();
@@ -128,7 +128,7 @@ impl Printer<'_> {
     }
 
     /// Extends `span` to the keyword before it, which has no span in the tree.
-    fn with_word(&self, span: Span) -> Span {
+    fn with_keyword(&self, span: Span) -> Span {
         let before = self.source.filter(|_| !span.is_none());
         let before = before.and_then(|source| source.token_before(span.start));
         before.map_or(span, |word| Span {
@@ -138,10 +138,10 @@ impl Printer<'_> {
     }
 
     /// Marks a document with its source offset, `span.start`, if the source has comments to align.
-    fn part(&self, span: Span, doc: Doc) -> Doc {
+    fn mark_offset(&self, span: Span, doc: Doc) -> Doc {
         match self.source {
             Some(source) if !span.is_none() && !source.comments.is_empty() => {
-                concat([Doc::At(span.start), doc])
+                concat([Doc::SourceOffset(span.start), doc])
             }
             _ => doc,
         }

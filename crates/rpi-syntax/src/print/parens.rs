@@ -1,28 +1,31 @@
 //! Parentheses that are required for a printed tree to parse back unchanged, by the table of operators.
 
 use crate::ast::{Expr, ExprKind};
-use crate::ops::{BinaryOp, Grouping, LEVEL_IF, LEVEL_PRIMARY, LEVEL_WHEN, Level, UnaryOp};
+use crate::ops::{
+    Associativity, BinaryOp, PRECEDENCE_IF, PRECEDENCE_PRIMARY, PRECEDENCE_WHEN, Precedence,
+    UnaryOp,
+};
 
 /// Returns the precedence level of the operator at the root of an expression.
-pub(super) fn level(expr: &Expr) -> Level {
+pub(super) fn level(expr: &Expr) -> Precedence {
     match &expr.kind {
-        ExprKind::If(_) | ExprKind::Quantified(_) => LEVEL_IF,
-        ExprKind::Binary(binary) => binary.op.level(),
-        ExprKind::Unary(op, _) => op.level(),
-        ExprKind::When(_) => LEVEL_WHEN,
-        _ => LEVEL_PRIMARY,
+        ExprKind::If(_) | ExprKind::Quantified(_) => PRECEDENCE_IF,
+        ExprKind::Binary(binary) => binary.op.precedence(),
+        ExprKind::Unary(op, _) => op.precedence(),
+        ExprKind::When(_) => PRECEDENCE_WHEN,
+        _ => PRECEDENCE_PRIMARY,
     }
 }
 
 /// Returns whether a left operand of `op` needs parentheses.
 pub(super) fn left(op: BinaryOp, lhs: &Expr) -> bool {
-    let groups_left = op.grouping() == Grouping::Left;
-    before(op.level(), groups_left, lhs)
+    let groups_left = op.associativity() == Associativity::Left;
+    before(op.precedence(), groups_left, lhs)
 }
 
 /// Returns whether the sampled value, left of `when`, needs parentheses.
 pub(super) fn sampled(value: &Expr) -> bool {
-    before(LEVEL_WHEN, true, value)
+    before(PRECEDENCE_WHEN, true, value)
 }
 
 /// Returns whether a right operand of `op` needs parentheses.
@@ -30,8 +33,8 @@ pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
     if is_prefix(rhs) {
         return false;
     }
-    let groups_right = op.grouping() == Grouping::Right;
-    level(rhs) < op.level() || level(rhs) == op.level() && !groups_right
+    let groups_right = op.associativity() == Associativity::Right;
+    level(rhs) < op.precedence() || level(rhs) == op.precedence() && !groups_right
 }
 
 /// Returns whether the operand of a unary operator needs parentheses.
@@ -43,7 +46,7 @@ pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
         UnaryOp::Current => begins_with_minus(operand) || begins_with_bracket(operand),
         _ => false,
     };
-    looks_else || !is_prefix(operand) && level(operand) < op.level()
+    looks_else || !is_prefix(operand) && level(operand) < op.precedence()
 }
 
 /// Returns whether an expression needs parentheses before `.f` or `[i]`.
@@ -53,13 +56,13 @@ pub(super) fn base(base: &Expr) -> bool {
         base.kind,
         Bool(_) | Number(_) | Quantity(_) | Str(_) | Merge(_)
     );
-    literal || level(base) < LEVEL_PRIMARY
+    literal || level(base) < PRECEDENCE_PRIMARY
 }
 
 /// Returns whether an expression before an operator of this precedence level needs parentheses.
-fn before(op: Level, groups_left: bool, expr: &Expr) -> bool {
+fn before(op: Precedence, groups_left: bool, expr: &Expr) -> bool {
     let weaker = !is_prefix(expr) && (level(expr) < op || level(expr) == op && !groups_left);
-    weaker || open_end(expr) <= op
+    weaker || trailing_level(expr) <= op
 }
 
 /// Returns whether the root of an expression is a prefix operator or an `if`.
@@ -70,14 +73,14 @@ fn is_prefix(expr: &Expr) -> bool {
 /// Returns the lowest precedence level of an operator whose last operand ends with the expression.
 ///
 /// Such an operand would also absorb a following operator of higher precedence.
-fn open_end(expr: &Expr) -> Level {
+fn trailing_level(expr: &Expr) -> Precedence {
     match &expr.kind {
-        ExprKind::If(_) => LEVEL_IF,
-        ExprKind::Unary(op, inner) if operand(*op, inner) => op.level(),
-        ExprKind::Unary(op, inner) => op.level().min(open_end(inner)),
-        ExprKind::Binary(binary) if right(binary.op, &binary.rhs) => LEVEL_PRIMARY,
-        ExprKind::Binary(binary) => open_end(&binary.rhs),
-        _ => LEVEL_PRIMARY,
+        ExprKind::If(_) => PRECEDENCE_IF,
+        ExprKind::Unary(op, inner) if operand(*op, inner) => op.precedence(),
+        ExprKind::Unary(op, inner) => op.precedence().min(trailing_level(inner)),
+        ExprKind::Binary(binary) if right(binary.op, &binary.rhs) => PRECEDENCE_PRIMARY,
+        ExprKind::Binary(binary) => trailing_level(&binary.rhs),
+        _ => PRECEDENCE_PRIMARY,
     }
 }
 
@@ -91,7 +94,7 @@ fn begins_with_bracket(expr: &Expr) -> bool {
         ExprKind::Index(index) => begins_with_bracket(&index.base),
         ExprKind::Slice(slice) => begins_with_bracket(&slice.base),
         ExprKind::Field(field) => begins_with_bracket(&field.base),
-        ExprKind::Bits(of) => begins_with_bracket(&of.base),
+        ExprKind::BitRange(of) => begins_with_bracket(&of.base),
         ExprKind::Update(update) => update.is_keyed && begins_with_bracket(&update.base),
         _ => false,
     }

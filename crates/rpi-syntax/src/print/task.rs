@@ -5,7 +5,7 @@ use super::body::{block, one_line_body};
 use super::call;
 use super::decl;
 use super::expr;
-use super::layout::{Doc, concat, group, indent, nothing, text, word};
+use super::layout::{Doc, concat, empty, group, indent, text, word};
 use super::list;
 use super::ty;
 use crate::ast::*;
@@ -25,7 +25,7 @@ pub(super) fn print_task(printer: &Printer<'_>, task: &TaskDecl) -> Doc {
     let params = decl::print_params(printer, &task.params);
     let head = group(concat([word("task "), name, statics, indent(params)]));
     let steps = print_steps(printer, &task.steps);
-    concat([head, Doc::Hard, block("let", steps, "tel")])
+    concat([head, Doc::HardLine, block("let", steps, "tel")])
 }
 
 fn print_steps(printer: &Printer<'_>, steps: &[Step]) -> Doc {
@@ -57,7 +57,7 @@ fn print_step(printer: &Printer<'_>, kind: &StepKind, columns: Columns) -> Doc {
             repeat(printer, head, steps)
         }
         StepKind::Parallel(strands) => parallel(printer, strands),
-        StepKind::Broken(_) => nothing(),
+        StepKind::Error(_) => empty(),
     }
 }
 
@@ -66,7 +66,7 @@ fn repeat(printer: &Printer<'_>, head: Doc, steps: &[Step]) -> Doc {
     let simple = |step: &Step| matches!(step.kind, StepKind::Run(_)) && step.doc.is_none();
     if steps.len() > 2 || !steps.iter().all(simple) {
         let steps = print_steps(printer, steps);
-        return concat([head, Doc::Hard, block("let", steps, "tel")]);
+        return concat([head, Doc::HardLine, block("let", steps, "tel")]);
     }
     let steps = steps.iter().flat_map(|step| {
         [
@@ -79,11 +79,11 @@ fn repeat(printer: &Printer<'_>, head: Doc, steps: &[Step]) -> Doc {
 }
 
 /// Prints `parallel` with one block below the other.
-fn parallel(printer: &Printer<'_>, strands: &[Strand]) -> Doc {
+fn parallel(printer: &Printer<'_>, strands: &[ParallelBranch]) -> Doc {
     let mut parts = vec![word("parallel")];
     for strand in strands {
         let steps = print_steps(printer, &strand.steps);
-        parts.extend([Doc::Hard, block("let", steps, "tel")]);
+        parts.extend([Doc::HardLine, block("let", steps, "tel")]);
     }
     concat(parts)
 }
@@ -109,7 +109,7 @@ fn print_run(printer: &Printer<'_>, run: &Run, columns: Columns) -> Doc {
 fn print_label(run: &Run, columns: Columns) -> Doc {
     match &run.label {
         Some(label) => text(format!("{:1$}", format!("{}: ", label.name), columns.label)),
-        None => nothing(),
+        None => empty(),
     }
 }
 
@@ -123,8 +123,8 @@ fn run_call(printer: &Printer<'_>, run: &Run) -> Doc {
 fn print_branches(printer: &Printer<'_>, branches: &[Branch]) -> Doc {
     let branches = list::print_phrase_parts(printer, branches, |_, i, branch| {
         let bar = if i == 0 { "" } else { "| " };
-        let on: Vec<&str> = branch.on.iter().map(on_result).collect();
-        let (on, then) = (on.join(", "), next(&branch.then));
+        let on: Vec<&str> = branch.results.iter().map(on_result).collect();
+        let (on, then) = (on.join(", "), next(&branch.next));
         text(format!("{bar}on {on} then {then}"))
     });
     concat(branches)
@@ -166,23 +166,23 @@ fn width_in_column(printer: &Printer<'_>, run: &Run, label: usize) -> Option<usi
     };
     let call = run_call(&plain, run).flat_width()?;
     let branches = group(print_branches(&plain, &run.branches)).flat_width()?;
-    (label + call + branches <= ROOM).then_some(call)
+    (label + call + branches <= MAX_STEP_WIDTH).then_some(call)
 }
 
 /// Maximum width of a step on one line. The rest of the line is left for indentation.
-const ROOM: usize = super::layout::WIDTH - 10;
+const MAX_STEP_WIDTH: usize = super::layout::MAX_WIDTH - 10;
 
-fn on_result(result: &OnResult) -> &str {
+fn on_result(result: &ResultPattern) -> &str {
     match result {
-        OnResult::Named(name) => &name.name,
-        OnResult::Fail(_) => "fail",
-        OnResult::Any(_) => "any",
+        ResultPattern::Named(name) => &name.name,
+        ResultPattern::Fail(_) => "fail",
+        ResultPattern::Any(_) => "any",
     }
 }
 
-fn next(next: &Next) -> &str {
+fn next(next: &NextStep) -> &str {
     match next {
-        Next::Step(label) => &label.name,
-        Next::End(_) => "end",
+        NextStep::Step(label) => &label.name,
+        NextStep::End(_) => "end",
     }
 }

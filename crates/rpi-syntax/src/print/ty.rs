@@ -4,19 +4,19 @@ use super::Printer;
 use super::call;
 use super::decl;
 use super::expr;
-use super::layout::{Doc, concat, nothing, text, word};
+use super::layout::{Doc, concat, empty, text, word};
 use super::list;
 use super::list::{PORTS, SPACED_COMMAS, SPACED_SEMIS, SQUARE, STATIC_PARAMS};
-use crate::Mode;
+use crate::Dialect;
 use crate::ast::*;
 use crate::ops::BinaryOp;
 use std::fmt::Write as _;
 
 pub(super) fn print_ty(printer: &Printer<'_>, ty: &Type) -> Doc {
     match &ty.kind {
-        TypeKind::Bool => printer.part(ty.span, word("bool")),
-        TypeKind::Int => printer.part(ty.span, word("int")),
-        TypeKind::Real(None) => printer.part(ty.span, word("real")),
+        TypeKind::Bool => printer.mark_offset(ty.span, word("bool")),
+        TypeKind::Int => printer.mark_offset(ty.span, word("int")),
+        TypeKind::Real(None) => printer.mark_offset(ty.span, word("real")),
         TypeKind::Real(Some(unit)) => concat([word("real["), print_unit(unit), word("]")]),
         TypeKind::Named(named) => named_type(printer, named),
         TypeKind::Array(array) => concat([
@@ -49,12 +49,14 @@ pub(super) fn print_ty(printer: &Printer<'_>, ty: &Type) -> Doc {
             concat([word("enum "), values])
         }
         TypeKind::Tuple(types) => list::print_list(printer, SQUARE, types, |ty| ty.span, print_ty),
-        TypeKind::Refined(refined) => concat([word("subtype "), print_refined(printer, refined)]),
-        TypeKind::Data(all) => list::print_phrases(printer, all, |p, i, constructor| {
+        TypeKind::Refinement(refined) => {
+            concat([word("subtype "), print_refined(printer, refined)])
+        }
+        TypeKind::Datatype(all) => list::print_phrases(printer, all, |p, i, constructor| {
             let bar = word(if i == 0 { "" } else { "| " });
             let name = print_name(p, &constructor.name);
             let fields = match &constructor.fields[..] {
-                [] => nothing(),
+                [] => empty(),
                 fields => concat([word(" "), print_ports(p, fields)]),
             };
             concat([bar, name, fields])
@@ -63,12 +65,12 @@ pub(super) fn print_ty(printer: &Printer<'_>, ty: &Type) -> Doc {
             let fields = list::print_list(printer, SPACED_SEMIS, fields, |f| f.span, var_decl);
             concat([word("struct "), fields])
         }
-        TypeKind::Broken => nothing(),
+        TypeKind::Error => empty(),
     }
 }
 
 /// Prints a refinement type: `{ x: int | x > 0 }`.
-pub(super) fn print_refined(printer: &Printer<'_>, refined: &Refined) -> Doc {
+pub(super) fn print_refined(printer: &Printer<'_>, refined: &RefinementType) -> Doc {
     let name = print_name(printer, &refined.name);
     let (base, condition) = (
         print_ty(printer, &refined.base),
@@ -87,15 +89,15 @@ pub(super) fn print_refined(printer: &Printer<'_>, refined: &Refined) -> Doc {
 
 fn named_type(printer: &Printer<'_>, named: &NamedType) -> Doc {
     let args = match printer.mode {
-        Mode::Rpi => call::static_args(printer, &named.statics),
-        Mode::Lustre => call::type_args(printer, "<", &named.statics),
+        Dialect::Rpi => call::static_args(printer, &named.statics),
+        Dialect::Lustre => call::type_args(printer, "<", &named.statics),
     };
     let head = concat([print_name(printer, &named.name), args]);
     let Some(frames) = &named.frames else {
         return head;
     };
-    let in_frame = text(dotted(&frames.in_frame));
-    let frames = match &frames.of {
+    let in_frame = text(dotted(&frames.reference));
+    let frames = match &frames.located {
         Some(of) => concat([text(dotted(of)), word(" in "), in_frame]),
         None => in_frame,
     };
@@ -116,7 +118,7 @@ fn subrange(printer: &Printer<'_>, range: &Subrange) -> Doc {
         Some(bound) => expr::print_expr(printer, bound),
         None => word("*"),
     };
-    let (from, to) = (bound(&range.from), bound(&range.to));
+    let (from, to) = (bound(&range.lower), bound(&range.upper));
     concat([word("subrange ["), from, word(", "), to, word("] of int")])
 }
 
@@ -186,8 +188,10 @@ pub(super) fn print_ports(printer: &Printer<'_>, ports: &[VarDecl]) -> Doc {
 /// Prints static parameters with a space before them: `<<a: T; type t>>`.
 pub(super) fn static_params(printer: &Printer<'_>, params: &[StaticParam]) -> Doc {
     match params {
-        [] => nothing(),
-        params if printer.mode == Mode::Lustre && params.iter().all(is_bare) => type_params(params),
+        [] => empty(),
+        params if printer.mode == Dialect::Lustre && params.iter().all(is_bare) => {
+            type_params(params)
+        }
         params => {
             let list = list::print_list(printer, STATIC_PARAMS, params, |p| p.span, static_param);
             concat([word(" "), list])
@@ -198,14 +202,14 @@ pub(super) fn static_params(printer: &Printer<'_>, params: &[StaticParam]) -> Do
 fn static_param(printer: &Printer<'_>, param: &StaticParam) -> Doc {
     let written = match &param.kind {
         StaticParamKind::Type(name, constraint) => {
-            let constraint = constraint.as_ref().map_or_else(nothing, |constraint| {
+            let constraint = constraint.as_ref().map_or_else(empty, |constraint| {
                 concat([word(": "), print_name(printer, constraint)])
             });
             concat([word("type "), print_name(printer, name), constraint])
         }
         StaticParamKind::Value(def) => {
             // Lustre V6 requires a keyword before each static parameter.
-            let head = if printer.mode == Mode::Lustre {
+            let head = if printer.mode == Dialect::Lustre {
                 "const "
             } else {
                 ""
@@ -213,7 +217,7 @@ fn static_param(printer: &Printer<'_>, param: &StaticParam) -> Doc {
             concat([word(head), constant(printer, def)])
         }
         StaticParamKind::Node(kind, signature) => concat([
-            word(kind.word()),
+            word(kind.keyword()),
             word(" "),
             decl::print_signature(printer, signature),
         ]),
@@ -223,7 +227,7 @@ fn static_param(printer: &Printer<'_>, param: &StaticParam) -> Doc {
 
 /// Prints a name, with its source offset.
 pub(super) fn print_name(printer: &Printer<'_>, name: &Ident) -> Doc {
-    printer.part(name.span, text(&*name.name))
+    printer.mark_offset(name.span, text(&*name.name))
 }
 
 /// Returns whether the size of an array is plain arithmetic, which needs no parentheses.
@@ -260,7 +264,7 @@ pub(super) fn type_params(params: &[StaticParam]) -> Doc {
     });
     let names: Vec<&str> = names.collect();
     match &names[..] {
-        [] => nothing(),
+        [] => empty(),
         all => text(format!("<{}>", all.join("; "))),
     }
 }

@@ -1,29 +1,31 @@
 //! Tests of the formatter: it keeps the tree and the comments, and it is idempotent.
 
-use crate::support::{assert_same, comments, exact, meaning, parse_clean, programs};
-use rpi_syntax::{Mode, format, print};
+use crate::support::{
+    assert_same, comments, dump_with_parens, dump_without_parens, parse_clean, programs,
+};
+use rpi_syntax::{Dialect, format, print};
 use std::path::Path;
 
 #[track_caller]
-fn formatted(text: &str, mode: Mode) -> String {
+fn formatted(text: &str, mode: Dialect) -> String {
     format(text, mode).unwrap_or_else(|_| panic!("has errors:\n{text}"))
 }
 
 /// Checks the properties of the formatter for a text without errors.
 #[track_caller]
-pub(crate) fn check(text: &str, mode: Mode) {
+pub(crate) fn check(text: &str, mode: Dialect) {
     check_beside(text, mode, &[",", ";"]);
 }
 
 /// Checks the properties of the formatter. Comments may move past the tokens in `passed`.
 #[track_caller]
-pub(crate) fn check_beside(text: &str, mode: Mode, passed: &[&str]) {
+pub(crate) fn check_beside(text: &str, mode: Dialect, passed: &[&str]) {
     let before = parse_clean(text, mode);
     let once = formatted(text, mode);
     let after = parse_clean(&once, mode);
     assert_same(
-        &exact(&before.file),
-        &exact(&after.file),
+        &dump_with_parens(&before.file),
+        &dump_with_parens(&after.file),
         &format!("in\n{text}\n---\n{once}\nthe tree changes"),
     );
     // A property in a block comment becomes a line comment, and comments within it are moved before it.
@@ -67,7 +69,11 @@ fn trees_without_text_read_back() {
         let tree = parse_clean(&program.text, program.mode).file;
         let text = print(&tree, program.mode);
         let again = parse_clean(&text, program.mode).file;
-        assert_same(&meaning(&tree), &meaning(&again), "the tree changes");
+        assert_same(
+            &dump_without_parens(&tree),
+            &dump_without_parens(&again),
+            "the tree changes",
+        );
         assert_same(
             &text,
             &formatted(&text, program.mode),
@@ -87,7 +93,7 @@ fn programs_become_formatted_ones() {
         let read = |path: &Path| std::fs::read_to_string(path).expect("it is UTF-8");
         let name = path.file_name().unwrap_or_default();
         let wanted = read(&Path::new(folder).with_file_name("formatted").join(name));
-        let mode = Mode::of_path(&path.display().to_string());
+        let mode = Dialect::from_path(&path.display().to_string());
         assert_same(
             &wanted,
             &formatted(&read(&path), mode),
@@ -106,7 +112,7 @@ fn formatted_programs_stay_as_they_are() {
     for entry in std::fs::read_dir(folder).expect("the folder is there") {
         let path = entry.expect("it can be listed").path();
         let text = std::fs::read_to_string(&path).expect("it is UTF-8");
-        let mode = Mode::of_path(&path.display().to_string());
+        let mode = Dialect::from_path(&path.display().to_string());
         assert_same(&text, &formatted(&text, mode), "formatting changes it");
         count += 1;
     }
@@ -122,8 +128,8 @@ fn texts_without_declarations_begin_with_what_they_hold() {
         ("\n-- only\n\n\n(* two *)\n", "-- only\n\n(* two *)\n"),
         ("--| only\n", "--| only\n"),
     ] {
-        assert_eq!(formatted(text, Mode::Rpi), wanted);
-        assert_eq!(formatted(wanted, Mode::Rpi), wanted);
+        assert_eq!(formatted(text, Dialect::Rpi), wanted);
+        assert_eq!(formatted(wanted, Dialect::Rpi), wanted);
     }
 }
 
@@ -144,7 +150,7 @@ fn lines_end_as_most_of_them_do() {
 #[test]
 fn faults_stand_where_they_are_in_lines_that_end_in_another_way() {
     let text = "-- one\r\n(* two\r\n *)\r\nconst n: int = ;\r\n";
-    let faults = format(text, Mode::Rpi).expect_err("a value is missing");
+    let faults = format(text, Dialect::Rpi).expect_err("a value is missing");
     let at = faults[0].span();
     assert_eq!(text.get(at.start as usize..at.end as usize), Some(";"));
 }

@@ -1,10 +1,10 @@
 //! Tests of the front end on whole programs, on programs with errors, and on generated trees.
 
-mod borders;
-mod broken;
+mod comment_positions;
+mod contextual_keywords;
+mod diagnostics;
 mod format;
-mod names;
+mod generated_trees;
 mod precedence;
-mod prefixes;
 mod support;
-mod trees;
+mod truncated;

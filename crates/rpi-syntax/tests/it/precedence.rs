@@ -1,14 +1,14 @@
 //! Tests of operator precedence and associativity.
 
-use crate::support::{meaning, parse_clean};
+use crate::support::{dump_without_parens, parse_clean};
 use rpi_diag::FileId;
-use rpi_syntax::ops::{BINARY, Grouping, UNARY, UnaryOp, UnaryRow};
-use rpi_syntax::{Mode, parse, print};
+use rpi_syntax::ops::{Associativity, BINARY, UNARY, UnaryOp, UnaryOpInfo};
+use rpi_syntax::{Dialect, parse, print};
 
 /// Returns the dump of an expression's tree, without the program around it.
 fn tree(expr: &str) -> String {
     let text = format!("const x = {expr};");
-    let dump = meaning(&parse_clean(&text, Mode::Rpi).file);
+    let dump = dump_without_parens(&parse_clean(&text, Dialect::Rpi).file);
     let flat = dump.split_whitespace().collect::<Vec<_>>().join(" ");
     let inner = flat.strip_prefix("(const (def (names x) (value ");
     inner
@@ -89,17 +89,18 @@ fn every_pair_of_operators_groups_by_the_table() {
     for first in both() {
         for second in both() {
             let chain = format!("a {} b {} c", first.spelling, second.spelling);
-            let left = first.level > second.level
-                || first.level == second.level && first.grouping == Grouping::Left;
+            let left = first.precedence > second.precedence
+                || first.precedence == second.precedence
+                    && first.associativity == Associativity::Left;
             let grouped = match left {
                 true => format!("(a {} b) {} c", first.spelling, second.spelling),
                 false => format!("a {} (b {} c)", first.spelling, second.spelling),
             };
-            if first.level == second.level && first.grouping == Grouping::None {
+            if first.precedence == second.precedence && first.associativity == Associativity::None {
                 let text = format!("const x = {chain};");
-                let findings = parse(FileId(0), &text, Mode::Rpi).findings;
-                assert_eq!(findings.len(), 1, "{chain}");
-                assert_eq!(findings[0].code.as_str(), "RPI0009");
+                let diagnostics = parse(FileId(0), &text, Dialect::Rpi).diagnostics;
+                assert_eq!(diagnostics.len(), 1, "{chain}");
+                assert_eq!(diagnostics[0].code.as_str(), "RPI0009");
             } else {
                 same(&chain, &grouped);
             }
@@ -110,11 +111,11 @@ fn every_pair_of_operators_groups_by_the_table() {
 #[test]
 fn every_unary_operator_groups_by_the_table() {
     // `last` applies to names only; before a bracket it is a name itself.
-    let plain = |unary: &&UnaryRow| unary.op != UnaryOp::Last && !unary.only_lustre;
+    let plain = |unary: &&UnaryOpInfo| unary.op != UnaryOp::Last && !unary.only_lustre;
     for unary in UNARY.iter().filter(plain) {
         for binary in BINARY.iter().filter(|row| !row.only_lustre) {
             let chain = format!("{} a {} b", unary.spelling, binary.spelling);
-            let grouped = match unary.level > binary.level {
+            let grouped = match unary.precedence > binary.precedence {
                 true => format!("({} a) {} b", unary.spelling, binary.spelling),
                 false => format!("{} (a {} b)", unary.spelling, binary.spelling),
             };
@@ -142,12 +143,12 @@ fn printing_sets_the_parentheses_that_are_needed() {
         "-(-x when c)",
     ] {
         let text = format!("const x = {expr};\n");
-        let mut file = parse_clean(&text, Mode::Rpi).file;
-        super::trees::strip_parens(&mut file);
-        let printed = print(&file, Mode::Rpi);
+        let mut file = parse_clean(&text, Dialect::Rpi).file;
+        super::generated_trees::strip_parens(&mut file);
+        let printed = print(&file, Dialect::Rpi);
         assert_eq!(
-            meaning(&parse_clean(&printed, Mode::Rpi).file),
-            meaning(&file),
+            dump_without_parens(&parse_clean(&printed, Dialect::Rpi).file),
+            dump_without_parens(&file),
             "{printed}"
         );
         assert_eq!(

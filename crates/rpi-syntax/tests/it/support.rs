@@ -2,14 +2,14 @@
 
 use rpi_diag::{FileId, SourceMap, Style, render};
 use rpi_syntax::ast::File;
-use rpi_syntax::{Mode, Parens, Parse, dump_ast, parse};
+use rpi_syntax::{Dialect, Parens, Parse, dump_ast, parse};
 use std::path::Path;
 
 /// Program of `tests/programs`.
 pub(crate) struct Program {
     pub(crate) name: String,
     pub(crate) text: String,
-    pub(crate) mode: Mode,
+    pub(crate) mode: Dialect,
 }
 
 /// Returns all programs of `tests/programs`, sorted by name.
@@ -26,7 +26,7 @@ pub(crate) fn programs() -> Vec<Program> {
         Program {
             name: name.to_owned(),
             text: std::fs::read_to_string(path).expect("programs are UTF-8"),
-            mode: Mode::of_path(name),
+            mode: Dialect::from_path(name),
         }
     };
     paths.iter().map(program).collect()
@@ -34,12 +34,12 @@ pub(crate) fn programs() -> Vec<Program> {
 
 /// Parses a text without errors. Panics with the rendered errors if there are any.
 #[track_caller]
-pub(crate) fn parse_clean(text: &str, mode: Mode) -> Parse {
+pub(crate) fn parse_clean(text: &str, mode: Dialect) -> Parse {
     let parsed = parse(FileId(0), text, mode);
     let errors: Vec<_> = parsed
-        .findings
+        .diagnostics
         .iter()
-        .filter(|finding| finding.severity() == rpi_diag::Severity::Error)
+        .filter(|diagnostic| diagnostic.severity() == rpi_diag::Severity::Error)
         .cloned()
         .collect();
     if !errors.is_empty() {
@@ -51,12 +51,12 @@ pub(crate) fn parse_clean(text: &str, mode: Mode) -> Parse {
 }
 
 /// Dumps a tree with the parentheses of the source.
-pub(crate) fn exact(file: &File) -> String {
+pub(crate) fn dump_with_parens(file: &File) -> String {
     dump_ast(file, Parens::Keep)
 }
 
 /// Dumps a tree without the parentheses of the source.
-pub(crate) fn meaning(file: &File) -> String {
+pub(crate) fn dump_without_parens(file: &File) -> String {
     dump_ast(file, Parens::Drop)
 }
 
@@ -70,7 +70,7 @@ pub(crate) fn comments(
     let (mut before, mut reached, mut waiting) = (String::new(), 0, 0);
     for comment in &parsed.comments.all {
         let [start, end] = [comment.span.start, comment.span.end].map(|at| at as usize);
-        settle(
+        note_neighbours(
             &mut found,
             &mut waiting,
             &mut before,
@@ -80,7 +80,7 @@ pub(crate) fn comments(
         found.push((written, before.clone(), String::new()));
         reached = end;
     }
-    settle(
+    note_neighbours(
         &mut found,
         &mut waiting,
         &mut before,
@@ -90,7 +90,7 @@ pub(crate) fn comments(
 }
 
 /// Stores the first word as the token after the waiting comments, and the last as the token before the next ones.
-fn settle(
+fn note_neighbours(
     found: &mut [(String, String, String)],
     waiting: &mut usize,
     before: &mut String,

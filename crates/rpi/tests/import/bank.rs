@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use rpi_device::{DeviceBank, PortId, PortName, Refusal, ResolveError};
+use rpi_device::{DeviceBank, PortId, PortQuery, Rejection, ResolveError};
 use rpi_sim::{Cell, SimBank};
 
 /// Two arms side by side. The nets start from the positions at their recording, so the arm's check of the first
@@ -24,32 +24,32 @@ enforce = []
 pub(crate) type SetPoints = BTreeMap<String, Vec<u64>>;
 
 /// Simulated devices that log their set-points.
-pub(crate) struct Noting {
+pub(crate) struct RecordingBank {
     bank: SimBank,
     names: BTreeMap<PortId, String>,
-    told: SetPoints,
+    set_points: SetPoints,
 }
 
-impl Noting {
+impl RecordingBank {
     /// Creates the devices of a cell; `period_ns` is the period of the command that moves them.
     pub(crate) fn new(cell: &str, period_ns: u64) -> Self {
         let cell = Cell::parse("cell.toml", cell).unwrap_or_else(|faults| panic!("{faults}"));
-        Noting {
+        RecordingBank {
             bank: SimBank::new(&cell, period_ns as f64 * 1e-9),
             names: BTreeMap::new(),
-            told: BTreeMap::new(),
+            set_points: BTreeMap::new(),
         }
     }
 
     /// Ends a cycle and returns its set-points.
     pub(crate) fn step(&mut self) -> SetPoints {
         self.bank.step();
-        std::mem::take(&mut self.told)
+        std::mem::take(&mut self.set_points)
     }
 }
 
-impl DeviceBank for Noting {
-    fn resolve(&mut self, name: &PortName<'_>) -> Result<PortId, ResolveError> {
+impl DeviceBank for RecordingBank {
+    fn resolve(&mut self, name: &PortQuery<'_>) -> Result<PortId, ResolveError> {
         let port = self.bank.resolve(name)?;
         self.names.insert(port, format!("{name:?}"));
         Ok(port)
@@ -63,24 +63,25 @@ impl DeviceBank for Noting {
         self.bank.resources(port)
     }
 
-    fn begin(&mut self, resource: u32, ticks: u32) {
-        self.bank.begin(resource, ticks);
+    fn begin_command(&mut self, resource: u32, ticks: u32) {
+        self.bank.begin_command(resource, ticks);
     }
 
     fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
         self.bank.read(port, value)
     }
 
-    fn check(&mut self, port: PortId, value: &[u64]) -> Refusal {
-        self.bank.check(port, value)
+    fn check_set_point(&mut self, port: PortId, value: &[u64]) -> Rejection {
+        self.bank.check_set_point(port, value)
     }
 
-    fn error(&self, port: PortId) -> i64 {
-        self.bank.error(port)
+    fn error_code(&self, port: PortId) -> i64 {
+        self.bank.error_code(port)
     }
 
     fn write(&mut self, port: PortId, value: &[u64]) {
-        self.told.insert(self.names[&port].clone(), value.to_vec());
+        self.set_points
+            .insert(self.names[&port].clone(), value.to_vec());
         self.bank.write(port, value);
     }
 
@@ -88,8 +89,8 @@ impl DeviceBank for Noting {
         self.bank.call(port, arguments, result)
     }
 
-    fn moving(&self, resource: u32) -> bool {
-        self.bank.moving(resource)
+    fn is_moving(&self, resource: u32) -> bool {
+        self.bank.is_moving(resource)
     }
 
     fn stop(&mut self, resource: u32) {

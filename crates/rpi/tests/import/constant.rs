@@ -31,7 +31,7 @@ fn constant(net: &Net, known: &[Option<Vec<Value>>], id: NodeId) -> Option<Vec<V
             .as_ref()?
             .get(usize::from(port.port))
             .cloned(),
-        Source::Open => None,
+        Source::Unconnected => None,
     };
     let inputs: Vec<Value> = node.inputs.iter().map(value).collect::<Option<_>>()?;
     let inputs: Vec<&Value> = inputs.iter().collect();

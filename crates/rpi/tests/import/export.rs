@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_driver::{Input, Kind, compile, emit, import, read};
+use rpi_driver::{Input, InputKind, compile, emit, import, read};
 use rpi_net::Net;
 
-use crate::run::act_alike;
-use crate::trip::program;
+use crate::round_trip::program;
+use crate::run::compare_nets;
 
 /// Period of the examples in ns.
 const PERIOD_NS: u64 = 1_000_000;
@@ -20,15 +20,15 @@ pub(crate) fn come_back(path: &Path) -> Result<(), String> {
     }
     let cell = std::fs::read_to_string(path.with_file_name("cell.toml")).unwrap_or_default();
     for net in compiled.nets() {
-        let (text, findings) = emit::rpinet(net);
-        if !findings.is_empty() {
-            return Err(format!("{findings:?}"));
+        let (text, diagnostics) = emit::rpinet(net);
+        if !diagnostics.is_empty() {
+            return Err(format!("{diagnostics:?}"));
         }
         let read = as_read(&text)?;
         let imported = program(import::to_program(&read));
         let imported = imported.map_err(|e| format!("{} as a program: {e}", net.name))?;
         for other in [read, imported] {
-            let moves = act_alike(net, &other, &cell, PERIOD_NS);
+            let moves = compare_nets(net, &other, &cell, PERIOD_NS);
             match moves.map_err(|e| format!("{}: {e}", net.name))? {
                 true => {}
                 false => return Err(format!("{} moves nothing", net.name)),
@@ -41,13 +41,13 @@ pub(crate) fn come_back(path: &Path) -> Result<(), String> {
 fn as_read(text: &str) -> Result<Net, String> {
     let input = Input {
         path: PathBuf::from("written.rpinet"),
-        kind: Kind::Rpinet,
+        kind: InputKind::Rpinet,
         bytes: text.as_bytes().to_vec(),
     };
     let compiled = compile(&input).map_err(|e| e.to_string())?;
     match compiled.nets() {
         [net] => Ok(net.clone()),
-        _ => Err(format!("{:?}", compiled.findings)),
+        _ => Err(format!("{:?}", compiled.diagnostics)),
     }
 }
 
@@ -64,15 +64,15 @@ fn what_a_net_cannot_hold_is_told() {
             .and_then(|rest| rest.split("```").next());
         let input = Input {
             path: PathBuf::from("page.rpi"),
-            kind: Kind::Rpi,
+            kind: InputKind::Rpi,
             bytes: text.expect("the page has both").as_bytes().to_vec(),
         };
         let compiled = compile(&input).expect("a program is text");
         let [net] = compiled.nets() else {
-            panic!("{:?}", compiled.findings)
+            panic!("{:?}", compiled.diagnostics)
         };
-        let (text, findings) = emit::rpinet(net);
-        assert_eq!(findings.len(), told, "{findings:?}");
+        let (text, diagnostics) = emit::rpinet(net);
+        assert_eq!(diagnostics.len(), told, "{diagnostics:?}");
         assert!(text.contains("outTerminate=") && text.contains("Key='done'"));
     }
 }

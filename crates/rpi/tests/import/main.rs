@@ -5,8 +5,8 @@ mod constant;
 mod export;
 mod nets;
 mod replay;
+mod round_trip;
 mod run;
-mod trip;
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ fn programs_of_the_second_generation_move_the_arms_as_their_nets_do() {
 }
 
 fn move_the_arms_alike(nets: &[PathBuf]) {
-    let outcomes = in_parallel(nets, |net| run::does_the_same(net));
+    let outcomes = in_parallel(nets, |net| run::behaves_alike(net));
     let moving = outcomes.iter().filter(|o| **o == Ok(true)).count();
     none_wrong(nets, outcomes.into_iter().map(|o| o.map(|_| ())).collect());
     // Some nets wait for an external input before they move anything.

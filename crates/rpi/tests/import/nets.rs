@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Returns all nets in a shared folder by name; none if the folder does not exist.
 pub(crate) fn below(folder: &str) -> Vec<PathBuf> {
-    let Some(folder) = rpi_testkit::shared_path("nets").map(|nets| nets.join(folder)) else {
+    let Some(folder) = rpi_testkit::external_data_path("nets").map(|nets| nets.join(folder)) else {
         return Vec::new();
     };
     let files = folder.read_dir().expect("a folder of nets");

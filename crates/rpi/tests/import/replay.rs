@@ -6,23 +6,23 @@ use std::path::Path;
 use rpi_image::Value;
 use rpi_net::{FragmentId, FragmentPort, Input, Net, NodeId, PortRef};
 use rpi_record::trace::Trace;
-use rpi_replay::replay::{Options, Report, replay};
+use rpi_replay::trace_compare::{CompareReport, Options, replay};
 
 use crate::constant::constants;
 use crate::nets;
-use crate::trip::Trip;
+use crate::round_trip::RoundTrip;
 
 /// Marker of added nodes in names; no name in a net has it.
 const ADDED: char = '#';
 
 /// A net of the corpus is imported as a program that agrees with its trace.
 pub(crate) fn agrees(path: &Path) -> Result<(), String> {
-    let trip = Trip::of(path)?;
+    let trip = RoundTrip::from_file(path)?;
     let text = trace_of(path);
     let before = run(&trip.old, &text)?;
     let lost = lost(&trip)?;
     let text = without(&text, &lost, before.renumbered);
-    let report = run(&named_as_before(&trip), &text)?;
+    let report = run(&with_original_names(&trip), &text)?;
     // Added nodes have no rows in the trace, so the replay takes them as recorded absent.
     let differing = report.ports.iter().any(|port| !port.port.contains(ADDED));
     match differing || !report.unmatched.is_empty() {
@@ -31,7 +31,7 @@ pub(crate) fn agrees(path: &Path) -> Result<(), String> {
     }
 }
 
-fn run(net: &Net, trace: &str) -> Result<Report, String> {
+fn run(net: &Net, trace: &str) -> Result<CompareReport, String> {
     let trace = Trace::parse(trace).map_err(|e| e.to_string())?;
     replay(net, &trace, &Options::default()).map_err(|e| e.to_string())
 }
@@ -49,7 +49,7 @@ fn trace_of(path: &Path) -> String {
 
 /// Returns the paths of nodes that the program's net lacks because they are constants, now inlined, and of fragments
 /// with nothing else in them. Anything else missing is an error.
-fn lost(trip: &Trip) -> Result<BTreeSet<String>, String> {
+fn lost(trip: &RoundTrip) -> Result<BTreeSet<String>, String> {
     let constants = constants(&trip.old);
     let mut lost = BTreeSet::new();
     for id in trip
@@ -74,7 +74,7 @@ fn lost(trip: &Trip) -> Result<BTreeSet<String>, String> {
         let path = trip
             .old
             .path(fragment.parent.unwrap_or(FragmentId::ROOT), &fragment.name);
-        let gives = |port: &FragmentPort| now(&port.source, trip, &constants);
+        let gives = |port: &FragmentPort| map_input(&port.source, trip, &constants);
         if !fragment
             .outputs
             .iter()
@@ -120,7 +120,7 @@ fn shifted(name: &str, shift: i64) -> String {
 }
 
 /// Returns the program's net with the names of the original net, and with its ports at the borders of fragments.
-fn named_as_before(trip: &Trip) -> Net {
+fn with_original_names(trip: &RoundTrip) -> Net {
     let mut net = trip.new.clone();
     let back: BTreeMap<NodeId, NodeId> = trip.nodes.iter().map(|(a, b)| (*b, *a)).collect();
     for id in trip.new.node_ids() {
@@ -138,7 +138,7 @@ fn named_as_before(trip: &Trip) -> Net {
         let ports = old.outputs.iter().filter_map(|port| {
             Some(FragmentPort {
                 name: port.name.clone(),
-                source: now(&port.source, trip, &constants)?,
+                source: map_input(&port.source, trip, &constants)?,
             })
         });
         new.outputs = ports.collect();
@@ -147,7 +147,7 @@ fn named_as_before(trip: &Trip) -> Net {
 }
 
 /// Maps a link of the original net to the new one.
-fn now(source: &Input, trip: &Trip, constants: &[Option<Vec<Value>>]) -> Option<Input> {
+fn map_input(source: &Input, trip: &RoundTrip, constants: &[Option<Vec<Value>>]) -> Option<Input> {
     let Input::Port(port) = source else {
         return Some(source.clone());
     };

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use rpi_core::{Machine, Moment, Verdict};
-use rpi_driver::lower_to_run;
-use rpi_image::image::{End, EndKind};
+use rpi_core::{CycleContext, Instance, Verdict};
+use rpi_driver::lower_for_execution;
+use rpi_image::image::{CommandEnd, CommandEndKind};
 use rpi_net::Net;
 
-use crate::bank::{Noting, SetPoints, TWO_ARMS};
-use crate::trip::Trip;
+use crate::bank::{RecordingBank, SetPoints, TWO_ARMS};
+use crate::round_trip::RoundTrip;
 
 /// Number of cycles of a run, longer than most motions of the nets.
 const CYCLES: usize = 200;
@@ -22,19 +22,19 @@ const POSE: usize = 7;
 
 /// Observable behaviour of a net in a cycle.
 #[derive(Debug)]
-struct Did {
-    told: SetPoints,
+struct CycleBehaviour {
+    set_points: SetPoints,
     /// Exported values by key; an absent value is missing.
     published: BTreeMap<String, Vec<u64>>,
     /// Whether the net has ended, and if so, whether with an error.
     ended: Option<bool>,
 }
 
-impl Did {
+impl CycleBehaviour {
     /// Compares up to rounding: the text form of rotations uses angles.
-    fn is_like(&self, other: &Did) -> bool {
+    fn is_like(&self, other: &CycleBehaviour) -> bool {
         self.ended == other.ended
-            && alike(&self.told, &other.told)
+            && alike(&self.set_points, &other.set_points)
             && alike(&self.published, &other.published)
     }
 }
@@ -59,14 +59,19 @@ fn alike(a: &BTreeMap<String, Vec<u64>>, b: &BTreeMap<String, Vec<u64>>) -> bool
 
 /// Checks that a net and its program behave alike, without errors except those that the net reports itself. Returns
 /// whether an arm had a set-point.
-pub(crate) fn does_the_same(path: &Path) -> Result<bool, String> {
-    let trip = Trip::of(path)?;
-    act_alike(&trip.old, &trip.new, TWO_ARMS, PERIOD_NS)
+pub(crate) fn behaves_alike(path: &Path) -> Result<bool, String> {
+    let trip = RoundTrip::from_file(path)?;
+    compare_nets(&trip.old, &trip.new, TWO_ARMS, PERIOD_NS)
 }
 
 /// Checks that two nets behave alike in a cell; the second one may export more. Returns whether a device had a
 /// set-point.
-pub(crate) fn act_alike(old: &Net, new: &Net, cell: &str, period_ns: u64) -> Result<bool, String> {
+pub(crate) fn compare_nets(
+    old: &Net,
+    new: &Net,
+    cell: &str,
+    period_ns: u64,
+) -> Result<bool, String> {
     let before = run(old, cell, period_ns)?;
     let mut after = run(new, cell, period_ns)?;
     let keys = before.iter().flat_map(|did| did.published.keys());
@@ -78,24 +83,24 @@ pub(crate) fn act_alike(old: &Net, new: &Net, cell: &str, period_ns: u64) -> Res
     match pairs.find(|(_, (a, b))| !a.is_like(b)) {
         Some((cycle, (a, b))) => Err(format!("cycle {cycle}: {a:?} became {b:?}")),
         None if before.len() != after.len() => Err("one goes on after the other".to_owned()),
-        None => Ok(before.iter().any(|did| !did.told.is_empty())),
+        None => Ok(before.iter().any(|did| !did.set_points.is_empty())),
     }
 }
 
-fn run(net: &Net, cell: &str, period_ns: u64) -> Result<Vec<Did>, String> {
-    let image = lower_to_run(net, period_ns)?;
-    let mut bank = Noting::new(cell, period_ns);
-    let mut machine = Machine::load(image, &mut bank).map_err(|faults| format!("{faults:?}"))?;
+fn run(net: &Net, cell: &str, period_ns: u64) -> Result<Vec<CycleBehaviour>, String> {
+    let image = lower_for_execution(net, period_ns)?;
+    let mut bank = RecordingBank::new(cell, period_ns);
+    let mut machine = Instance::load(image, &mut bank).map_err(|faults| format!("{faults:?}"))?;
     let mut all = Vec::new();
     for _ in 0..CYCLES {
-        machine.read(&mut bank, &Moment::default());
+        machine.read(&mut bank, &CycleContext::default());
         machine.evaluate(&mut bank);
         let published = published(&machine);
         machine.commit();
         machine.hand_over(&mut bank);
         let ended = ended(&machine)?;
-        all.push(Did {
-            told: bank.step(),
+        all.push(CycleBehaviour {
+            set_points: bank.step(),
             published,
             ended,
         });
@@ -106,25 +111,25 @@ fn run(net: &Net, cell: &str, period_ns: u64) -> Result<Vec<Did>, String> {
     Ok(all)
 }
 
-fn published(machine: &Machine) -> BTreeMap<String, Vec<u64>> {
+fn published(machine: &Instance) -> BTreeMap<String, Vec<u64>> {
     let exports = machine.image().exports.iter();
     let present = exports.filter_map(|e| Some((e.key.clone(), machine.value(e.value)?.to_vec())));
     present.collect()
 }
 
 /// Returns whether the run has ended, and if so, whether with an error.
-fn ended(machine: &Machine) -> Result<Option<bool>, String> {
+fn ended(machine: &Instance) -> Result<Option<bool>, String> {
     match machine.verdict(&[]) {
         None => Ok(None),
         Some(Verdict::Terminate(error)) => Ok(Some(error != 0)),
         Some(Verdict::Result(k)) => match &machine.image().end {
-            End::Results(results) => Ok(Some(results[k].kind == EndKind::Fail)),
-            End::Ports { .. } => Err("a result of none".to_owned()),
+            CommandEnd::Results(results) => Ok(Some(results[k].kind == CommandEndKind::Fail)),
+            CommandEnd::Ports { .. } => Err("a result of none".to_owned()),
         },
         Some(Verdict::Fault(fault)) => {
             let place = machine
                 .image()
-                .place_of(fault.cell)
+                .location_of(fault.slot)
                 .map(|place| &place.path);
             Err(format!("{:?} at {place:?}", fault.code))
         }

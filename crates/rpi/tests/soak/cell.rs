@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rpi_driver::{Input, Kind, compile, lower_to_run};
+use rpi_driver::{Input, InputKind, compile, lower_for_execution};
 use rpi_image::Image;
 use rpi_sim::Cell;
 
@@ -41,15 +41,15 @@ pub(crate) fn images(random: &mut Random) -> Vec<(Arms, Arc<Image>)> {
         .collect();
     let input = Input {
         path: PathBuf::from("soak.rpi"),
-        kind: Kind::Rpi,
+        kind: InputKind::Rpi,
         bytes: format!("use motion;\n{text}").into_bytes(),
     };
     let compiled = compile(&input).unwrap_or_else(|e| panic!("{e}"));
-    assert!(!compiled.has_errors(), "{:?}", compiled.findings);
+    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let image = |k: usize| {
         let name = format!("Go{k}");
         let net = compiled.nets().iter().find(|net| net.name == name);
-        let image = lower_to_run(net.expect("it was written"), TICK_NS);
+        let image = lower_for_execution(net.expect("it was written"), TICK_NS);
         Arc::new(image.unwrap_or_else(|e| panic!("{e}")))
     };
     sets.iter()

@@ -5,11 +5,11 @@
 //! `RPI_TAKEOVERS` sets the number of takeovers; `cargo xtask soak` runs a million.
 
 mod cell;
-mod life;
-mod watch;
+mod limit_check;
+mod random_requests;
 
-use life::Life;
-use rpi_testkit::resident;
+use random_requests::RandomDriver;
+use rpi_testkit::resident_memory_kb;
 
 rpi_testkit::trap_allocations!();
 
@@ -18,12 +18,12 @@ const TAKEOVERS: u64 = 10_000;
 #[test]
 fn arms_are_never_let_go_of() {
     let wanted = std::env::var("RPI_TAKEOVERS").map_or(TAKEOVERS, |n| n.parse().expect("a number"));
-    let mut life = Life::new(wanted);
+    let mut life = RandomDriver::new(wanted);
     let early = wanted / 10;
     life.run_until(early);
-    let settled = resident("VmRSS:");
+    let settled = resident_memory_kb("VmRSS:");
     life.run_until(wanted);
-    let grown = resident("VmRSS:").saturating_sub(settled);
+    let grown = resident_memory_kb("VmRSS:").saturating_sub(settled);
     println!("{life}, {grown} kB more than after {early}");
     life.come_to_rest();
     life.is_eventful();

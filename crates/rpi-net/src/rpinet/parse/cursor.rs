@@ -1,108 +1,111 @@
 //! Character cursor of the net parser, and the syntax errors that it reports.
 
-use super::super::text::{Place, Word};
-use super::{List, Parsed, Parser, Stop};
-use rpi_diag::{Code, Finding, Span};
+use super::super::parsed_text::{TextRange, Word};
+use super::{List, ParseResult, Parser, SyntaxError};
+use rpi_diag::{Code, Diagnostic, Span};
 
 /// Steps through characters.
 impl<'t> Parser<'t> {
     pub(super) fn peek(&self) -> Option<u8> {
-        self.out.text.as_bytes().get(self.at).copied()
+        self.out.text.as_bytes().get(self.offset).copied()
     }
 
     /// Skips one character.
     pub(super) fn bump(&mut self) {
-        let next = self.out.text[self.at..].chars().next();
-        self.at += next.map_or(0, char::len_utf8);
+        let next = self.out.text[self.offset..].chars().next();
+        self.offset += next.map_or(0, char::len_utf8);
     }
 
     pub(super) fn eat(&mut self, sign: u8) -> bool {
         let found = self.peek() == Some(sign);
-        self.at += usize::from(found);
+        self.offset += usize::from(found);
         found
     }
 
     pub(super) fn space(&mut self) {
-        self.at = after_space(self.out.text.as_bytes(), self.at);
+        self.offset = after_space(self.out.text.as_bytes(), self.offset);
     }
 
-    pub(super) fn expect(&mut self, sign: u8, why: &str) -> Parsed<()> {
+    pub(super) fn expect(&mut self, sign: u8, why: &str) -> ParseResult<()> {
         self.space();
         if self.eat(sign) {
             return Ok(());
         }
         self.unexpected(&format!("`{}`", char::from(sign)));
-        if let Some(finding) = self.findings.last_mut() {
-            finding.help.push(why.to_owned());
+        if let Some(diagnostic) = self.diagnostics.last_mut() {
+            diagnostic.help.push(why.to_owned());
         }
-        Err(Stop)
+        Err(SyntaxError)
     }
 
-    pub(super) fn word(&mut self, what: &str) -> Parsed<Word> {
+    pub(super) fn word(&mut self, what: &str) -> ParseResult<Word> {
         self.space();
-        let at = self.at;
-        self.at = after_word(self.out.text.as_bytes(), at);
-        if self.at == at {
+        let at = self.offset;
+        self.offset = after_word(self.out.text.as_bytes(), at);
+        if self.offset == at {
             return Err(self.unexpected(what));
         }
-        Ok(Place::new(at, self.at))
+        Ok(TextRange::new(at, self.offset))
     }
 
     /// Parses a quoted text. `\'` and `\\` are escapes. The reference system does not escape quotes in a text; so a
     /// quote ends the text only if a token follows that may follow a text.
-    pub(super) fn quoted(&mut self) -> Parsed<Word> {
+    pub(super) fn quoted(&mut self) -> ParseResult<Word> {
         let bytes = self.out.text.as_bytes();
-        let start = self.at;
-        self.at += 1;
-        while let Some(&byte) = bytes.get(self.at) {
+        let start = self.offset;
+        self.offset += 1;
+        while let Some(&byte) = bytes.get(self.offset) {
             match byte {
-                b'\\' => self.at = (self.at + 2).min(bytes.len()),
-                b'\'' if ends_text(bytes, self.at + 1) => {
-                    self.at += 1;
-                    return Ok(Place::new(start + 1, self.at - 1));
+                b'\\' => self.offset = (self.offset + 2).min(bytes.len()),
+                b'\'' if ends_text(bytes, self.offset + 1) => {
+                    self.offset += 1;
+                    return Ok(TextRange::new(start + 1, self.offset - 1));
                 }
-                _ => self.at += 1,
+                _ => self.offset += 1,
             }
         }
-        self.at = bytes.len();
-        let finding = Finding::new(Code::RPI0102, "missing closing `'`")
-            .at(self.span(start, start + 1), "opened here")
+        self.offset = bytes.len();
+        let diagnostic = Diagnostic::new(Code::RPI0102, "missing closing `'`")
+            .primary(self.span(start, start + 1), "opened here")
             .help("close it with `'`, followed by `,` or `)`");
-        Err(self.fault(finding))
+        Err(self.error(diagnostic))
     }
 }
 
 /// Diagnostics.
 impl Parser<'_> {
     pub(super) fn span(&self, start: usize, end: usize) -> Span {
-        self.out.span(Place::new(start, end))
+        self.out.span(TextRange::new(start, end))
     }
 
-    pub(super) fn fault(&mut self, finding: Finding) -> Stop {
-        self.findings.push(finding);
-        Stop
+    pub(super) fn error(&mut self, diagnostic: Diagnostic) -> SyntaxError {
+        self.diagnostics.push(diagnostic);
+        SyntaxError
     }
 
-    pub(super) fn unexpected(&mut self, expected: &str) -> Stop {
-        let found = self.out.text[self.at..].chars().next();
-        let end = self.at + found.map_or(0, char::len_utf8);
+    pub(super) fn unexpected(&mut self, expected: &str) -> SyntaxError {
+        let found = self.out.text[self.offset..].chars().next();
+        let end = self.offset + found.map_or(0, char::len_utf8);
         let found = found.map_or("the end of the text".into(), |c| format!("`{c}`"));
         let message = format!("expected {expected}, found {found}");
-        let place = self.span(self.at, end);
-        self.fault(Finding::new(Code::RPI0101, message).at(place, "unexpected"))
+        let place = self.span(self.offset, end);
+        self.error(Diagnostic::new(Code::RPI0101, message).primary(place, "unexpected"))
     }
 
-    pub(super) fn unclosed(&mut self, list: List) -> Stop {
+    pub(super) fn unclosed(&mut self, list: List) -> SyntaxError {
         let close = char::from(list.close);
-        let end = self.span(self.at, self.at);
-        let finding = Finding::new(
+        let end = self.span(self.offset, self.offset);
+        let diagnostic = Diagnostic::new(
             Code::RPI0101,
             format!("expected `{close}`, found the end of the text"),
         )
-        .at(end, "the text ends here")
-        .also(self.span(list.open, list.open + 1), "opened here")
+        .primary(end, "the text ends here")
+        .secondary(
+            self.span(list.open_offset, list.open_offset + 1),
+            "opened here",
+        )
         .help("the text may have been cut off");
-        self.fault(finding)
+        self.error(diagnostic)
     }
 }
 

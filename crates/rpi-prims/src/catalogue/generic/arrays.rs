@@ -1,8 +1,8 @@
 //! Arrays of one element type: construction, access, slices and absence.
 
-use crate::bulk::Array;
-use crate::cx::{Cx, FaultCode};
-use crate::flow::Flow;
+use crate::aggregates::Array;
+use crate::context::{Context, FaultCode};
+use crate::value_types::FlowType;
 use rpi_image::{ShapeArgs, Type};
 
 /// Defines `Array`, `ArrayGet`, `ArraySet`, `ArraySlice`, `ArrayIsNull` and `ArraySetNull` of one element type.
@@ -14,9 +14,9 @@ macro_rules! arrays {
             in {}
             param { Size: i64 = Int(1) }
             out { outArray: Array<$t> }
-            shape Shape::Size("Size");
+            shape ShapeRule::FromParam("Size");
             presence strict work 8;
-            bulk |cx, _, (_,), (), (array,)| array.fill(cx.cells, <$t as Flow>::neutral())
+            bulk |cx, _, (_,), (), (array,)| array.fill(cx.slots, <$t as FlowType>::neutral())
         }
 
         primitive! {
@@ -25,7 +25,7 @@ macro_rules! arrays {
             in { inArray: Array<$t> }
             param { Size: i64 = Int(1); Index: i64 = Int(0) }
             out { outValue: $t }
-            shape Shape::Of(super::arrays::one::<$t>);
+            shape ShapeRule::Computed(super::arrays::one::<$t>);
             presence strict work 1 faults;
             full |cx, place, (), (_, index), (array,)| (super::arrays::get(cx, place, array, index),)
         }
@@ -36,10 +36,10 @@ macro_rules! arrays {
             in { inArray: Array<$t>; inValue: $t }
             param { Size: i64 = Int(1); Index: i64 = Int(0) }
             out { outArray: Array<$t> }
-            shape Shape::Of(super::arrays::with_index);
+            shape ShapeRule::Computed(super::arrays::with_index);
             presence strict work 8 faults;
             bulk |cx, place, (_, index), (from, value), (to,)| {
-                if !(to.copy(cx.cells, from, 0) && to.set(cx.cells, index, value)) {
+                if !(to.copy(cx.slots, from, 0) && to.set(cx.slots, index, value)) {
                     cx.fault(FaultCode::IndexOutOfRange, place);
                 }
             }
@@ -51,10 +51,10 @@ macro_rules! arrays {
             in { inArray: Array<$t> }
             param { Size: i64 = Int(1); Start: i64 = Int(0) }
             out { outArray: Array<$t> }
-            shape Shape::Of(super::arrays::slice::<$t>);
+            shape ShapeRule::Computed(super::arrays::slice::<$t>);
             presence strict work 8 faults;
             bulk |cx, place, (_, start), (from,), (to,)| {
-                if !to.copy(cx.cells, from, start) {
+                if !to.copy(cx.slots, from, start) {
                     cx.fault(FaultCode::IndexOutOfRange, place);
                 }
             }
@@ -75,11 +75,11 @@ macro_rules! arrays {
             in { inValue: Array<$t>; inNull: bool }
             param { Size: i64 = Int(1) }
             out { outValue: Array<$t> }
-            shape Shape::Like(0);
+            shape ShapeRule::SameAsInput(0);
             presence maybe work 8;
             bulk |cx, _, (_,), (from, null), (to,)| {
                 let from = from.filter(|_| null == Some(false));
-                from.is_some_and(|from| to.copy(cx.cells, from, 0))
+                from.is_some_and(|from| to.copy(cx.slots, from, 0))
             }
         }
     };
@@ -88,16 +88,16 @@ macro_rules! arrays {
 pub(super) use arrays;
 
 /// Returns the element at `index`; raises a fault and returns the neutral value if it is out of range.
-pub(super) fn get<T: Flow>(cx: &mut Cx<'_>, place: u32, array: Array<T>, index: i64) -> T {
-    array.get(cx.cells, index).unwrap_or_else(|| {
+pub(super) fn get<T: FlowType>(cx: &mut Context<'_>, place: u32, array: Array<T>, index: i64) -> T {
+    array.get(cx.slots, index).unwrap_or_else(|| {
         cx.fault(FaultCode::IndexOutOfRange, place);
         T::neutral()
     })
 }
 
 /// Returns the type of one element if parameter 1 is a valid index of input 0.
-pub(super) fn one<T: Flow>(args: &ShapeArgs<'_>) -> Option<Type> {
-    (args.size(1)? < args.len(0)?).then_some(Type::One(T::SCALAR))
+pub(super) fn one<T: FlowType>(args: &ShapeArgs<'_>) -> Option<Type> {
+    (args.size(1)? < args.len(0)?).then_some(Type::Scalar(T::SCALAR))
 }
 
 /// Returns the type of input 0 if parameter 1 is a valid index of it.
@@ -107,7 +107,7 @@ pub(super) fn with_index(args: &ShapeArgs<'_>) -> Option<Type> {
 
 /// Returns an array type with the length in parameter 0, if input 0 has that many elements from the index in parameter
 /// 1.
-pub(super) fn slice<T: Flow>(args: &ShapeArgs<'_>) -> Option<Type> {
+pub(super) fn slice<T: FlowType>(args: &ShapeArgs<'_>) -> Option<Type> {
     let (size, start) = (args.size(0)?, args.size(1)?);
     (start.checked_add(size)? <= args.len(0)?).then_some(Type::Array(T::SCALAR, size))
 }

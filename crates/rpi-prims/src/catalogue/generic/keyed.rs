@@ -4,9 +4,9 @@
 /// arrays.
 macro_rules! keyed {
     ($prefix:literal, $t:ty) => {
-        super::keyed::ports!($prefix, $t, NETCOMM_IN NETCOMM_OUT INTER_NETCOMM_IN INTER_NETCOMM_OUT, Shape::Fixed);
+        super::keyed::ports!($prefix, $t, NETCOMM_IN NETCOMM_OUT INTER_NETCOMM_IN INTER_NETCOMM_OUT, ShapeRule::Fixed);
         super::keyed::ports!(concat!($prefix, "Array"), Array<$t>,
-            ARRAY_NETCOMM_IN ARRAY_NETCOMM_OUT ARRAY_INTER_NETCOMM_IN ARRAY_INTER_NETCOMM_OUT, Shape::LikeParam("Value"));
+            ARRAY_NETCOMM_IN ARRAY_NETCOMM_OUT ARRAY_INTER_NETCOMM_IN ARRAY_INTER_NETCOMM_OUT, ShapeRule::SameAsParam("Value"));
     };
 }
 

@@ -15,13 +15,13 @@ macro_rules! operations {
             use super::keyed::keyed;
             use super::sampled::sampled;
             use super::scalars::{delay, scalars};
-            use crate::bulk::Array;
-            use crate::cx::FaultCode;
-            use crate::flow::{Flow, Time};
+            use crate::aggregates::Array;
+            use crate::context::FaultCode;
             use crate::macros::{interface, primitive};
             use crate::operand::Text;
             use crate::registry::Prim;
-            use rpi_image::{Role, Shape};
+            use crate::value_types::{FlowType, Time};
+            use rpi_image::{Role, ShapeRule};
 
             scalars!($prefix, $t);
             delay!($prefix, $t);
@@ -59,8 +59,8 @@ macro_rules! operations {
 operations!(boolean, "Core::Boolean", bool);
 operations!(int, "Core::Int", i64);
 operations!(double, "Core::Double", f64);
-operations!(vector, "World::Vector", crate::flow::Vector);
-operations!(rotation, "World::Rotation", crate::flow::Rotation);
-operations!(frame, "World::Frame", crate::flow::Pose);
-operations!(twist, "World::Twist", crate::flow::Twist);
-operations!(wrench, "World::Wrench", crate::flow::Wrench);
+operations!(vector, "World::Vector", crate::value_types::Vector);
+operations!(rotation, "World::Rotation", crate::value_types::Rotation);
+operations!(frame, "World::Frame", crate::value_types::Pose);
+operations!(twist, "World::Twist", crate::value_types::Twist);
+operations!(wrench, "World::Wrench", crate::value_types::Wrench);

@@ -1,9 +1,9 @@
 //! Values of earlier cycles: sample and hold, and look-up by age.
 
-use crate::bulk::Region;
-use crate::cx::Cx;
-use crate::flow::Flow;
-use crate::ring::Ring;
+use crate::aggregates::StateRange;
+use crate::context::Context;
+use crate::ring_buffer::RingBuffer;
+use crate::value_types::FlowType;
 use rpi_image::{SizeArgs, Value};
 
 /// Defines `Snapshot` and `AtTime` of one type.
@@ -17,7 +17,7 @@ macro_rules! sampled {
             param { Value: $t = Neutral }
             out { outValue: $t }
             state { $t }
-            init super::sampled::first_param;
+            init super::sampled::init_with_first_param;
             presence always work 2;
             full |_, _, (held,), (_,), (snapshot, value)| {
                 if snapshot == Some(true) {
@@ -35,7 +35,7 @@ macro_rules! sampled {
             in { inValue: $t; inAge: f64 = Age(Real(0.0)) }
             param { MaxAge: f64 = Real(1.0) }
             out { outValue: $t }
-            ring { super::sampled::history::<$t> }
+            ring { super::sampled::history_slots::<$t> }
             presence maybe work 4;
             full |cx, _, history, (max_age,), (value, age)| {
                 (super::sampled::at_time::<$t>(cx, *history, max_age, value, age),)
@@ -47,32 +47,32 @@ macro_rules! sampled {
 pub(super) use sampled;
 
 /// Initialises a state with the first parameter.
-pub(super) fn first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
-    let value = args.params.first().map_or(&[][..], Value::cells);
+pub(super) fn init_with_first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
+    let value = args.params.first().map_or(&[][..], Value::slots);
     if value.len() == state.len() {
         state.copy_from_slice(value);
     }
 }
 
 /// Returns the number of slots for a history of `MaxAge` seconds and the cycle before it.
-pub(in crate::catalogue) fn history<T: Flow>(args: &SizeArgs<'_>) -> u32 {
-    Ring::<T>::cells(args.cycles(0).saturating_add(1))
+pub(in crate::catalogue) fn history_slots<T: FlowType>(args: &SizeArgs<'_>) -> u32 {
+    RingBuffer::<T>::cells(args.cycles_of_param(0).saturating_add(1))
 }
 
 /// Returns the value `age` seconds before the previous cycle, then stores the current value.
-pub(in crate::catalogue) fn at_time<T: Flow>(
-    cx: &mut Cx<'_>,
-    history: Region,
+pub(in crate::catalogue) fn at_time<T: FlowType>(
+    cx: &mut Context<'_>,
+    history: StateRange,
     max_age: f64,
     value: Option<T>,
     age: Option<f64>,
 ) -> Option<T> {
     let age = age?;
-    let ring = Ring::<T>::of(history);
+    let ring = RingBuffer::<T>::from_region(history);
     let oldest = ring.capacity() - 1;
     // The look-up comes before the push, so that age 0 is the previous cycle.
-    let back = ring.back(cx.cells, cycles_back(age / max_age, oldest));
-    ring.push(cx.cells, value);
+    let back = ring.nth_back(cx.slots, cycles_back(age / max_age, oldest));
+    ring.push(cx.slots, value);
     back
 }
 

@@ -4,13 +4,13 @@
 use super::arrays::arrays;
 use super::keyed::keyed;
 use super::scalars::scalars;
-use crate::bulk::Array;
-use crate::cx::FaultCode;
-use crate::flow::{Flow, Time};
+use crate::aggregates::Array;
+use crate::context::FaultCode;
 use crate::macros::{interface, primitive};
 use crate::operand::Text;
 use crate::registry::Prim;
-use rpi_image::{Role, Shape};
+use crate::value_types::{FlowType, Time};
+use rpi_image::{Role, ShapeRule};
 
 scalars!("Rpi::Time", Time);
 arrays!("Rpi::Time", Time);

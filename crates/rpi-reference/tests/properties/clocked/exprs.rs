@@ -7,7 +7,7 @@ use crate::random::Random;
 
 /// Required properties of an expression: type, clock, and whether it may be absent at ticks of that clock.
 #[derive(Clone, Debug)]
-pub(crate) struct Want {
+pub(crate) struct Requirement {
     pub(crate) kind: Kind,
     pub(crate) clock: Clock,
     pub(crate) optional: bool,
@@ -44,7 +44,7 @@ pub(crate) struct Exprs<'m> {
 
 /// Form: the result type (`None` for any), the text, and the parts, which have the required type, clock and presence
 /// unless stated otherwise.
-type Row = (Option<Kind>, &'static str, &'static [Part]);
+type Form = (Option<Kind>, &'static str, &'static [Part]);
 
 #[derive(Clone, Copy)]
 enum Part {
@@ -53,55 +53,55 @@ enum Part {
     /// Like the whole, and never absent.
     Total,
     /// Of another type, and never absent.
-    Of(Kind),
+    OfType(Kind),
     /// Delayed flow.
     Delayed,
     /// Of this type and any clock; the value is not used.
-    Beside(Kind),
+    Unused(Kind),
 }
 
 use Kind::{Bool, Int, Mode, Pair, Row as Ints};
-use Part::{Beside, Delayed, Of, Own, Total};
+use Part::{Delayed, OfType, Own, Total, Unused};
 
 /// Forms for all clocks.
 #[rustfmt::skip]
-const FORMS: &[Row] = &[
+const FORMS: &[Form] = &[
     (None, "(@ -> @)", &[Own, Own]),
     (None, "(@ -> pre @)", &[Total, Delayed]),
     (None, "(@ -> pre @)", &[Total, Delayed]),
     (None, "(@ fby @)", &[Total, Delayed]),
-    (None, "(if @ then @ else @)", &[Of(Bool), Own, Own]),
+    (None, "(if @ then @ else @)", &[OfType(Bool), Own, Own]),
     (Some(Int), "((@ + @) mod 1000)", &[Own, Own]),
     (Some(Int), "((@ - @) mod 1000)", &[Own, Own]),
     (Some(Int), "((@ + 1) mod 1000)", &[Own]),
     (Some(Int), "((@ * 3) mod 50)", &[Own]),
     (Some(Int), "Count(@)", &[Total]),
-    (Some(Int), "(restart Count every @)(@)", &[Of(Bool), Total]),
-    (Some(Int), "condact(@, Count(@), @)", &[Of(Bool), Total, Total]),
-    (Some(Int), "(Pair{u = @; v = @}).u", &[Own, Beside(Int)]),
-    (Some(Int), "(Pair{u = @; v = @}).v", &[Beside(Int), Own]),
-    (Some(Int), "([@, @])[1]", &[Beside(Int), Own]),
-    (Some(Int), "(@).v", &[Of(Pair)]),
-    (Some(Int), "(@)[0]", &[Of(Ints)]),
+    (Some(Int), "(restart Count every @)(@)", &[OfType(Bool), Total]),
+    (Some(Int), "condact(@, Count(@), @)", &[OfType(Bool), Total, Total]),
+    (Some(Int), "(Pair{u = @; v = @}).u", &[Own, Unused(Int)]),
+    (Some(Int), "(Pair{u = @; v = @}).v", &[Unused(Int), Own]),
+    (Some(Int), "([@, @])[1]", &[Unused(Int), Own]),
+    (Some(Int), "(@).v", &[OfType(Pair)]),
+    (Some(Int), "(@)[0]", &[OfType(Ints)]),
     (Some(Bool), "(@ and @)", &[Own, Own]),
     (Some(Bool), "(@ or @)", &[Own, Own]),
     (Some(Bool), "(not @)", &[Own]),
-    (Some(Bool), "(@ < @)", &[Of(Int), Of(Int)]),
-    (Some(Bool), "(@ > 1)", &[Of(Int)]),
-    (Some(Bool), "(@ <> @)", &[Of(Pair), Of(Pair)]),
-    (Some(Bool), "(@ = Slow)", &[Of(Mode)]),
+    (Some(Bool), "(@ < @)", &[OfType(Int), OfType(Int)]),
+    (Some(Bool), "(@ > 1)", &[OfType(Int)]),
+    (Some(Bool), "(@ <> @)", &[OfType(Pair), OfType(Pair)]),
+    (Some(Bool), "(@ = Slow)", &[OfType(Mode)]),
     (Some(Bool), "(false -> @)", &[Own]),
-    (Some(Pair), "Pair{u = @; v = @}", &[Of(Int), Of(Int)]),
-    (Some(Pair), "(@ with .u = @)", &[Total, Of(Int)]),
-    (Some(Ints), "[@, @]", &[Of(Int), Of(Int)]),
-    (Some(Ints), "(@ ^ 2)", &[Of(Int)]),
-    (Some(Mode), "(if @ then Slow else @)", &[Of(Bool), Own]),
+    (Some(Pair), "Pair{u = @; v = @}", &[OfType(Int), OfType(Int)]),
+    (Some(Pair), "(@ with .u = @)", &[Total, OfType(Int)]),
+    (Some(Ints), "[@, @]", &[OfType(Int), OfType(Int)]),
+    (Some(Ints), "(@ ^ 2)", &[OfType(Int)]),
+    (Some(Mode), "(if @ then Slow else @)", &[OfType(Bool), Own]),
 ];
 
 impl Exprs<'_> {
     /// Returns an expression, not much deeper than `depth`. An expression without its own clock ticks in all cycles
     /// here.
-    pub(crate) fn expr(&mut self, scope: &Scope, want: &Want, depth: usize) -> Expr {
+    pub(crate) fn expr(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Expr {
         if depth == 0 || self.random.one_in(6) {
             return self.leaf(scope, want);
         }
@@ -125,14 +125,14 @@ impl Exprs<'_> {
         }
     }
 
-    fn of_form(&mut self, scope: &Scope, want: &Want, depth: usize) -> Expr {
+    fn of_form(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Expr {
         let lustre = self.lustre;
-        let fits = |(kind, text, _): &&Row| {
+        let fits = |(kind, text, _): &&Form| {
             // Lustre V6 has a different syntax for these.
             let known = !lustre || !text.starts_with("condact") && !text.contains(" with ");
             known && kind.is_none_or(|kind| kind == want.kind)
         };
-        let rows: Vec<&Row> = FORMS.iter().filter(fits).collect();
+        let rows: Vec<&Form> = FORMS.iter().filter(fits).collect();
         let (_, text, parts) = **self.random.pick(&rows);
         let parts = parts
             .iter()
@@ -148,8 +148,8 @@ impl Exprs<'_> {
         form(text, parts, want, clock)
     }
 
-    fn part(&mut self, part: Part, scope: &Scope, want: &Want, depth: usize) -> Expr {
-        let total = |kind| Want {
+    fn part(&mut self, part: Part, scope: &Scope, want: &Requirement, depth: usize) -> Expr {
+        let total = |kind| Requirement {
             kind,
             optional: false,
             ..want.clone()
@@ -157,8 +157,8 @@ impl Exprs<'_> {
         match part {
             Own => self.expr(scope, want, depth),
             Total => self.expr(scope, &total(want.kind), depth),
-            Of(kind) => self.expr(scope, &total(kind), depth),
-            Beside(kind) => {
+            OfType(kind) => self.expr(scope, &total(kind), depth),
+            Unused(kind) => {
                 let clocks = self.clocks(scope);
                 let clock = match self.lustre {
                     true => want.clock.clone(),
@@ -166,7 +166,7 @@ impl Exprs<'_> {
                 };
                 self.expr(
                     scope,
-                    &Want {
+                    &Requirement {
                         clock,
                         ..total(kind)
                     },
@@ -187,7 +187,7 @@ impl Exprs<'_> {
         }
     }
 
-    fn is_wanted(&self, id: FlowId, want: &Want) -> bool {
+    fn is_wanted(&self, id: FlowId, want: &Requirement) -> bool {
         let flow = &self.flows[id];
         flow.kind == want.kind && flow.clock == want.clock && (want.optional || !flow.optional)
     }
@@ -212,7 +212,7 @@ impl Exprs<'_> {
     }
 
     /// Returns a flow, unchanged or sampled, or a literal.
-    pub(crate) fn leaf(&mut self, scope: &Scope, want: &Want) -> Expr {
+    pub(crate) fn leaf(&mut self, scope: &Scope, want: &Requirement) -> Expr {
         let exact = scope.known.iter().filter(|id| self.is_wanted(**id, want));
         let exact: Vec<FlowId> = exact.copied().collect();
         let last = want.clock.last().cloned();
@@ -260,7 +260,7 @@ impl Exprs<'_> {
         }
     }
 
-    pub(crate) fn literal(&mut self, want: &Want) -> Expr {
+    pub(crate) fn literal(&mut self, want: &Requirement) -> Expr {
         let n = self.random.below(5);
         let text = match want.kind {
             Kind::Bool => (if n.is_multiple_of(2) { "true" } else { "false" }).to_owned(),
@@ -269,7 +269,7 @@ impl Exprs<'_> {
             Kind::Row => format!("[{n}, 7]"),
             Kind::Mode => (*self.random.pick(&["Off", "Slow", "Fast"])).to_owned(),
         };
-        let total = Want {
+        let total = Requirement {
             optional: false,
             ..want.clone()
         };
@@ -277,14 +277,14 @@ impl Exprs<'_> {
     }
 
     /// Returns `merge c (...)`.
-    fn merge(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+    fn merge(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
         let decider = self.decider(scope, &want.clock)?;
         let (mut text, mut parts) = (format!("(merge {}", decider.name), Vec::new());
         for on in samplings(&decider) {
             let clock = then(&want.clock, &on);
             parts.push(self.expr(
                 scope,
-                &Want {
+                &Requirement {
                     clock,
                     ..want.clone()
                 },
@@ -311,11 +311,11 @@ impl Exprs<'_> {
     }
 
     /// Returns a result of a call whose results have different clocks.
-    fn split(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+    fn split(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
         if self.lustre || want.kind != Kind::Int {
             return None;
         }
-        let total = Want {
+        let total = Requirement {
             optional: false,
             ..want.clone()
         };
@@ -332,7 +332,7 @@ impl Exprs<'_> {
         let decider = scope.deciders.iter().find(is_on)?.clone();
         let x = self.expr(
             scope,
-            &Want {
+            &Requirement {
                 clock: decider.clock.clone(),
                 ..total
             },
@@ -343,10 +343,10 @@ impl Exprs<'_> {
     }
 
     /// Returns `last x`.
-    fn last(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+    fn last(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
         let fits = |id: &&FlowId| self.flows[**id].kind == want.kind;
         let flow = *scope.last.iter().find(fits)?;
-        let total = Want {
+        let total = Requirement {
             optional: false,
             ..want.clone()
         };
@@ -356,11 +356,11 @@ impl Exprs<'_> {
     }
 
     /// Returns `current x`, which is absent before the first tick of x; in Lustre that would be an error.
-    fn current(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+    fn current(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
         let clock = self.slower(scope, &want.clock)?;
         let x = self.expr(
             scope,
-            &Want {
+            &Requirement {
                 clock,
                 ..want.clone()
             },
@@ -378,7 +378,7 @@ impl Exprs<'_> {
     }
 
     /// Returns an expression that is always present, made from one that may be absent.
-    fn present(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
+    fn present(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
         if self.lustre {
             return None;
         }
@@ -423,7 +423,7 @@ impl Exprs<'_> {
         }
         let clocks = self.clocks(scope);
         let clock = self.random.pick(&clocks).clone();
-        let want = Want {
+        let want = Requirement {
             kind,
             clock,
             optional: true,
@@ -432,8 +432,8 @@ impl Exprs<'_> {
     }
 
     /// Returns an expression that may be absent at ticks of its clock.
-    fn absent(&mut self, scope: &Scope, want: &Want, depth: usize) -> Option<Expr> {
-        let total = |kind| Want {
+    fn absent(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
+        let total = |kind| Requirement {
             kind,
             optional: false,
             ..want.clone()
@@ -477,14 +477,14 @@ fn when(value: Expr, on: &str, clock: Clock) -> Expr {
     Expr {
         kind: value.kind,
         optional: value.optional,
-        node: Node::Form(format!("(@ when {on})").into(), vec![value]),
+        node: Node::Template(format!("(@ when {on})").into(), vec![value]),
         clock: Some(clock),
     }
 }
 
-pub(crate) fn form(text: &str, parts: Vec<Expr>, want: &Want, clock: Option<Clock>) -> Expr {
+pub(crate) fn form(text: &str, parts: Vec<Expr>, want: &Requirement, clock: Option<Clock>) -> Expr {
     Expr {
-        node: Node::Form(text.into(), parts),
+        node: Node::Template(text.into(), parts),
         kind: want.kind,
         optional: want.optional,
         clock,

@@ -13,7 +13,7 @@
 //! | `shrink.rs` | reduction of failing programs |
 
 mod exprs;
-mod make;
+mod generator;
 mod model;
 mod shrink;
 mod vary;
@@ -22,11 +22,11 @@ mod write;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use rpi_driver::Kind;
+use rpi_driver::InputKind;
 use rpi_reference::Value;
 
 use crate::random::Random;
-use crate::run::{self, Ready, Rows};
+use crate::run::{self, CompiledNode, Rows};
 use crate::{CYCLES, PROGRAMS, SEED, alike, number};
 use model::Model;
 
@@ -35,24 +35,24 @@ const VARIANTS: u64 = 4;
 
 /// Returns the text of a random program.
 pub(crate) fn text(seed: u64, lustre: bool) -> String {
-    make::model(seed, lustre).text()
+    generator::model(seed, lustre).text()
 }
 
 /// Compiles a model, or returns the reason why that fails.
-fn ready(model: &Model) -> Result<Ready, String> {
-    Ready::of_kind(&model.text(), "main", kind(model))
+fn ready(model: &Model) -> Result<CompiledNode, String> {
+    CompiledNode::of_kind(&model.text(), "main", kind(model))
 }
 
-fn kind(model: &Model) -> Kind {
+fn kind(model: &Model) -> InputKind {
     if model.lustre {
-        Kind::Lustre
+        InputKind::Lustre
     } else {
-        Kind::Rpi
+        InputKind::Rpi
     }
 }
 
 /// Runs a program as an image and in the interpreter.
-fn runs(model: &Model, seed: u64) -> Result<(Rows, Vec<run::Seen>), String> {
+fn runs(model: &Model, seed: u64) -> Result<(Rows, Vec<run::CycleResult>), String> {
     let ready = ready(model)?;
     let mut rows = ready.rows(&mut Random::new(seed), CYCLES);
     rows.iter_mut().flatten().for_each(small);
@@ -73,10 +73,15 @@ fn small(value: &mut Value) {
 }
 
 /// Runs a variant of a program.
-fn varies(model: &Model, seed: u64, rows: &Rows, expected: &Vec<run::Seen>) -> Result<(), String> {
+fn varies(
+    model: &Model,
+    seed: u64,
+    rows: &Rows,
+    expected: &Vec<run::CycleResult>,
+) -> Result<(), String> {
     let mut random = Random::new(seed);
     let mut other = model.clone();
-    let (name, way) = *random.pick(vary::WAYS);
+    let (name, way) = *random.pick(vary::TRANSFORMATIONS);
     if !way(&mut other, &mut random) {
         return Ok(());
     }
@@ -127,7 +132,7 @@ fn holds_of_all(lustre: bool) {
     let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
     let mut sorts: BTreeMap<String, u64> = BTreeMap::new();
     for seed in first..first + programs {
-        let model = make::model(seed, lustre);
+        let model = generator::model(seed, lustre);
         let Err(why) = tried(&model, seed) else {
             continue;
         };

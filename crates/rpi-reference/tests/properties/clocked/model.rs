@@ -61,7 +61,7 @@ pub(crate) struct Expr {
 pub(crate) enum Node {
     Flow(FlowId),
     /// Text in which each `@` stands for a part.
-    Form(Rc<str>, Vec<Expr>),
+    Template(Rc<str>, Vec<Expr>),
 }
 
 /// Statement.
@@ -159,13 +159,13 @@ impl Expr {
     pub(crate) fn flows(&self, visit: &mut impl FnMut(FlowId)) {
         match &self.node {
             Node::Flow(flow) => visit(*flow),
-            Node::Form(_, parts) => parts.iter().for_each(|part| part.flows(visit)),
+            Node::Template(_, parts) => parts.iter().for_each(|part| part.flows(visit)),
         }
     }
 
     /// Calls `change` with all parts, the innermost first.
     pub(crate) fn each_mut(&mut self, change: &mut impl FnMut(&mut Expr)) {
-        if let Node::Form(_, parts) = &mut self.node {
+        if let Node::Template(_, parts) = &mut self.node {
             parts.iter_mut().for_each(|part| part.each_mut(change));
         }
         change(self);
@@ -174,7 +174,7 @@ impl Expr {
     pub(crate) fn size(&self) -> usize {
         match &self.node {
             Node::Flow(_) => 1,
-            Node::Form(_, parts) => 1 + parts.iter().map(Expr::size).sum::<usize>(),
+            Node::Template(_, parts) => 1 + parts.iter().map(Expr::size).sum::<usize>(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Reduction of a model that fails a test.
 
-use super::exprs::{Want, form};
+use super::exprs::{Requirement, form};
 use super::model::{Body, Clock, Expr, Kind, Model, Node, Statement};
 
 /// Largest number of attempts.
@@ -106,7 +106,7 @@ fn remove(body: &mut Body, is_next: &mut impl FnMut() -> bool, gone: &mut Vec<us
 
 /// Replaces an expression by one of its parts, or by a literal, of the same clock.
 fn smaller(expr: &mut Expr, is_next: &mut impl FnMut() -> bool) {
-    let Node::Form(_, parts) = &expr.node else {
+    let Node::Template(_, parts) = &expr.node else {
         return;
     };
     let (parts, kind) = (parts.clone(), expr.kind);
@@ -126,7 +126,7 @@ fn smaller(expr: &mut Expr, is_next: &mut impl FnMut() -> bool) {
 
 /// Returns a literal on a clock, if the clock can be named.
 fn literal(kind: Kind, clock: &Clock) -> Expr {
-    let want = Want {
+    let want = Requirement {
         kind,
         clock: [].into(),
         optional: false,

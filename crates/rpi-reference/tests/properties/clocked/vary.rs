@@ -3,17 +3,17 @@
 
 use std::collections::BTreeMap;
 
-use super::exprs::{Want, form};
+use super::exprs::{Requirement, form};
 use super::model::{
     Body, Bound, Declared, Equation, Expr, Flow, FlowId, Kind, Model, Node, State, Statement, Unit,
 };
 use crate::random::Random;
 
 /// Transformation of a program; returns false if it is not applicable.
-type Way = fn(&mut Model, &mut Random) -> bool;
+type Transformation = fn(&mut Model, &mut Random) -> bool;
 
 /// All transformations, by name.
-pub(crate) const WAYS: &[(&str, Way)] = &[
+pub(crate) const TRANSFORMATIONS: &[(&str, Transformation)] = &[
     ("shuffled", shuffled),
     ("declared", declared),
     ("named", named),
@@ -98,7 +98,7 @@ fn named(model: &mut Model, random: &mut Random) -> bool {
                     .as_ref()
                     .is_some_and(|clock| !lustre || has_name(clock));
                 // A call with several results is not a value on its own.
-                let is_value = matches!(&expr.node, Node::Form(text, _) if !text.starts_with("Sub") || text.contains(")."));
+                let is_value = matches!(&expr.node, Node::Template(text, _) if !text.starts_with("Sub") || text.contains(")."));
                 if fits && is_value {
                     places.push((k, part));
                 }
@@ -208,7 +208,7 @@ fn inlined(model: &mut Model, random: &mut Random) -> bool {
 }
 
 fn is_call(equation: &Equation) -> bool {
-    matches!(&equation.value.node, Node::Form(text, _) if text.starts_with("Sub"))
+    matches!(&equation.value.node, Node::Template(text, _) if text.starts_with("Sub"))
 }
 
 /// Returns whether all clocks of the flows defined by an equation have names. A clock without a name is a different one
@@ -236,12 +236,12 @@ fn part_of(equation: &Equation, place: usize, callees: &[Unit], flows: &[Flow]) 
         return equation.value.clone();
     }
     let target = &flows[equation.targets[place]];
-    let want = Want {
+    let want = Requirement {
         kind: target.kind,
         clock: target.clock.clone(),
         optional: target.optional,
     };
-    let Node::Form(text, args) = &equation.value.node else {
+    let Node::Template(text, args) = &equation.value.node else {
         return equation.value.clone();
     };
     let callee = callees
@@ -322,7 +322,7 @@ fn bundled(model: &mut Model, random: &mut Random) -> bool {
         };
         let targets = vec![a.targets[0], b.targets[0]];
         let whole = format!("q{}", targets[0]);
-        let want = Want {
+        let want = Requirement {
             kind: Kind::Pair,
             clock: [].into(),
             optional: false,
@@ -423,7 +423,7 @@ fn behind_a_call(model: &mut Model, random: &mut Random) -> bool {
     let name = |flow: &FlowId| model.flows[*flow].name.clone();
     let given: Vec<String> = inner.inputs.iter().map(name).collect();
     let results: Vec<String> = inner.outputs.iter().map(name).collect();
-    let want = Want {
+    let want = Requirement {
         kind: Kind::Int,
         clock: [].into(),
         optional: false,

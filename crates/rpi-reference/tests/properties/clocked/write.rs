@@ -113,7 +113,7 @@ impl Model {
     pub(crate) fn expr(&self, expr: &Expr) -> String {
         match &expr.node {
             Node::Flow(flow) => self.flows[*flow].name.clone(),
-            Node::Form(text, parts) => {
+            Node::Template(text, parts) => {
                 let mut out = String::new();
                 let mut parts = parts.iter();
                 for (k, piece) in text.split('@').enumerate() {

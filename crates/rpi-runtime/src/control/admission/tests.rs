@@ -1,4 +1,4 @@
-use rpi_core::{Condition, Fact, Refused};
+use rpi_core::{CommandError, Condition, Fact};
 
 use super::*;
 
@@ -15,33 +15,33 @@ fn books(claims: &[(u64, &[u32])]) -> Admission {
         granted_ns: GRANTED,
     }));
     for (number, (bound_ns, actuators)) in (1..).zip(claims) {
-        let claim = Claim {
+        let claim = CommandDemand {
             bound_ns: *bound_ns,
             actuators: (*actuators).into(),
             is_live: false,
-            runs: false,
-            asked: 0,
+            is_running: false,
+            pending_starts: 0,
         };
-        books.claims.insert(id(number), claim);
+        books.demands.insert(id(number), claim);
     }
     books
 }
 
-fn ask(books: &mut Admission, ticket: u64, start: u64) -> Result<(), TooMuch> {
+fn ask(books: &mut Admission, ticket: u64, start: u64) -> Result<(), BudgetExceededError> {
     let way = books.admit_start(id(start))?;
-    books.ask(Ticket(ticket), way);
+    books.request_sent(Ticket(ticket), way);
     Ok(())
 }
 
 /// Adds the rule with this number.
-fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), TooMuch> {
+fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), BudgetExceededError> {
     let way = books.admit_rule(RuleId(number), rule)?;
-    books.ask(Ticket(number), way);
-    books.hear(&answer(number, None));
+    books.request_sent(Ticket(number), way);
+    books.handle_event(&answer(number, None));
     Ok(())
 }
 
-fn answer(ticket: u64, refused: Option<Refused>) -> Event {
+fn answer(ticket: u64, refused: Option<CommandError>) -> Event {
     Event::Answer {
         ticket: Ticket(ticket),
         tick: 0,
@@ -67,15 +67,15 @@ fn what_was_refused_or_is_over_makes_room() {
     let mut books = books(&[(60, &[]), (60, &[])]);
     ask(&mut books, 1, 1).unwrap();
     assert!(ask(&mut books, 2, 2).is_err(), "the first is on its way");
-    books.hear(&answer(1, Some(Refused::Unknown)));
+    books.handle_event(&answer(1, Some(CommandError::Unknown)));
     ask(&mut books, 3, 2).unwrap();
-    books.hear(&answer(3, None));
+    books.handle_event(&answer(3, None));
     assert!(ask(&mut books, 4, 1).is_err(), "the second runs");
     let over = Notice::Orphaned {
         command: id(2),
         kept: true,
     };
-    books.hear(&Event::Notice(over));
+    books.handle_event(&Event::Notice(over));
     assert_eq!(ask(&mut books, 5, 1), Ok(()));
 }
 
@@ -114,14 +114,14 @@ fn what_has_started_by_a_rule_is_after_those_before() {
         ask(&mut books, 1, 1).unwrap();
         let rule = Rule::follow(id(1)).start(id(2));
         make(&mut books, 2, &rule).unwrap();
-        books.hear(&Event::Notice(Notice::Rule {
+        books.handle_event(&Event::Notice(Notice::Rule {
             rule: RuleId(2),
             outcome,
         }));
         ask(&mut books, 3, 3)
     };
-    assert!(over(Outcome::Dropped).is_err());
-    assert_eq!(over(Outcome::Fired), Ok(()));
+    assert!(over(RuleOutcome::Dropped).is_err());
+    assert_eq!(over(RuleOutcome::Fired), Ok(()));
 }
 
 /// A command stopped by a rule excludes its successor only if it was running; otherwise it can be started again
@@ -133,17 +133,17 @@ fn who_is_stopped_is_before_only_if_it_runs_then() {
         ask(&mut books, 1, 1).unwrap();
         if runs {
             let (command, tick) = (id(1), 0);
-            books.hear(&Event::Notice(Notice::Started { command, tick }));
+            books.handle_event(&Event::Notice(Notice::Started { command, tick }));
         }
         let rule = Rule::when(fact).stop(id(1)).start(id(2));
         make(&mut books, 2, &rule).is_ok()
     };
-    let export = || Condition::of(id(1), Fact::Export(0));
+    let export = || Condition::from_fact(id(1), Fact::Export(0));
     assert!(stopped(export(), false), "its export is of a cycle");
     assert!(stopped(Condition::always(), true));
     assert!(!stopped(Condition::always(), false));
 }
 #[test]
 fn the_code_is_in_the_table_of_diagnostics() {
-    assert_eq!(TooMuch::CODE, rpi_diag::Code::RPI7003.as_str());
+    assert_eq!(BudgetExceededError::CODE, rpi_diag::Code::RPI7003.as_str());
 }

@@ -4,9 +4,9 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::contract;
 use crate::check::diagnostics::report;
 use crate::check::signatures::imported;
-use crate::typed::{BlockId, ClaimKind, Equation, ExprId, FlowId, FlowRole, Place};
-use crate::typed::{Each, Kind};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{BlockId, ClaimKind, Equation, ExprId, FlowId, FlowRole, TargetPlace};
+use crate::typed::{ElementwiseOp, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Contract, Ident, VarDecl};
 use std::collections::BTreeSet;
 
@@ -18,12 +18,13 @@ pub(crate) fn check_contract_assumptions<'a>(
     contract: &'a Contract,
 ) -> Vec<ExprId> {
     let mut assumed = Vec::new();
-    cx.within(block, |body| {
+    cx.in_block(block, |body| {
         assumed.extend(imported::check_imports(body, block));
         contract::check_contract(body, contract);
     });
     let claims = cx.unit.block(block).claims.iter();
-    let about = claims.filter(|c| matches!(c.kind, ClaimKind::Assume | ClaimKind::Modes));
+    let about =
+        claims.filter(|c| matches!(c.kind, ClaimKind::Assume | ClaimKind::ModeCompleteness));
     assumed.extend(about.map(|claim| claim.condition));
     assumed
 }
@@ -47,11 +48,11 @@ pub(crate) fn check_assumptions<'a>(
             flow.name
         );
         let help = "an assumption may read inputs, and outputs of earlier cycles through `pre`";
-        let finding = Finding::new(Code::RPI4003, message)
-            .at(at, "read here")
-            .also(flow.span, "declared as an output here")
+        let diagnostic = Diagnostic::new(Code::RPI4003, message)
+            .primary(at, "read here")
+            .secondary(flow.span, "declared as an output here")
             .help(help);
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
@@ -61,16 +62,18 @@ fn find_output_read(cx: &Body<'_, '_>, id: ExprId, allowed: &[&Ident]) -> Option
         let flow = cx.unit.flow(id);
         flow.role == FlowRole::Output || allowed.iter().any(|port| port.name == flow.name)
     };
-    let (mut parts, mut seen) = (cx.unit.parts(id), BTreeSet::new());
+    let (mut parts, mut seen) = (cx.unit.traverse(id), BTreeSet::new());
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {
-            Kind::Each(Each::Pre, _) => {}
-            Kind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
-            Kind::Flow(flow) if seen.insert(*flow) => parts.also(defining_values(cx, *flow)),
+            TypedExprKind::Each(ElementwiseOp::Pre, _) => {}
+            TypedExprKind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
+            TypedExprKind::Flow(flow) if seen.insert(*flow) => {
+                parts.add_roots(defining_values(cx, *flow))
+            }
             // Whether a mode of an imported contract applies depends on the arguments of that contract. Its
             // requirements are assumptions of the imported contract, so that they are checked there.
             kind => match imported::imported_mode_args(cx, kind) {
-                Some(given) => parts.also(given),
+                Some(given) => parts.add_roots(given),
                 None => parts.enter(id),
             },
         }
@@ -82,7 +85,8 @@ fn find_output_read(cx: &Body<'_, '_>, id: ExprId, allowed: &[&Ident]) -> Option
 fn defining_values<'s>(cx: &'s Body<'_, '_>, flow: FlowId) -> impl Iterator<Item = ExprId> + 's {
     let defines = move |equation: &&Equation| {
         let mut targets = equation.targets.iter();
-        targets.any(|t| matches!(t.place, Place::Flow { flow: defined, .. } if defined == flow))
+        targets
+            .any(|t| matches!(t.place, TargetPlace::Flow { flow: defined, .. } if defined == flow))
     };
     let equations = cx.unit.blocks.iter().flat_map(|block| &block.equations);
     equations.filter(defines).map(|equation| equation.value)

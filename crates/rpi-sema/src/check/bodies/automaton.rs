@@ -8,31 +8,33 @@ use crate::check::bodies::defaults;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::bodies::statement;
-use crate::check::bodies::statement::Later;
+use crate::check::bodies::statement::DeferredCheck;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::undefined_names;
-use crate::hash::{Map, Set};
-use crate::program::twice;
-use crate::typed::{Automaton, BlockId, FlowId, FlowRole, Optional, Shared, State, Transition};
-use rpi_diag::{Code, Finding, Span};
+use crate::hash::{FastMap, FastSet};
+use crate::program::duplicate_name_error;
+use crate::typed::{
+    Automaton, BlockId, FlowId, FlowPresence, FlowRole, SharedFlow, State, Transition,
+};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, StatementKind};
 
 /// An automaton with the index of each state by name.
-type States<'a, 'm> = (&'a ast::Automaton, &'m Map<Name, u32>);
+type StateTable<'a, 'm> = (&'a ast::Automaton, &'m FastMap<Name, u32>);
 
 /// Maximum number of states recorded, for messages, as not defining a shared flow. The product of states and flows
 /// could be large.
-const MISSING: usize = 8;
+const MAX_MISSING: usize = 8;
 
 /// Declares the states of an automaton, their bodies, and the flows that they share.
 pub(crate) fn declare_automaton<'a>(
     cx: &mut Body<'_, 'a>,
     automaton: &'a ast::Automaton,
     span: Span,
-    later: &mut Vec<(BlockId, Later<'a>)>,
+    later: &mut Vec<(BlockId, DeferredCheck<'a>)>,
 ) {
-    cx.has_state(span);
+    cx.record_state(span);
     let mut states = Vec::new();
     report_duplicate_states(cx, automaton);
     for state in &automaton.states {
@@ -44,22 +46,22 @@ pub(crate) fn declare_automaton<'a>(
             until: Vec::new(),
         });
     }
-    let index = cx.current().automata.len();
+    let index = cx.current_block().automata.len();
     let (shared, places) = declare_shared_flows(cx, automaton);
-    cx.current().automata.push(Automaton {
+    cx.current_block().automata.push(Automaton {
         states: states.clone(),
-        initial: initial(automaton),
+        initial: initial_index(automaton),
         shared,
         span,
     });
     for (state, ast) in states.iter().zip(&automaton.states) {
         declare_state_flows(cx, index, state.block, ast, &places);
-        cx.within(state.block, |body| {
+        cx.in_block(state.block, |body| {
             statement::declare_body(body, &ast.body, later)
         });
     }
     let active = states.iter().zip(&automaton.states);
-    let active = active.filter(|(_, ast)| !is_only_passed(automaton, ast));
+    let active = active.filter(|(_, ast)| !is_never_active(automaton, ast));
     let active: Vec<BlockId> = active.map(|(state, _)| state.block).collect();
     for place in 0..places.len() {
         let block = &cx.unit.blocks[cx.block.0 as usize];
@@ -68,10 +70,10 @@ pub(crate) fn declare_automaton<'a>(
         let mut defining: Vec<BlockId> = defining.collect();
         defining.sort_unstable();
         let is_missing = |state: &&BlockId| defining.binary_search(state).is_err();
-        let missing = active.iter().filter(is_missing).take(MISSING);
-        cx.current().automata[index].shared[place].missing = missing.copied().collect();
+        let missing = active.iter().filter(is_missing).take(MAX_MISSING);
+        cx.current_block().automata[index].shared[place].missing = missing.copied().collect();
     }
-    later.push((cx.block, Later::Automaton(index, automaton)));
+    later.push((cx.block, DeferredCheck::Automaton(index, automaton)));
 }
 
 /// Returns the outer flow for each name that states define and do not declare (M14.4), in text order, and its index
@@ -79,9 +81,9 @@ pub(crate) fn declare_automaton<'a>(
 fn declare_shared_flows<'a>(
     cx: &mut Body<'_, 'a>,
     automaton: &'a ast::Automaton,
-) -> (Vec<Shared>, Map<Name, usize>) {
-    let (mut flows, mut places) = (Vec::new(), Map::default());
-    for name in candidates(automaton) {
+) -> (Vec<SharedFlow>, FastMap<Name, usize>) {
+    let (mut flows, mut places) = (Vec::new(), FastMap::default());
+    for name in shared_names(automaton) {
         let flow = match locals::find_in_block(cx, cx.block, &name.name) {
             Some(Local::Flow(flow)) if cx.unit.flow(flow).role.has_equation() => flow,
             // A name that no equation may define, such as an in-port, cannot be defined in a state either.
@@ -92,7 +94,7 @@ fn declare_shared_flows<'a>(
             }
         };
         places.insert(name.name.clone(), flows.len());
-        flows.push(Shared {
+        flows.push(SharedFlow {
             flow,
             states: Vec::new(),
             missing: Vec::new(),
@@ -108,22 +110,22 @@ fn declare_state_flows<'a>(
     index: usize,
     block: BlockId,
     state: &'a ast::State,
-    places: &Map<Name, usize>,
+    places: &FastMap<Name, usize>,
 ) {
-    for name in all_defined_names(state) {
+    for name in names_defined_in_state(state) {
         let Some(&place) = places.get(&name.name) else {
             continue;
         };
         if locals::find_in_block(cx, block, &name.name).is_some() {
             continue;
         }
-        let outer = cx.current().automata[index].shared[place].flow;
-        let inner = cx.within(block, |body| {
+        let outer = cx.current_block().automata[index].shared[place].flow;
+        let inner = cx.in_block(block, |body| {
             let inner = add_contribution(body, name, outer);
             locals::declare(body, name, Local::Flow(inner));
             inner
         });
-        cx.current().automata[index].shared[place]
+        cx.current_block().automata[index].shared[place]
             .states
             .push(inner);
     }
@@ -134,8 +136,8 @@ fn declare_state_flows<'a>(
 pub(crate) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowId) -> FlowId {
     let shared = cx.unit.flow(outer);
     let optional = match shared.optional {
-        Optional::Declared(false) if !shared.ty.is_unknown() => shared.optional,
-        _ => Optional::Inferred,
+        FlowPresence::Declared(false) if !shared.ty.is_unknown() => shared.optional,
+        _ => FlowPresence::Inferred,
     };
     let ty = shared.ty.clone();
     let version = locals::add_flow(cx, name, ty, optional, FlowRole::Local);
@@ -163,16 +165,16 @@ pub(crate) fn check_automaton<'a>(
     index: usize,
     automaton: &'a ast::Automaton,
 ) {
-    let states = cx.current().automata[index].states.clone();
+    let states = cx.current_block().automata[index].states.clone();
     let names = automaton.states.iter().map(|state| state.name.name.clone());
-    let mut places: Map<Name, u32> = Map::default();
+    let mut places: FastMap<Name, u32> = FastMap::default();
     for (k, name) in (0..).zip(names) {
         places.entry(name).or_insert(k);
     }
     for (k, (state, ast)) in states.iter().zip(&automaton.states).enumerate() {
         let unless = check_transitions(cx, (automaton, &places), state.block, &ast.unless, true);
         let until = check_transitions(cx, (automaton, &places), state.block, &ast.until, false);
-        let state = &mut cx.current().automata[index].states[k];
+        let state = &mut cx.current_block().automata[index].states[k];
         state.unless = unless;
         state.until = until;
     }
@@ -181,7 +183,7 @@ pub(crate) fn check_automaton<'a>(
 
 fn check_transitions<'a>(
     cx: &mut Body<'_, 'a>,
-    states: States<'a, '_>,
+    states: StateTable<'a, '_>,
     block: BlockId,
     transitions: &'a [ast::Transition],
     strong: bool,
@@ -193,7 +195,7 @@ fn check_transitions<'a>(
         let place = if strong { cx.block } else { block };
         let condition = transition.condition.as_ref();
         let condition = condition.map(|c| {
-            cx.within(place, |body| {
+            cx.in_block(place, |body| {
                 statement::check_condition(body, c, "a transition")
             })
         });
@@ -212,7 +214,7 @@ fn check_transitions<'a>(
 /// Returns the index of the target state of a transition; reports an undefined state.
 fn resolve_target_state<'a>(
     cx: &mut Body<'_, 'a>,
-    (automaton, places): States<'a, '_>,
+    (automaton, places): StateTable<'a, '_>,
     target: &Ident,
 ) -> Option<u32> {
     let index = places.get(&target.name).copied();
@@ -221,14 +223,14 @@ fn resolve_target_state<'a>(
             .states
             .iter()
             .map(|state| state.name.name.as_str());
-        let finding = match state_in_other_automaton(cx, &target.name) {
-            Some(place) => undefined_names::state_elsewhere(target, place),
+        let diagnostic = match state_in_other_automaton(cx, &target.name) {
+            Some(place) => undefined_names::state_in_other_automaton(target, place),
             None => {
                 let near = cx.checker.suggest(&target.name, names);
-                undefined_names::unknown_state(target, near)
+                undefined_names::undefined_state(target, near)
             }
         };
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
     index
 }
@@ -237,7 +239,7 @@ fn resolve_target_state<'a>(
 fn state_in_other_automaton(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
     match locals::find_local(cx, name)? {
         Local::State(block) => Some(cx.unit.block(block).span),
-        Local::States([first, _], _) => Some(first),
+        Local::AmbiguousState([first, _], _) => Some(first),
         _ => None,
     }
 }
@@ -252,10 +254,10 @@ pub(crate) fn is_state(cx: &Body<'_, '_>, block: BlockId) -> bool {
 
 /// Reports states with the same name.
 fn report_duplicate_states(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
-    let mut known: Map<&Name, Span> = Map::default();
+    let mut known: FastMap<&Name, Span> = FastMap::default();
     for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
         if let Some(first) = known.get(name) {
-            report::report_diagnostic(cx, twice(name, *span, *first));
+            report::report_diagnostic(cx, duplicate_name_error(name, *span, *first));
         }
         known.entry(name).or_insert(*span);
     }
@@ -263,25 +265,25 @@ fn report_duplicate_states(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
 
 /// Reports an automaton without an initial state or with several.
 fn check_initial_state(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
-    let mut initial = automaton.states.iter().filter(|state| state.initial);
-    let finding = match (initial.next(), initial.next()) {
+    let mut initial = automaton.states.iter().filter(|state| state.is_initial);
+    let diagnostic = match (initial.next(), initial.next()) {
         (Some(_), None) => return,
-        (Some(first), Some(second)) => Finding::new(
+        (Some(first), Some(second)) => Diagnostic::new(
             Code::RPI3006,
             "an automaton must have exactly one initial state",
         )
-        .at(second.name.span, "second initial state")
-        .also(first.name.span, "first initial state"),
-        (None, _) => Finding::new(Code::RPI3006, "the automaton has no initial state")
-            .at(automaton.states[0].name.span, "first state")
+        .primary(second.name.span, "second initial state")
+        .secondary(first.name.span, "first initial state"),
+        (None, _) => Diagnostic::new(Code::RPI3006, "the automaton has no initial state")
+            .primary(automaton.states[0].name.span, "first state")
             .help("mark one state as initial: `initial state`"),
     };
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Whether a state is never active: an unconditional strong transition leaves it before it runs, and no strong
 /// transition enters it.
-fn is_only_passed(automaton: &ast::Automaton, state: &ast::State) -> bool {
+fn is_never_active(automaton: &ast::Automaton, state: &ast::State) -> bool {
     let mut strong = automaton.states.iter().flat_map(|other| &other.unless);
     let is_left = state.unless.iter().any(|one| one.condition.is_none());
     is_left
@@ -290,29 +292,29 @@ fn is_only_passed(automaton: &ast::Automaton, state: &ast::State) -> bool {
 }
 
 /// Returns the index of the initial state; 0 if there is none.
-fn initial(automaton: &ast::Automaton) -> u32 {
-    let index = automaton.states.iter().position(|state| state.initial);
+fn initial_index(automaton: &ast::Automaton) -> u32 {
+    let index = automaton.states.iter().position(|state| state.is_initial);
     index.and_then(|k| u32::try_from(k).ok()).unwrap_or(0)
 }
 
 /// Returns the names that states define and do not declare, including automata inside of states; each name once, in
 /// text order.
-pub(crate) fn candidates(automaton: &ast::Automaton) -> Vec<&Ident> {
-    let mut known: Set<&Name> = Set::default();
-    let names = automaton.states.iter().flat_map(all_defined_names);
+pub(crate) fn shared_names(automaton: &ast::Automaton) -> Vec<&Ident> {
+    let mut known: FastSet<&Name> = FastSet::default();
+    let names = automaton.states.iter().flat_map(names_defined_in_state);
     names.filter(|name| known.insert(&name.name)).collect()
 }
 
 /// Returns the names that the equations of a state, or of automata inside of it, define and that the state does not
 /// declare.
-fn all_defined_names(state: &ast::State) -> Vec<&Ident> {
-    let mut names = defined_names(state);
-    names.extend(defined_by_automata(state));
+fn names_defined_in_state(state: &ast::State) -> Vec<&Ident> {
+    let mut names = names_defined_by_equations(state);
+    names.extend(names_defined_in_nested_automata(state));
     names
 }
 
 /// Returns the names that automata inside of a state define and that the state does not declare.
-fn defined_by_automata(state: &ast::State) -> Vec<&Ident> {
+fn names_defined_in_nested_automata(state: &ast::State) -> Vec<&Ident> {
     let declared = declared_names(state);
     let automata = state.body.statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Automaton(automaton) => Some(automaton),
@@ -320,13 +322,13 @@ fn defined_by_automata(state: &ast::State) -> Vec<&Ident> {
     });
     let states = automata.flat_map(|automaton| &automaton.states);
     states
-        .flat_map(all_defined_names)
+        .flat_map(names_defined_in_state)
         .filter(|name| !declared.contains_key(&name.name))
         .collect()
 }
 
 /// Returns the names that the equations of a state define as a whole and that the state does not declare.
-fn defined_names(state: &ast::State) -> Vec<&Ident> {
+fn names_defined_by_equations(state: &ast::State) -> Vec<&Ident> {
     let declared = declared_names(state);
     let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Equation(equation) => Some(equation),
@@ -342,8 +344,8 @@ fn defined_names(state: &ast::State) -> Vec<&Ident> {
 }
 
 /// Returns the names that a state declares.
-fn declared_names(state: &ast::State) -> Map<&Name, ()> {
-    let mut declared: Map<&Name, ()> = Map::default();
+fn declared_names(state: &ast::State) -> FastMap<&Name, ()> {
+    let mut declared: FastMap<&Name, ()> = FastMap::default();
     for section in &state.body.locals {
         match section {
             ast::Locals::Var(vars) => {

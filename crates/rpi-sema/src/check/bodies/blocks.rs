@@ -4,17 +4,17 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use rpi_diag::{Code, Finding};
-use rpi_syntax::ast::{BlockFault, Meaning};
+use rpi_diag::{Code, Diagnostic};
+use rpi_syntax::ast::{BlockError, Desugared};
 
 /// Reports the errors of a block and declares its equations. A flow whose equation is faulty counts as defined, so
 /// that it is reported once.
-pub(crate) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Meaning) {
-    for fault in &means.faults {
-        report::report_diagnostic(cx, fault_of(fault));
+pub(crate) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Desugared) {
+    for fault in &means.errors {
+        report::report_diagnostic(cx, block_diagnostic(fault));
     }
-    let names = means.faults.iter().filter_map(|fault| match fault {
-        BlockFault::MissingIn(name, _) | BlockFault::NotNamed(name) => Some(&name.name),
+    let names = means.errors.iter().filter_map(|fault| match fault {
+        BlockError::MissingDefinition(name, _) | BlockError::NotInFrame(name) => Some(&name.name),
         _ => None,
     });
     let faulty: Vec<_> = names.collect();
@@ -26,7 +26,7 @@ pub(crate) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Meani
         match is_faulty {
             true => {
                 let flows = equation.targets.iter();
-                let flows: Vec<_> = flows.filter_map(|t| cx.local_flow(&t.name.name)).collect();
+                let flows: Vec<_> = flows.filter_map(|t| cx.find_flow(&t.name.name)).collect();
                 cx.reported.erroneous_flows.extend(flows);
             }
             false => statement::declare_equation(cx, equation, *span),
@@ -35,31 +35,31 @@ pub(crate) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Meani
 }
 
 /// Returns the diagnostic for an error in a block of equations.
-fn fault_of(fault: &BlockFault) -> Finding {
+fn block_diagnostic(fault: &BlockError) -> Diagnostic {
     match fault {
-        BlockFault::MissingIn(name, branch) => Finding::new(
+        BlockError::MissingDefinition(name, branch) => Diagnostic::new(
             Code::RPI1009,
             format!("`{}` is not defined in every branch", name.name),
         )
-        .at(name.span, "defined here")
-        .also(*branch, "not defined in a branch of this condition")
+        .primary(name.span, "defined here")
+        .secondary(*branch, "not defined in a branch of this condition")
         .help("add the equation, or use a `frame` to keep the value of the previous cycle"),
-        BlockFault::NoEquation(span, what) => Finding::new(
+        BlockError::NotAnEquation(span, what) => Diagnostic::new(
             Code::RPI1014,
             format!("{what} is not allowed in a block of equations"),
         )
-        .at(*span, "expected an equation or a block of equations")
+        .primary(*span, "expected an equation or a block of equations")
         .help("move it out of the block"),
-        BlockFault::NotNamed(name) => Finding::new(
+        BlockError::NotInFrame(name) => Diagnostic::new(
             Code::RPI1014,
             format!("`{}` is not listed in the header of the `frame`", name.name),
         )
-        .at(name.span, "defined in the `frame`")
+        .primary(name.span, "defined in the `frame`")
         .help("list it in the parentheses after `frame`, or define it outside"),
-        BlockFault::Twice(name, first) => {
-            Finding::new(Code::RPI1008, format!("`{}` is defined twice", name.name))
-                .at(name.span, "defined again here")
-                .also(*first, "first defined here")
+        BlockError::DuplicateDefinition(name, first) => {
+            Diagnostic::new(Code::RPI1008, format!("`{}` is defined twice", name.name))
+                .primary(name.span, "defined again here")
+                .secondary(*first, "first defined here")
         }
     }
 }

@@ -4,24 +4,24 @@ use crate::check::Checker;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::bodies::locals::Scope;
-use crate::check::bodies::type_inference::Guess;
-use crate::check::bodies::type_inference::Missing;
-use crate::check::bodies::type_inference::Pending;
+use crate::check::bodies::type_inference::GuessPolicy;
+use crate::check::bodies::type_inference::PendingEquation;
+use crate::check::bodies::type_inference::UnknownRead;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::reported::Told;
-use crate::check::exprs::bindings::Bound;
-use crate::check::exprs::bindings::Unwatched;
-use crate::check::signatures::imported::Import;
-use crate::check::signatures::static_args::Statics;
+use crate::check::diagnostics::reported::ReportedErrors;
+use crate::check::exprs::bindings::Binding;
+use crate::check::exprs::bindings::NotEvaluable;
+use crate::check::signatures::imported::ContractInstance;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::unit;
-use crate::hash::{Map, Set};
+use crate::hash::{FastMap, FastSet};
 use crate::program::{DeclId, ModuleId};
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, ExprId, FlowId, Unit, UnitKind};
-use crate::typed::{Expr, Kind};
-use rpi_diag::{Finding, Span};
+use crate::typed::{Expr, TypedExprKind};
+use rpi_diag::{Diagnostic, Span};
 use rpi_syntax::ast::Locals;
-use rpi_syntax::{Mode, Name};
+use rpi_syntax::{Dialect, Name};
 use std::rc::Rc;
 
 /// Body that is being checked.
@@ -30,9 +30,9 @@ pub(crate) struct Body<'c, 'a> {
     /// Module of the declaration, in which names are resolved.
     pub(crate) module: ModuleId,
     /// Language of the file, which decides the keywords: RPI or Lustre.
-    pub(crate) mode: Mode,
+    pub(crate) mode: Dialect,
     /// Static arguments of the instance.
-    pub(crate) statics: Rc<Statics>,
+    pub(crate) statics: Rc<StaticBindings>,
     /// Number of reads of static parameters.
     pub(crate) static_read_count: usize,
     /// Typed result so far.
@@ -44,7 +44,7 @@ pub(crate) struct Body<'c, 'a> {
     /// Names bound by expressions around the current one.
     pub(crate) bindings: Bindings,
     /// All equations of the body.
-    pub(crate) pending: Vec<Pending<'a>>,
+    pub(crate) pending: Vec<PendingEquation<'a>>,
     /// Declarations and equations that are resolved when all flows are declared.
     pub(crate) definitions: Definitions<'a>,
     /// Flows that the states of an automaton define together.
@@ -60,7 +60,7 @@ pub(crate) struct Body<'c, 'a> {
     /// Location of the first expression with state.
     pub(crate) first_state_span: Option<Span>,
     /// Diagnostics of this body.
-    pub(crate) findings: Vec<Finding>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
     /// Names and flows with a reported error.
     pub(crate) reported: Reported,
 }
@@ -69,7 +69,7 @@ pub(crate) struct Body<'c, 'a> {
 #[derive(Default)]
 pub(crate) struct Bindings {
     /// Bound names, innermost last.
-    pub(crate) bound_names: Vec<Bound>,
+    pub(crate) bound_names: Vec<Binding>,
     /// Number of `pre` operators around the current expression.
     pub(crate) pre_depth: u32,
     /// Number of names bound before the bound variable whose type is being checked. The type must not depend on these.
@@ -86,18 +86,18 @@ pub(crate) struct Definitions<'a> {
     /// Equations that define an array element by element.
     pub(crate) element_equations: Vec<&'a rpi_syntax::ast::Equation>,
     /// Number of equations that define parts of a flow, by name.
-    pub(crate) part_equation_counts: Map<Name, u32>,
+    pub(crate) part_equation_counts: FastMap<Name, u32>,
 }
 
 /// Flows that the states of an automaton define together.
 #[derive(Default)]
 pub(crate) struct SharedFlows {
     /// For each flow local to a state, the shared flow outside that it contributes to.
-    pub(crate) flow_of: Map<FlowId, FlowId>,
+    pub(crate) flow_of: FastMap<FlowId, FlowId>,
     /// For each shared flow, the flows local to states that contribute to it. The inverse of `flow_of`.
-    pub(crate) contributions: Map<FlowId, Vec<FlowId>>,
+    pub(crate) contributions: FastMap<FlowId, Vec<FlowId>>,
     /// For each shared flow with an equation beside the automaton, the flow of that equation (see `defaults.rs`).
-    pub(crate) defaults: Map<FlowId, FlowId>,
+    pub(crate) defaults: FastMap<FlowId, FlowId>,
 }
 
 /// State of the inference of types.
@@ -108,11 +108,11 @@ pub(crate) struct Inference {
     /// For each flow without a declared type, the index in `pending` of the equation that defines it.
     pub(crate) defined_by: Vec<Option<usize>>,
     /// Reads of flows whose types were not known yet.
-    pub(crate) unknown_reads: Vec<Missing>,
+    pub(crate) unknown_reads: Vec<UnknownRead>,
     /// Policy for guessing types from number literals.
-    pub(crate) guess_policy: Guess,
+    pub(crate) guess_policy: GuessPolicy,
     /// Locations of number literals without a unit.
-    pub(crate) number_literals: Set<Span>,
+    pub(crate) number_literals: FastSet<Span>,
     /// Index of the diagnostic whose fix writes a number as a real. Adjacent numbers extend this fix.
     pub(crate) real_fix_index: Option<usize>,
 }
@@ -130,7 +130,7 @@ pub(crate) struct Times {
 #[derive(Default)]
 pub(crate) struct Contracts<'a> {
     /// Contracts imported by the contracts of the body.
-    pub(crate) imports: Vec<Import<'a>>,
+    pub(crate) imports: Vec<ContractInstance<'a>>,
     /// Whether the body is that of a declared contract.
     pub(crate) is_contract: bool,
     /// Whether names of callees are resolved as contracts instead of nodes.
@@ -144,7 +144,7 @@ pub(crate) struct Contracts<'a> {
     /// Whether a dependency cycle of modes has been reported.
     pub(crate) mode_cycle_reported: bool,
     /// While a claim is being checked: the first part of it that no run can evaluate.
-    pub(crate) claim_check: Option<Unwatched>,
+    pub(crate) claim_check: Option<NotEvaluable>,
 }
 
 /// Names and flows with a reported error, for which nothing more is reported.
@@ -153,9 +153,9 @@ pub(crate) struct Reported {
     /// Flows that a faulty statement may define. No missing definition is reported for them.
     pub(crate) erroneous_flows: Vec<FlowId>,
     /// Undefined names of flows.
-    pub(crate) undefined_names: Told<Name>,
+    pub(crate) undefined_names: ReportedErrors<Name>,
     /// Flows that cannot be clocks.
-    pub(crate) invalid_clocks: Told<FlowId>,
+    pub(crate) invalid_clocks: ReportedErrors<FlowId>,
 }
 
 impl<'c, 'a> Body<'c, 'a> {
@@ -163,7 +163,7 @@ impl<'c, 'a> Body<'c, 'a> {
     pub(crate) fn new(
         checker: &'c mut Checker<'a>,
         decl: DeclId,
-        statics: Rc<Statics>,
+        statics: Rc<StaticBindings>,
         unit: Unit,
     ) -> Self {
         let decl = checker.program.decl(decl);
@@ -185,39 +185,39 @@ impl<'c, 'a> Body<'c, 'a> {
             contract: Contracts::default(),
             in_signature: false,
             first_state_span: None,
-            findings: Vec::new(),
+            diagnostics: Vec::new(),
             reported: Reported::default(),
         }
     }
 
     /// Creates an empty body for expressions at the top of a module.
-    pub(crate) fn around(c: &'c mut Checker<'a>, decl: DeclId) -> Self {
+    pub(crate) fn for_top_level(c: &'c mut Checker<'a>, decl: DeclId) -> Self {
         let unit = Unit::new(Name::from(""), UnitKind::Constant, Span::NONE);
         Body::new(c, decl, Rc::default(), unit)
     }
 
     /// Moves the diagnostics to the checker and returns the unit.
-    pub(crate) fn leave(mut self) -> Unit {
-        self.checker.findings.append(&mut self.findings);
+    pub(crate) fn finish(mut self) -> Unit {
+        self.checker.diagnostics.append(&mut self.diagnostics);
         self.unit
     }
 
     /// Adds an expression. A time, or a fixed duration in seconds, is wrapped in a `Part`, which can later be replaced
     /// by a conversion between ticks and seconds.
-    pub(crate) fn add(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
+    pub(crate) fn add(&mut self, kind: TypedExprKind, ty: Ty, span: Span) -> ExprId {
         match unit::reads_rpi_syntax(self)
             && crate::check::types::exact_time::may_be_converted(&self.unit, &kind, &ty)
         {
             true => {
                 self.times.are_used |= ty == Ty::Duration;
                 let base = self.push(kind, ty.clone(), span);
-                self.push(Kind::Part { base, at: 0 }, ty, span)
+                self.push(TypedExprKind::Part { base, at: 0 }, ty, span)
             }
             false => self.push(kind, ty, span),
         }
     }
 
-    fn push(&mut self, kind: Kind, ty: Ty, span: Span) -> ExprId {
+    fn push(&mut self, kind: TypedExprKind, ty: Ty, span: Span) -> ExprId {
         let id = ExprId(u32::try_from(self.unit.exprs.len()).unwrap_or(u32::MAX));
         let ty = ty.widened();
         self.unit.exprs.push(Expr { kind, ty, span });
@@ -225,14 +225,14 @@ impl<'c, 'a> Body<'c, 'a> {
     }
 
     /// Adds an error expression, for an error that has been reported.
-    pub(crate) fn fault(&mut self, span: Span) -> ExprId {
-        self.add(Kind::Fault, Ty::Unknown, span)
+    pub(crate) fn error_expr(&mut self, span: Span) -> ExprId {
+        self.add(TypedExprKind::Error, Ty::Unknown, span)
     }
 
     /// Reports an error and adds an error expression.
-    pub(crate) fn fault_with(&mut self, finding: Finding, span: Span) -> ExprId {
-        report::report_diagnostic(self, finding);
-        self.fault(span)
+    pub(crate) fn report_error_expr(&mut self, diagnostic: Diagnostic, span: Span) -> ExprId {
+        report::report_diagnostic(self, diagnostic);
+        self.error_expr(span)
     }
 
     /// Returns the type of an expression.
@@ -246,7 +246,7 @@ impl<'c, 'a> Body<'c, 'a> {
     }
 
     /// Runs `work` with `block` as the current block.
-    pub(crate) fn within<T>(&mut self, block: BlockId, work: impl FnOnce(&mut Self) -> T) -> T {
+    pub(crate) fn in_block<T>(&mut self, block: BlockId, work: impl FnOnce(&mut Self) -> T) -> T {
         let outer = std::mem::replace(&mut self.block, block);
         let result = work(self);
         self.block = outer;
@@ -254,12 +254,12 @@ impl<'c, 'a> Body<'c, 'a> {
     }
 
     /// Returns the current block.
-    pub(crate) fn current(&mut self) -> &mut Block {
+    pub(crate) fn current_block(&mut self) -> &mut Block {
         &mut self.unit.blocks[self.block.0 as usize]
     }
 
     /// Returns the flow that a name means in the current block.
-    pub(crate) fn local_flow(&self, name: &str) -> Option<FlowId> {
+    pub(crate) fn find_flow(&self, name: &str) -> Option<FlowId> {
         match locals::find_local(self, name) {
             Some(Local::Flow(flow)) => Some(flow),
             _ => None,
@@ -267,14 +267,14 @@ impl<'c, 'a> Body<'c, 'a> {
     }
 
     /// Records an undefined name of a flow; returns whether it has not been reported before.
-    pub(crate) fn is_new_unknown(&mut self, name: &Name) -> bool {
+    pub(crate) fn record_undefined(&mut self, name: &Name) -> bool {
         self.reported
             .undefined_names
-            .tell(name, self.findings.len())
+            .record(name, self.diagnostics.len())
     }
 
     /// Records an expression with state. Functions report it, as they must not have state.
-    pub(crate) fn has_state(&mut self, span: Span) {
+    pub(crate) fn record_state(&mut self, span: Span) {
         self.first_state_span.get_or_insert(span);
     }
 }
@@ -291,14 +291,14 @@ impl Unit {
             inputs: Vec::new(),
             outputs: Vec::new(),
             exprs: Vec::new(),
-            chosen: Vec::new(),
+            static_conditions: Vec::new(),
             blocks: vec![Block::new(Name::from(""), None, span)],
             has_clocks: false,
             has_state: false,
             is_lustre: false,
             free_frames: Vec::new(),
             steps: Vec::new(),
-            counts: Vec::new(),
+            repeat_counts: Vec::new(),
         }
     }
 }

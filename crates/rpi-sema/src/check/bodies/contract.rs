@@ -8,13 +8,13 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use crate::check::exprs::bindings::Unwatched;
+use crate::check::exprs::bindings::NotEvaluable;
 use crate::check::exprs::ops;
 use crate::check::signatures::imported;
 use crate::ty::Ty;
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowRole, Leaf};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
 use rpi_syntax::ops::BinaryOp;
@@ -23,7 +23,7 @@ use rpi_syntax::ops::BinaryOp;
 pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) -> BlockId {
     let block = locals::add_block(cx, &Name::from("contract"), contract.span);
     cx.unit.blocks[block.0 as usize].is_contract = true;
-    cx.within(block, |body| {
+    cx.in_block(block, |body| {
         for section in &contract.locals {
             match section {
                 Locals::Var(vars) => vars.iter().for_each(|var| {
@@ -37,7 +37,7 @@ pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract
                     .for_each(|def| statement::declare_const(body, def)),
             }
         }
-        for together in &contract.together {
+        for together in &contract.ghost_tuples {
             together
                 .vars
                 .iter()
@@ -54,15 +54,15 @@ pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract
 fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
     let is_twice_here = locals::find_in_block(cx, cx.block, &name.name).is_some();
     if let Some(port) = port_span(cx, &name.name).filter(|_| !is_twice_here) {
-        let finding = crate::program::twice(&name.name, name.span, port);
-        report::report_diagnostic(cx, finding);
+        let diagnostic = crate::program::duplicate_name_error(&name.name, name.span, port);
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
 /// Returns the location of the flow around a contract that has this name. The in-ports of a declared contract do
 /// not count, as they belong to the importing node.
 fn port_span(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
-    let flow = cx.local_flow(name).map(|flow| cx.unit.flow(flow));
+    let flow = cx.find_flow(name).map(|flow| cx.unit.flow(flow));
     let flow = flow.filter(|flow| !cx.contract.is_contract || flow.role != FlowRole::Input);
     flow.map(|flow| flow.span)
 }
@@ -76,8 +76,8 @@ fn declare_modes<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
             .find(|m| m.name.name == name.name);
         let flow = port_span(cx, &name.name);
         if let Some(first) = twin.map(|twin| twin.name.span).or(flow) {
-            let finding = crate::program::twice(&name.name, name.span, first);
-            report::report_diagnostic(cx, finding);
+            let diagnostic = crate::program::duplicate_name_error(&name.name, name.span, first);
+            report::report_diagnostic(cx, diagnostic);
         }
     }
     cx.contract.modes = contract.modes.iter().collect();
@@ -99,18 +99,19 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
             name,
             cx.contract.modes.iter().map(|mode| mode.name.name.as_str()),
         );
-        let finding = crate::check::diagnostics::report::unknown("mode", name, span, near);
-        return cx.fault_with(finding, span);
+        let diagnostic =
+            crate::check::diagnostics::report::undefined_name("mode", name, span, near);
+        return cx.report_error_expr(diagnostic, span);
     };
     if cx.contract.modes_in_progress.contains(&mode.name.name) {
         if std::mem::replace(&mut cx.contract.mode_cycle_reported, true) {
-            return cx.fault(span);
+            return cx.error_expr(span);
         }
         let message = format!("dependency cycle: the mode `{name}` depends on itself");
-        let finding = Finding::new(Code::RPI1007, message)
-            .at(span, format!("the condition of `{name}` reads it"))
-            .also(mode.name.span, "declared here");
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI1007, message)
+            .primary(span, format!("the condition of `{name}` reads it"))
+            .secondary(mode.name.span, "declared here");
+        return cx.report_error_expr(diagnostic, span);
     }
     cx.contract.modes_in_progress.push(mode.name.name.clone());
     let applies = requirement_condition(cx, mode);
@@ -143,8 +144,8 @@ pub(crate) fn check_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) 
     };
     cx.contract.mode_conditions.clone_from(&applies);
     let condition = join_conditions(cx, BinaryOp::Or, applies, span);
-    cx.current().claims.push(Claim {
-        kind: ClaimKind::Modes,
+    cx.current_block().claims.push(Claim {
+        kind: ClaimKind::ModeCompleteness,
         condition,
         mode: None,
         label: None,
@@ -158,12 +159,12 @@ fn check_mode<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
     let applies = requirement_condition(cx, mode);
     cx.contract.modes_in_progress.pop();
     for ensure in &mode.ensures {
-        let (label, span) = (label_of(ensure), ensure.condition.span);
+        let (label, span) = (claim_label(ensure), ensure.condition.span);
         let Some(holds) = check_claim_condition(cx, &ensure.condition) else {
             continue;
         };
         let condition = ops::binary_prim(cx, BinaryOp::Implies, applies, holds, span);
-        cx.current().claims.push(Claim {
+        cx.current_block().claims.push(Claim {
             kind: ClaimKind::Guarantee,
             condition,
             mode: Some(mode.name.name.clone()),
@@ -184,22 +185,22 @@ fn join_conditions(
     let joined = conditions
         .into_iter()
         .reduce(|all, next| ops::binary_prim(cx, by, all, next, span));
-    joined.unwrap_or_else(|| cx.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span))
+    joined.unwrap_or_else(|| cx.add(TypedExprKind::Literal(Leaf::bool(true)), Ty::Bool, span))
 }
 
 /// Checks the condition of a claim; returns `None` if no run can evaluate it.
 fn check_claim_condition<'a>(cx: &mut Body<'_, 'a>, condition: &'a ast::Expr) -> Option<ExprId> {
-    let before = cx.findings.len();
-    cx.contract.claim_check = Some(Unwatched::default());
+    let before = cx.diagnostics.len();
+    cx.contract.claim_check = Some(NotEvaluable::default());
     let value = statement::check_condition(cx, condition, "a claim");
-    let Unwatched(Some(span)) = cx.contract.claim_check.take().unwrap_or_default() else {
+    let NotEvaluable(Some(span)) = cx.contract.claim_check.take().unwrap_or_default() else {
         return Some(value);
     };
     if !report::has_error_since(cx, before) {
         report::report_diagnostic(
             cx,
-            Finding::new(Code::RPI1013, "this claim is not checked at run time")
-                .at(span, "it ranges over more values than can be tested"),
+            Diagnostic::new(Code::RPI1013, "this claim is not checked at run time")
+                .primary(span, "it ranges over more values than can be tested"),
         );
     }
     None
@@ -214,16 +215,16 @@ pub(crate) fn check_claim<'a>(cx: &mut Body<'_, 'a>, claim: &'a ast::Claim, span
         let provided = statement::check_condition(cx, provided, "the expression after `provided`");
         condition = ops::binary_prim(cx, BinaryOp::Implies, provided, condition, span);
     }
-    cx.current().claims.push(Claim {
-        kind: kind_of(claim.kind),
+    cx.current_block().claims.push(Claim {
+        kind: claim_kind(claim.kind),
         condition,
         mode: None,
-        label: label_of(claim),
+        label: claim_label(claim),
         span,
     });
 }
 
-fn kind_of(kind: ast::ClaimKind) -> ClaimKind {
+fn claim_kind(kind: ast::ClaimKind) -> ClaimKind {
     match kind {
         ast::ClaimKind::Assert => ClaimKind::Assert,
         ast::ClaimKind::Check | ast::ClaimKind::Property => ClaimKind::Check,
@@ -232,6 +233,6 @@ fn kind_of(kind: ast::ClaimKind) -> ClaimKind {
     }
 }
 
-fn label_of(claim: &ast::Claim) -> Option<Name> {
+fn claim_label(claim: &ast::Claim) -> Option<Name> {
     claim.label.as_ref().map(|label| label.name.clone())
 }

@@ -5,12 +5,12 @@
 //! checks that every flow is defined exactly once therefore need no special case.
 
 use crate::check::bodies::automaton;
-use crate::check::bodies::automaton::candidates;
+use crate::check::bodies::automaton::shared_names;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::bodies::statement;
-use crate::hash::Set;
+use crate::hash::FastSet;
 use crate::typed::FlowId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Statement, StatementKind};
@@ -60,12 +60,12 @@ pub(crate) fn shared_flow_default(cx: &Body<'_, '_>, flow: FlowId) -> Option<Flo
 }
 
 /// Returns the names that the states of a body's automata define and do not declare.
-fn defined_by_states(statements: &[Statement]) -> Set<&Name> {
+fn defined_by_states(statements: &[Statement]) -> FastSet<&Name> {
     let automata = statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Automaton(automaton) => Some(&**automaton),
         _ => None,
     });
-    let names = automata.flat_map(candidates);
+    let names = automata.flat_map(shared_names);
     names.map(|name| &name.name).collect()
 }
 

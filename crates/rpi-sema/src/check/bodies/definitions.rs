@@ -2,14 +2,16 @@
 
 use crate::check::bodies::automaton;
 use crate::check::bodies::body::Body;
-use crate::typed::{self, Block, BlockId, FlowId, Optional, Place, Shared, Target, Unit};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{
+    self, Block, BlockId, FlowId, FlowPresence, SharedFlow, Target, TargetPlace, Unit,
+};
+use rpi_diag::{Code, Diagnostic, Span};
 
 /// Reports flows that are not defined exactly once.
 pub(crate) fn check_definitions(cx: &mut Body<'_, '_>) {
     let mut parts = defined_parts(cx);
     parts.sort_unstable_by_key(|part| (part.flow, part.at, part.span));
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     let mut parts = parts.into_iter().peekable();
     for (id, flow) in (0..).map(FlowId).zip(&cx.unit.flows) {
         let own = std::iter::from_fn(|| parts.next_if(|part| part.flow == id));
@@ -18,10 +20,10 @@ pub(crate) fn check_definitions(cx: &mut Body<'_, '_>) {
             && !flow.ty.has_unknown()
             && !cx.reported.erroneous_flows.contains(&id)
         {
-            findings.extend(definition_fault(&cx.unit, id, &own));
+            diagnostics.extend(definition_error(&cx.unit, id, &own));
         }
     }
-    cx.findings.append(&mut findings);
+    cx.diagnostics.append(&mut diagnostics);
     check_actuator_definitions(cx);
 }
 
@@ -32,12 +34,12 @@ fn check_actuator_definitions(cx: &mut Body<'_, '_>) {
     let blocks = (0..).map(BlockId).zip(&cx.unit.blocks);
     let equations = blocks.flat_map(|(id, block)| block.equations.iter().map(move |e| (id, e)));
     let targets = equations.flat_map(|(id, e)| e.targets.iter().map(move |t| (id, t)));
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     for (block, target) in targets {
-        let Place::Port { device, port } = target.place else {
+        let TargetPlace::Port { device, port } = target.place else {
             continue;
         };
-        let ports = cx.unit.device(device).map(|ty| &ty.ports);
+        let ports = cx.unit.device_type_instance(device).map(|ty| &ty.ports);
         let Some(name) = ports.and_then(|ports| Some(ports.get(port as usize)?.name.clone()))
         else {
             continue;
@@ -51,12 +53,13 @@ fn check_actuator_definitions(cx: &mut Body<'_, '_>) {
                     }
                     false => "merge the alternatives into one equation by `??`",
                 };
-                findings.push(actuator_twice(&name, target.span, *first).help(help));
+                diagnostics
+                    .push(duplicate_actuator_definition(&name, target.span, *first).help(help));
             }
             None => defined.push(((device, port), target.span, block)),
         }
     }
-    cx.findings.append(&mut findings);
+    cx.diagnostics.append(&mut diagnostics);
 }
 
 /// Returns all parts of flows that equations or automata define.
@@ -64,7 +67,7 @@ fn defined_parts(cx: &Body<'_, '_>) -> Vec<DefinedPart> {
     let mut parts = Vec::new();
     for block in &cx.unit.blocks {
         let targets = block.equations.iter().flat_map(|e| &e.targets);
-        parts.extend(targets.filter_map(DefinedPart::of));
+        parts.extend(targets.filter_map(DefinedPart::from_target));
         let shared = block
             .automata
             .iter()
@@ -76,7 +79,7 @@ fn defined_parts(cx: &Body<'_, '_>) -> Vec<DefinedPart> {
 
 /// Returns the definition of a shared flow by an automaton. Its location is that of the first state that defines
 /// the flow.
-fn automaton_part(cx: &Body<'_, '_>, shared: &Shared) -> DefinedPart {
+fn automaton_part(cx: &Body<'_, '_>, shared: &SharedFlow) -> DefinedPart {
     let count = cx.unit.flow(shared.flow).ty.leaf_count();
     let first = shared.states.first().unwrap_or(&shared.flow);
     DefinedPart {
@@ -84,7 +87,7 @@ fn automaton_part(cx: &Body<'_, '_>, shared: &Shared) -> DefinedPart {
         at: 0,
         count: u32::try_from(count).unwrap_or(u32::MAX),
         span: cx.unit.flow(*first).span,
-        by_states: true,
+        by_automaton: true,
     }
 }
 
@@ -96,13 +99,13 @@ struct DefinedPart {
     count: u32,
     span: Span,
     /// Whether the states of an automaton define it.
-    by_states: bool,
+    by_automaton: bool,
 }
 
 impl DefinedPart {
     /// Returns the part that a target defines; `None` if it is not a flow.
-    fn of(target: &Target) -> Option<DefinedPart> {
-        let Place::Flow { flow, at } = target.place else {
+    fn from_target(target: &Target) -> Option<DefinedPart> {
+        let TargetPlace::Flow { flow, at } = target.place else {
             return None;
         };
         Some(DefinedPart {
@@ -110,47 +113,47 @@ impl DefinedPart {
             at,
             count: u32::try_from(target.ty.leaf_count()).unwrap_or(u32::MAX),
             span: target.span,
-            by_states: false,
+            by_automaton: false,
         })
     }
 }
 
 /// Returns the diagnostic for a flow that is defined twice or not completely. `parts` must be sorted by `at`.
-fn definition_fault(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Finding> {
+fn definition_error(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Diagnostic> {
     let flow = unit.flow(id);
     for pair in parts.windows(2) {
         if pair[0].at + pair[0].count > pair[1].at {
-            let help = match pair[0].by_states && pair[1].by_states {
+            let help = match pair[0].by_automaton && pair[1].by_automaton {
                 true => {
                     "states of several automata define it; declare it in the state by `var` if it is local to the state"
                 }
                 false => "merge the alternatives into one equation by `if` or `??`",
             };
-            return Some(defined_twice(flow, pair[1].span, pair[0].span).help(help));
+            return Some(duplicate_definition(flow, pair[1].span, pair[0].span).help(help));
         }
     }
     let defined: usize = parts.iter().map(|part| part.count as usize).sum();
-    (defined < flow.ty.leaf_count()).then(|| undefined(unit, id, parts))
+    (defined < flow.ty.leaf_count()).then(|| undefined_flow(unit, id, parts))
 }
 
-fn actuator_twice(port: &str, again: Span, first: Span) -> Finding {
-    Finding::new(
+fn duplicate_actuator_definition(port: &str, again: Span, first: Span) -> Diagnostic {
+    Diagnostic::new(
         Code::RPI6002,
         format!("the actuator port `{port}` is defined twice"),
     )
-    .at(again, "defined again here")
-    .also(first, "first defined here")
+    .primary(again, "defined again here")
+    .secondary(first, "first defined here")
 }
 
-fn defined_twice(flow: &typed::Flow, again: Span, first: Span) -> Finding {
-    Finding::new(Code::RPI1008, format!("`{}` is defined twice", flow.name))
-        .at(again, "defined again here")
-        .also(first, "first defined here")
+fn duplicate_definition(flow: &typed::Flow, again: Span, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI1008, format!("`{}` is defined twice", flow.name))
+        .primary(again, "defined again here")
+        .secondary(first, "first defined here")
 }
 
 /// Returns a flow of an inline fragment that has the same name as an undefined flow around the fragment, with the
 /// fragment's block. Its equation was probably meant for the outer flow.
-fn taken_for(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
+fn shadowing_flow(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
     let flow = unit.flow(id);
     let alike = unit.flows.iter().filter(|other| other.name == flow.name);
     let mut inside = alike.map(|other| (other, unit.block(other.block)));
@@ -158,18 +161,18 @@ fn taken_for(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
 }
 
 /// Returns the diagnostic for a flow that is not, or not completely, defined.
-fn undefined(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Finding {
+fn undefined_flow(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Diagnostic {
     let flow = unit.flow(id);
-    let finding = Finding::new(Code::RPI1009, format!("`{}` is never defined", flow.name));
+    let diagnostic = Diagnostic::new(Code::RPI1009, format!("`{}` is never defined", flow.name));
     match parts.first() {
-        None if let Some((own, block)) = taken_for(unit, id) => {
+        None if let Some((own, block)) = shadowing_flow(unit, id) => {
             let otherwise = match flow.optional {
-                Optional::Declared(false) => " ?? ...",
+                FlowPresence::Declared(false) => " ?? ...",
                 _ => "",
             };
-            finding
-                .at(flow.span, "no equation defines it")
-                .also(
+            diagnostic
+                .primary(flow.span, "no equation defines it")
+                .secondary(
                     own.span,
                     format!(
                         "local flow of the fragment `{}`, absent while it is inactive",
@@ -181,14 +184,14 @@ fn undefined(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Finding {
                     flow.name, block.name
                 ))
         }
-        None => finding
-            .at(flow.span, "no equation defines it")
+        None => diagnostic
+            .primary(flow.span, "no equation defines it")
             .help(format!("add an equation `{} = ...;`", flow.name)),
-        Some(part) => Finding::new(
+        Some(part) => Diagnostic::new(
             Code::RPI1009,
             format!("a part of `{}` is never defined", flow.name),
         )
-        .at(flow.span, "declared here")
-        .also(part.span, "only a part of it is defined"),
+        .primary(flow.span, "declared here")
+        .secondary(part.span, "only a part of it is defined"),
     }
 }

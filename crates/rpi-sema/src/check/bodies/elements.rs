@@ -8,18 +8,18 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::bodies::targets;
-use crate::check::bodies::type_inference::Goal;
-use crate::check::bodies::type_inference::Pending;
-use crate::check::bodies::type_inference::State;
+use crate::check::bodies::type_inference::EquationLhs;
+use crate::check::bodies::type_inference::EquationState;
+use crate::check::bodies::type_inference::PendingEquation;
 use crate::check::diagnostics::report;
 use crate::check::exprs::bindings;
-use crate::check::exprs::bindings::Means;
+use crate::check::exprs::bindings::BindingValue;
 use crate::check::signatures::unit;
 use crate::check::types::consts;
-use crate::program::{Lookup, Space};
+use crate::program::{Lookup, NameSpace};
 use crate::ty::Ty;
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::passes::causality::{self, Read};
 use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Statement, StatementKind, Target};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
@@ -28,7 +28,7 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 const MAX_ELEMENTS: u64 = 1 << 14;
 
 /// Maximum length of a dependency cycle of arrays in the search of [`ring`], which is exponential.
-const MAX_RING: usize = 12;
+const MAX_CYCLE: usize = 12;
 
 /// Whether an equation defines an array element by element.
 pub(crate) fn defines_elements(cx: &Body<'_, '_>, equation: &Equation) -> bool {
@@ -62,7 +62,10 @@ fn elementwise_array_name<'t>(cx: &Body<'_, '_>, target: &'t Target) -> Option<&
         return None;
     };
     let name = index.as_name()?;
-    let found = cx.checker.program.lookup_in(Space::Value, cx.module, name);
+    let found = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Value, cx.module, name);
     let is_outside = matches!(found, Lookup::Found(_));
     // If it is the only equation of the array, it cannot be meant for one element: the index hides the constant of
     // the same name.
@@ -91,7 +94,7 @@ pub(crate) fn expand_element_equation<'a>(
             "such an equation must define exactly one array",
         );
     };
-    let Some(flow) = cx.local_flow(&target.name.name) else {
+    let Some(flow) = cx.find_flow(&target.name.name) else {
         return;
     };
     let Some(names) = index_names(target) else {
@@ -111,7 +114,7 @@ pub(crate) fn expand_element_equation<'a>(
             1 => "1 index".to_owned(),
             n => format!("{n} indices"),
         };
-        let expected = rpi_diag::counted(sizes.len(), "dimension");
+        let expected = rpi_diag::with_noun(sizes.len(), "dimension");
         let text = format!("`{}` has {expected}, found {found}", target.name.name);
         return report_invalid_element_equation(cx, &equation.targets, span, &text);
     }
@@ -122,14 +125,18 @@ pub(crate) fn expand_element_equation<'a>(
     }
     cx.definitions.element_equations.push(equation);
     for at in 0..count {
-        cx.pending.push(Pending {
+        cx.pending.push(PendingEquation {
             block: cx.block,
-            goal: Goal::Targets(&equation.targets),
+            lhs: EquationLhs::Targets(&equation.targets),
             value: &equation.value,
             span,
-            introduces: [None].into_iter().collect(),
-            state: State::Open,
-            indices: names.iter().cloned().zip(place(at, &sizes)).collect(),
+            inferred_flows: [None].into_iter().collect(),
+            state: EquationState::Unchecked,
+            indices: names
+                .iter()
+                .cloned()
+                .zip(element_indices(at, &sizes))
+                .collect(),
         });
     }
 }
@@ -153,16 +160,16 @@ fn report_invalid_element_equation(
 ) {
     let flows = targets
         .iter()
-        .filter_map(|target| cx.local_flow(&target.name.name));
+        .filter_map(|target| cx.find_flow(&target.name.name));
     let flows: Vec<_> = flows.collect();
     cx.reported.erroneous_flows.extend(flows);
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI2013,
         "this array cannot be defined by its elements",
     )
-    .at(span, why.to_owned())
+    .primary(span, why.to_owned())
     .help("write `a[i][j] = ...;` with an index for each dimension");
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Runs `work` with the index variables of a pending equation bound to their values.
@@ -173,7 +180,7 @@ pub(crate) fn with_index_bindings<'c, 'a, T>(
 ) -> T {
     let before = cx.bindings.bound_names.len();
     for (name, value) in cx.pending[index].indices.clone() {
-        bindings::bind_name(cx, &name, Means::Index(value));
+        bindings::bind_name(cx, &name, BindingValue::Index(value));
     }
     let result = work(cx);
     cx.bindings.bound_names.truncate(before);
@@ -183,19 +190,19 @@ pub(crate) fn with_index_bindings<'c, 'a, T>(
 /// Checks the equation of one element. The same error is reported only once for all elements.
 pub(crate) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
     let is_first = cx.pending[index].indices.iter().all(|(_, at)| *at == 0);
-    let before = cx.findings.len();
+    let before = cx.diagnostics.len();
     with_index_bindings(cx, index, |body| targets::check_equation(body, index));
     if !is_first {
-        let new = cx.findings.split_off(before);
-        let is_known = |finding: &Finding| {
-            let mut said = cx.findings.iter();
-            said.any(|known| known.code == finding.code && known.span() == finding.span())
+        let new = cx.diagnostics.split_off(before);
+        let is_known = |diagnostic: &Diagnostic| {
+            let mut said = cx.diagnostics.iter();
+            said.any(|known| known.code == diagnostic.code && known.span() == diagnostic.span())
         };
-        let new: Vec<Finding> = new
+        let new: Vec<Diagnostic> = new
             .into_iter()
-            .filter(|finding| !is_known(finding))
+            .filter(|diagnostic| !is_known(diagnostic))
             .collect();
-        cx.findings.extend(new);
+        cx.diagnostics.extend(new);
     }
 }
 
@@ -229,10 +236,10 @@ pub(crate) fn check_element_order(cx: &mut Body<'_, '_>) {
             let offset: Option<Vec<i64>> = indices
                 .iter()
                 .zip(&names)
-                .map(|(index, name)| distance(index, name))
+                .map(|(index, name)| index_offset(index, name))
                 .collect();
             match offset {
-                Some(offset) if indices.len() == names.len() => links.push(Link {
+                Some(offset) if indices.len() == names.len() => links.push(ElementDependency {
                     from,
                     to,
                     offset,
@@ -245,7 +252,9 @@ pub(crate) fn check_element_order(cx: &mut Body<'_, '_>) {
     }
     for (start, equation) in equations.iter().enumerate() {
         let dims = equation.targets[0].path.len();
-        if let Some(ring) = ring(&links, start, start, &vec![0; dims], &mut Vec::new()) {
+        if let Some(ring) =
+            find_nonnegative_cycle(&links, start, start, &vec![0; dims], &mut Vec::new())
+        {
             return report_element_cycle(cx, &equations, &ring);
         }
     }
@@ -253,37 +262,41 @@ pub(crate) fn check_element_order(cx: &mut Body<'_, '_>) {
 
 fn report_variable_offset(cx: &mut Body<'_, '_>, equation: &Equation, span: Span) {
     let name = &equation.targets[0].name;
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI2013,
         format!("cannot order the elements of `{}`", name.name),
     )
-    .at(span, "not at a fixed distance from the defined element")
-    .also(name.span, "defined by its elements here")
+    .primary(span, "not at a fixed distance from the defined element")
+    .secondary(name.span, "defined by its elements here")
     .help("read an earlier element: `a[i - 1]`");
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Reports a dependency cycle of elements.
-fn report_element_cycle<'a>(cx: &mut Body<'_, 'a>, equations: &[&'a Equation], ring: &[&Link]) {
+fn report_element_cycle<'a>(
+    cx: &mut Body<'_, 'a>,
+    equations: &[&'a Equation],
+    ring: &[&ElementDependency],
+) {
     let name = |at: usize| equations[at].targets[0].name.name.to_string();
     let reads = ring.iter().rev().map(|link| Read {
         from: name(link.to),
         to: name(link.from),
         span: link.span,
-        more: Vec::new(),
+        further_spans: Vec::new(),
     });
     let reads: Vec<Read> = reads.collect();
     let help = "elements are defined in ascending order: read an earlier one, `a[i - 1]`";
-    report::report_diagnostic(cx, causality::ring(&reads).help(help));
+    report::report_diagnostic(cx, causality::dependency_cycle(&reads).help(help));
     let flows = ring
         .iter()
-        .filter_map(|link| cx.local_flow(&equations[link.from].targets[0].name.name));
+        .filter_map(|link| cx.find_flow(&equations[link.from].targets[0].name.name));
     let flows: Vec<_> = flows.collect();
     cx.reported.erroneous_flows.extend(flows);
 }
 
 /// Dependency of the elements of one array on those of another. Arrays are indices of equations.
-struct Link {
+struct ElementDependency {
     from: usize,
     to: usize,
     /// Difference between the index read and the index defined, for each dimension.
@@ -304,7 +317,7 @@ fn index_names(target: &Target) -> Option<Vec<Ident>> {
 }
 
 /// Returns the indices of the element at a row-major position.
-fn place(mut at: u64, sizes: &[u32]) -> Vec<i64> {
+fn element_indices(mut at: u64, sizes: &[u32]) -> Vec<i64> {
     let mut indices: Vec<i64> = Vec::with_capacity(sizes.len());
     for n in sizes.iter().rev() {
         let n = u64::from((*n).max(1));
@@ -338,10 +351,10 @@ fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<
 }
 
 /// Returns the offset of an index expression from the index variable: 1 for `i + 1`; `None` for other expressions.
-fn distance(index: &Expr, name: &Ident) -> Option<i64> {
+fn index_offset(index: &Expr, name: &Ident) -> Option<i64> {
     let is_index = |expr: &Expr| expr.unparen().as_name() == Some(&name.name);
     let number = |expr: &Expr| match &expr.unparen().kind {
-        ExprKind::Number(number) => number.int().and_then(|n| i64::try_from(n).ok()),
+        ExprKind::Number(number) => number.int_value().and_then(|n| i64::try_from(n).ok()),
         _ => None,
     };
     match &index.unparen().kind {
@@ -357,14 +370,14 @@ fn distance(index: &Expr, name: &Ident) -> Option<i64> {
 
 /// Returns a dependency cycle from `at` back to `start` whose total offset is not negative. `so_far` is the offset and
 /// `way` the path up to `at`.
-fn ring<'l>(
-    links: &'l [Link],
+fn find_nonnegative_cycle<'l>(
+    links: &'l [ElementDependency],
     start: usize,
     at: usize,
     so_far: &[i64],
-    way: &mut Vec<&'l Link>,
-) -> Option<Vec<&'l Link>> {
-    if way.len() >= MAX_RING {
+    way: &mut Vec<&'l ElementDependency>,
+) -> Option<Vec<&'l ElementDependency>> {
+    if way.len() >= MAX_CYCLE {
         return None;
     }
     for link in links.iter().filter(|link| link.from == at) {
@@ -384,7 +397,7 @@ fn ring<'l>(
             if first >= 0 {
                 return Some(way.clone());
             }
-        } else if let Some(found) = ring(links, start, link.to, &sum, way) {
+        } else if let Some(found) = find_nonnegative_cycle(links, start, link.to, &sum, way) {
             return Some(found);
         }
         way.pop();

@@ -5,33 +5,33 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::type_inference;
-use crate::check::bodies::type_inference::Guess;
-use crate::check::bodies::type_inference::State;
+use crate::check::bodies::type_inference::EquationState;
+use crate::check::bodies::type_inference::GuessPolicy;
 use crate::check::diagnostics::report;
-use crate::typed::{Flow, FlowId, Optional};
+use crate::typed::{Flow, FlowId, FlowPresence};
 use petgraph::graph::{DiGraph, NodeIndex};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::passes::causality::{self, Read};
-use rpi_net::passes::rings::Rings;
+use rpi_net::passes::dependency_cycles::CyclicComponents;
 use std::collections::BTreeMap;
 
 /// A read of a flow of unknown type by the equation of another flow.
 #[derive(Clone, Copy)]
-struct Link {
+struct UnknownFlowRead {
     /// Index of the equation that defines the flow.
     from: usize,
     /// Index of the equation that reads the flow.
     to: usize,
     span: Span,
     /// Whether the flow is read in the current cycle, not through `pre`.
-    now: bool,
+    in_same_cycle: bool,
 }
 
 /// Reports flows whose types cannot be inferred. Dependency cycles within one cycle come first, because no guess
 /// resolves them.
 pub(crate) fn report_unknown_types(cx: &mut Body<'_, '_>) {
     report_uninferred_cycles(cx, true);
-    type_inference::guess_from_numbers(cx, Guess::Factors);
+    type_inference::guess_from_numbers(cx, GuessPolicy::Factors);
     report_uninferred_cycles(cx, false);
 }
 
@@ -42,35 +42,35 @@ fn report_uninferred_cycles(cx: &mut Body<'_, '_>, only_now: bool) {
     let open: Vec<usize> = equations
         .filter(|index| is_uninferred(cx, *index))
         .collect();
-    let links: Vec<Link> = open
+    let links: Vec<UnknownFlowRead> = open
         .iter()
         .flat_map(|index| unknown_reads(cx, *index))
         .collect();
     let mut places: BTreeMap<(usize, usize), Vec<Span>> = BTreeMap::new();
-    for link in links.iter().filter(|link| link.now) {
+    for link in links.iter().filter(|link| link.in_same_cycle) {
         places
             .entry((link.from, link.to))
             .or_default()
             .push(link.span);
     }
-    let mut graph: DiGraph<usize, Link> = DiGraph::new();
+    let mut graph: DiGraph<usize, UnknownFlowRead> = DiGraph::new();
     let vertices: BTreeMap<usize, NodeIndex> =
         (open.iter().map(|index| (*index, graph.add_node(*index)))).collect();
-    for link in links.iter().filter(|link| link.now || !only_now) {
+    for link in links.iter().filter(|link| link.in_same_cycle || !only_now) {
         let ends = [link.from, link.to].map(|end| vertices.get(&end));
         if let [Some(from), Some(to)] = ends {
             graph.add_edge(*from, *to, *link);
         }
     }
-    let rings = Rings::new(&graph);
+    let rings = CyclicComponents::new(&graph);
     for (k, component) in rings.components.iter().enumerate() {
         for vertex in component {
-            cx.pending[graph[*vertex]].state = State::Told;
+            cx.pending[graph[*vertex]].state = EquationState::Reported;
         }
         match only_now {
             true => {
-                let ring = rings.shortest(k);
-                let ring: Vec<Link> = ring.into_iter().map(|edge| graph[edge]).collect();
+                let ring = rings.shortest_cycle(k);
+                let ring: Vec<UnknownFlowRead> = ring.into_iter().map(|edge| graph[edge]).collect();
                 report_type_cycle(cx, &ring, &places);
             }
             false => cannot_infer_type(cx, graph[component[0]]),
@@ -82,13 +82,13 @@ fn is_uninferred(cx: &Body<'_, '_>, index: usize) -> bool {
     let pending = &cx.pending[index];
     let is_open = |flow: &FlowId| {
         let flow = cx.unit.flow(*flow);
-        flow.ty.has_unknown() && flow.optional == Optional::Inferred
+        flow.ty.has_unknown() && flow.optional == FlowPresence::Inferred
     };
-    pending.state == State::Guessed && pending.introduces.iter().flatten().any(is_open)
+    pending.state == EquationState::Guessed && pending.inferred_flows.iter().flatten().any(is_open)
 }
 
 /// Returns the reads of flows of unknown type in an equation.
-fn unknown_reads(cx: &mut Body<'_, '_>, index: usize) -> Vec<Link> {
+fn unknown_reads(cx: &mut Body<'_, '_>, index: usize) -> Vec<UnknownFlowRead> {
     let mark = type_inference::checkpoint(cx);
     cx.inference.unknown_reads.clear();
     cx.inference.is_running = true;
@@ -99,56 +99,56 @@ fn unknown_reads(cx: &mut Body<'_, '_>, index: usize) -> Vec<Link> {
     let reads = missing
         .iter()
         .filter(|read| is_uninferred(cx, read.equation))
-        .map(|read| Link {
+        .map(|read| UnknownFlowRead {
             from: read.equation,
             to: index,
             span: read.span,
-            now: read.now,
+            in_same_cycle: read.in_same_cycle,
         });
     reads.collect()
 }
 
 fn report_type_cycle(
     cx: &mut Body<'_, '_>,
-    ring: &[Link],
+    ring: &[UnknownFlowRead],
     places: &BTreeMap<(usize, usize), Vec<Span>>,
 ) {
-    let read = |link: &Link| {
+    let read = |link: &UnknownFlowRead| {
         let all = places.get(&(link.from, link.to)).into_iter().flatten();
         Read {
             from: first_flow_name(cx, link.from),
             to: first_flow_name(cx, link.to),
             span: link.span,
-            more: all.copied().filter(|span| *span != link.span).collect(),
+            further_spans: all.copied().filter(|span| *span != link.span).collect(),
         }
     };
     let reads: Vec<Read> = ring.iter().map(read).collect();
-    report::report_diagnostic(cx, causality::ring(&reads));
+    report::report_diagnostic(cx, causality::dependency_cycle(&reads));
 }
 
 /// Returns the name of the first flow that an equation introduces.
 fn first_flow_name(cx: &Body<'_, '_>, index: usize) -> String {
-    let flow = cx.pending[index].introduces.iter().flatten().next();
+    let flow = cx.pending[index].inferred_flows.iter().flatten().next();
     flow.map_or_else(String::new, |flow| cx.unit.flow(*flow).name.to_string())
 }
 
 fn cannot_infer_type(cx: &mut Body<'_, '_>, index: usize) {
-    let flows = cx.pending[index].introduces.iter().flatten();
+    let flows = cx.pending[index].inferred_flows.iter().flatten();
     let Some(flow) = flows
         .map(|id| cx.unit.flow(*id))
         .find(|flow| flow.ty.has_unknown())
     else {
         return;
     };
-    let finding = untold(flow, "its equation only refers to earlier values", "...");
-    report::report_diagnostic(cx, finding);
+    let diagnostic = report_uninferred(flow, "its equation only refers to earlier values", "...");
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Returns the diagnostic for a flow whose type cannot be inferred; `why` is the label, `ty` the type in the suggested
 /// declaration.
-pub(crate) fn untold(flow: &Flow, why: &str, ty: &str) -> Finding {
+pub(crate) fn report_uninferred(flow: &Flow, why: &str, ty: &str) -> Diagnostic {
     let name = &flow.name;
-    Finding::new(Code::RPI2007, format!("cannot infer the type of `{name}`"))
-        .at(flow.span, why)
+    Diagnostic::new(Code::RPI2007, format!("cannot infer the type of `{name}`"))
+        .primary(flow.span, why)
         .help(format!("declare it: `var {name}: {ty};` before `let`"))
 }

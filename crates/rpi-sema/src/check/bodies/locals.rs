@@ -4,11 +4,11 @@ use crate::check::Constant;
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::check::signatures::unit;
-use crate::check::types::PortTy;
-use crate::hash::Map;
-use crate::program::{DeclKind, Lookup, Space, twice};
+use crate::check::types::DeclaredType;
+use crate::hash::FastMap;
+use crate::program::{DeclKind, Lookup, NameSpace, duplicate_name_error};
 use crate::ty::Ty;
-use crate::typed::{Block, BlockId, Flow, FlowId, FlowRole, Optional};
+use crate::typed::{Block, BlockId, Flow, FlowId, FlowPresence, FlowRole};
 use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, Locals};
@@ -25,14 +25,14 @@ pub(crate) enum Local {
     /// State of an automaton.
     State(BlockId),
     /// States of several automata: the locations of two of them, and their number.
-    States([Span; 2], usize),
+    AmbiguousState([Span; 2], usize),
 }
 
 /// Names of one block.
 #[derive(Default, Debug)]
 pub(crate) struct Scope {
     /// Meaning of each name, and the location of its declaration.
-    names: Map<Name, (Local, Span)>,
+    names: FastMap<Name, (Local, Span)>,
     /// Names in text order, for "did you mean".
     order: Vec<Name>,
 }
@@ -46,7 +46,7 @@ impl Scope {
 
 /// Estimated number of source characters per expression in dense text. The estimate may be too low: reserved memory
 /// that is not used costs nothing.
-const LETTERS_PER_EXPR: usize = 5;
+const CHARS_PER_EXPR: usize = 5;
 
 /// Returns the meaning of a name in the current block or the blocks around it.
 pub(crate) fn find_local(cx: &Body<'_, '_>, name: &str) -> Option<Local> {
@@ -82,14 +82,14 @@ pub(crate) fn declare(cx: &mut Body<'_, '_>, name: &Ident, local: Local) {
     let scope = &mut cx.scopes[cx.block.0 as usize];
     match scope.names.get(&name.name) {
         Some((first, place)) => {
-            let finding = twice(&name.name, name.span, *place);
+            let diagnostic = duplicate_name_error(&name.name, name.span, *place);
             // It is not known which of the two an equation defines, so that neither is reported as undefined.
             for local in [first, &local] {
                 if let Local::Flow(flow) = local {
                     cx.reported.erroneous_flows.push(*flow);
                 }
             }
-            report::report_diagnostic(cx, finding);
+            report::report_diagnostic(cx, diagnostic);
         }
         None => {
             scope.names.insert(name.name.clone(), (local, name.span));
@@ -107,10 +107,10 @@ pub(crate) fn declare_state_name(cx: &mut Body<'_, '_>, name: &Ident, block: Blo
     };
     let number = match local {
         Local::State(_) => 2,
-        Local::States(_, count) => *count + 1,
+        Local::AmbiguousState(_, count) => *count + 1,
         _ => return declare(cx, name, Local::State(block)),
     };
-    *local = Local::States([*first, name.span], number);
+    *local = Local::AmbiguousState([*first, name.span], number);
     cx.unit.blocks[block.0 as usize].name = format!("{}#{number}", name.name).into();
 }
 
@@ -122,14 +122,14 @@ pub(crate) fn report_constant_shadowing(cx: &mut Body<'_, '_>, name: &Ident) {
     let Lookup::Found(id) = cx
         .checker
         .program
-        .lookup_in(Space::Value, cx.module, &name.name)
+        .lookup_in(NameSpace::Value, cx.module, &name.name)
     else {
         return;
     };
     let decl = cx.checker.program.decl(id);
     if matches!(decl.kind, DeclKind::Const(_)) {
-        let finding = twice(&name.name, name.span, decl.span);
-        report::report_diagnostic(cx, finding);
+        let diagnostic = duplicate_name_error(&name.name, name.span, decl.span);
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
@@ -137,10 +137,10 @@ pub(crate) fn report_constant_shadowing(cx: &mut Body<'_, '_>, name: &Ident) {
 pub(crate) fn declare_flow(
     cx: &mut Body<'_, '_>,
     name: &Ident,
-    port: &PortTy,
+    port: &DeclaredType,
     role: FlowRole,
 ) -> FlowId {
-    let optional = Optional::Declared(port.optional);
+    let optional = FlowPresence::Declared(port.optional);
     let flow = add_flow(cx, name, port.ty.clone(), optional, role);
     declare(cx, name, Local::Flow(flow));
     flow
@@ -148,7 +148,13 @@ pub(crate) fn declare_flow(
 
 /// Adds a flow whose type is inferred from its equation.
 pub(crate) fn introduce_flow(cx: &mut Body<'_, '_>, name: &Ident) -> FlowId {
-    let flow = add_flow(cx, name, Ty::Unknown, Optional::Inferred, FlowRole::Local);
+    let flow = add_flow(
+        cx,
+        name,
+        Ty::Unknown,
+        FlowPresence::Inferred,
+        FlowRole::Local,
+    );
     declare(cx, name, Local::Flow(flow));
     flow
 }
@@ -158,7 +164,7 @@ pub(crate) fn add_flow(
     cx: &mut Body<'_, '_>,
     name: &Ident,
     ty: Ty,
-    optional: Optional,
+    optional: FlowPresence,
     role: FlowRole,
 ) -> FlowId {
     let id = FlowId(u32::try_from(cx.unit.flows.len()).unwrap_or(u32::MAX));
@@ -185,10 +191,10 @@ pub(crate) fn reserve_tables(cx: &mut Body<'_, '_>, body: &ast::Body) {
     cx.scopes[cx.block.0 as usize].reserve(flows);
     let statements = &body.statements;
     cx.pending.reserve(statements.len());
-    cx.current().equations.reserve(statements.len());
+    cx.current_block().equations.reserve(statements.len());
     if let [first, .., last] = &statements[..] {
         let letters = last.span.end.saturating_sub(first.span.start) as usize;
-        cx.unit.exprs.reserve(letters / LETTERS_PER_EXPR);
+        cx.unit.exprs.reserve(letters / CHARS_PER_EXPR);
     }
 }
 

@@ -2,20 +2,23 @@
 //! present value, so a type that cannot be inferred is reported.
 
 use crate::check::bodies::body::Body;
-use crate::check::bodies::inference_errors::untold;
-use crate::check::calls::prim_ports::port_ty;
+use crate::check::bodies::inference_errors::report_uninferred;
+use crate::check::calls::prim_ports::resolve_port_type;
 use crate::check::diagnostics::report;
-use crate::hash::Set;
+use crate::hash::FastSet;
 use crate::ty::Ty;
-use crate::typed::{BlockId, ExprId, FlowId, Place};
-use crate::typed::{Each, Kind};
-use rpi_diag::{Code, Finding, Severity};
+use crate::typed::{BlockId, ExprId, FlowId, TargetPlace};
+use crate::typed::{ElementwiseOp, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Severity};
 
 /// Infers the type of every `none` of the unit, and reports those whose type remains unknown.
 pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
-    let is_error = |finding: &&Finding| finding.severity() == Severity::Error;
-    let here = cx.findings.iter().any(|finding| is_error(&finding));
-    let mut around = cx.checker.findings.iter().filter(is_error);
+    let is_error = |diagnostic: &&Diagnostic| diagnostic.severity() == Severity::Error;
+    let here = cx
+        .diagnostics
+        .iter()
+        .any(|diagnostic| is_error(&diagnostic));
+    let mut around = cx.checker.diagnostics.iter().filter(is_error);
     // An expression with an error has no type either, so nothing is reported after other errors.
     if !has_untyped_none(cx) || here || around.any(|told| told.code != Code::RPI2007) {
         return;
@@ -34,7 +37,7 @@ pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
 
 fn is_untyped_none(cx: &Body<'_, '_>, id: ExprId) -> bool {
     let expr = cx.unit.expr(id);
-    matches!(expr.kind, Kind::None) && expr.ty.has_unknown()
+    matches!(expr.kind, TypedExprKind::None) && expr.ty.has_unknown()
 }
 
 fn has_untyped_none(cx: &Body<'_, '_>) -> bool {
@@ -51,7 +54,7 @@ fn context_types(cx: &Body<'_, '_>) -> Vec<(ExprId, Ty)> {
         for equation in &block.equations {
             if let [target] = &equation.targets[..] {
                 types.push((equation.value, target.ty.clone()));
-            } else if let Kind::Build(parts) = &cx.unit.expr(equation.value).kind {
+            } else if let TypedExprKind::Build(parts) = &cx.unit.expr(equation.value).kind {
                 let parts = parts.iter().zip(&equation.targets);
                 types.extend(parts.map(|(part, target)| (*part, target.ty.clone())));
             }
@@ -72,34 +75,34 @@ fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     let expr = cx.unit.expr(id);
     let alike = |ids: &[ExprId]| ids.iter().map(|id| (*id, expr.ty.clone())).collect();
     match &expr.kind {
-        Kind::Each(Each::If, operands) => {
+        TypedExprKind::Each(ElementwiseOp::If, operands) => {
             let mut types: Vec<(ExprId, Ty)> = alike(&operands[1..]);
             types.push((operands[0], Ty::Bool));
             types
         }
-        Kind::Each(_, operands) => alike(operands),
-        Kind::When { value, .. } => alike(&[*value]),
-        Kind::Current(operand) => alike(&[*operand]),
-        Kind::Merge { cases, .. } => {
+        TypedExprKind::Each(_, operands) => alike(operands),
+        TypedExprKind::When { value, .. } => alike(&[*value]),
+        TypedExprKind::Current(operand) => alike(&[*operand]),
+        TypedExprKind::Merge { cases, .. } => {
             alike(&cases.iter().map(|(_, case)| *case).collect::<Vec<_>>())
         }
-        Kind::Repeat(_) | Kind::Build(_) => part_types(cx, id),
-        Kind::Equal {
+        TypedExprKind::Repeat(_) | TypedExprKind::Build(_) => part_types(cx, id),
+        TypedExprKind::Equal {
             operands: [a, b], ..
         } => {
             vec![(*a, cx.ty_of(*b).clone()), (*b, cx.ty_of(*a).clone())]
         }
-        Kind::Call(call) => {
+        TypedExprKind::Call(call) => {
             let header = &cx.checker.instances.entries[call.unit.0 as usize].header;
             let args = call.args.iter().zip(&header.inputs);
             let args = args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())));
             let default = call.activation.default().map(|id| (id, expr.ty.clone()));
             args.chain(default).collect()
         }
-        Kind::Prim(call) => {
+        TypedExprKind::Prim(call) => {
             let ports = call.inputs.iter().zip(call.prim.desc().inputs);
             ports
-                .filter_map(|(input, port)| Some(((*input)?, port_ty(port.ty))))
+                .filter_map(|(input, port)| Some(((*input)?, resolve_port_type(port.ty))))
                 .collect()
         }
         _ => Vec::new(),
@@ -110,11 +113,11 @@ fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
 fn part_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     let expr = cx.unit.expr(id);
     match (&expr.kind, &expr.ty) {
-        (Kind::Repeat(element), Ty::Array(ty, _)) => vec![(*element, (**ty).clone())],
-        (Kind::Build(parts), Ty::Array(ty, _)) => {
+        (TypedExprKind::Repeat(element), Ty::Array(ty, _)) => vec![(*element, (**ty).clone())],
+        (TypedExprKind::Build(parts), Ty::Array(ty, _)) => {
             parts.iter().map(|part| (*part, (**ty).clone())).collect()
         }
-        (Kind::Build(parts), ty) if ty.members().len() == parts.len() => {
+        (TypedExprKind::Build(parts), ty) if ty.members().len() == parts.len() => {
             let parts = parts.iter().zip(ty.members());
             parts
                 .map(|(part, member)| (*part, member.ty.clone()))
@@ -129,13 +132,13 @@ fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
     let expr = &mut cx.unit.exprs[id.0 as usize];
     let passes_on = matches!(
         expr.kind,
-        Kind::None
-            | Kind::Each(..)
-            | Kind::When { .. }
-            | Kind::Current(_)
-            | Kind::Merge { .. }
-            | Kind::Repeat(_)
-            | Kind::Build(_)
+        TypedExprKind::None
+            | TypedExprKind::Each(..)
+            | TypedExprKind::When { .. }
+            | TypedExprKind::Current(_)
+            | TypedExprKind::Merge { .. }
+            | TypedExprKind::Repeat(_)
+            | TypedExprKind::Build(_)
     );
     if passes_on && expr.ty.has_unknown() && !ty.has_unknown() {
         expr.ty = ty.clone().widened();
@@ -144,13 +147,13 @@ fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
 
 /// Reports each `none` of unknown type: at the flow that gets its type from it, otherwise at the `none` itself.
 fn report_untyped_none(cx: &mut Body<'_, '_>) {
-    let mut told: Set<ExprId> = Set::default();
+    let mut told: FastSet<ExprId> = FastSet::default();
     for block in (0..cx.unit.blocks.len()).map(|k| BlockId(u32::try_from(k).unwrap_or(0))) {
         for k in 0..cx.unit.block(block).equations.len() {
             let equation = &cx.unit.block(block).equations[k];
             let (value, flow) = match equation.targets[..] {
                 [ref target] => match target.place {
-                    Place::Flow { flow, .. } => (equation.value, flow),
+                    TargetPlace::Flow { flow, .. } => (equation.value, flow),
                     _ => continue,
                 },
                 _ => continue,
@@ -164,17 +167,17 @@ fn report_untyped_none(cx: &mut Body<'_, '_>) {
     }
     for id in (0..).map(ExprId).take(cx.unit.exprs.len()) {
         if is_untyped_none(cx, id) && !told.contains(&id) {
-            let finding = Finding::new(Code::RPI2007, "cannot infer the type of this `none`")
-                .at(cx.span_of(id), "absent value of unknown type")
+            let diagnostic = Diagnostic::new(Code::RPI2007, "cannot infer the type of this `none`")
+                .primary(cx.span_of(id), "absent value of unknown type")
                 .help("declare a flow with a type: `var nothing: int?;` before `let`, and `nothing = none;`");
-            report::report_diagnostic(cx, finding);
+            report::report_diagnostic(cx, diagnostic);
         }
     }
 }
 
 /// Returns each `none` of unknown type within an expression.
 fn untyped_nones_in(cx: &Body<'_, '_>, root: ExprId) -> Vec<ExprId> {
-    let (mut parts, mut found) = (cx.unit.parts(root), Vec::new());
+    let (mut parts, mut found) = (cx.unit.traverse(root), Vec::new());
     while let Some((id, _)) = parts.next() {
         if is_untyped_none(cx, id) {
             found.push(id);
@@ -186,6 +189,6 @@ fn untyped_nones_in(cx: &Body<'_, '_>, root: ExprId) -> Vec<ExprId> {
 
 fn report_none_flow(cx: &mut Body<'_, '_>, flow: FlowId) {
     let why = "its equation is only `none`";
-    let finding = untold(cx.unit.flow(flow), why, "...?");
-    report::report_diagnostic(cx, finding);
+    let diagnostic = report_uninferred(cx.unit.flow(flow), why, "...?");
+    report::report_diagnostic(cx, diagnostic);
 }

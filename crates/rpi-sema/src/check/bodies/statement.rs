@@ -10,33 +10,33 @@ use crate::check::bodies::elements;
 use crate::check::bodies::inference_errors;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
-use crate::check::bodies::type_inference::Goal;
-use crate::check::bodies::type_inference::Pending;
-use crate::check::bodies::type_inference::State;
+use crate::check::bodies::type_inference::EquationLhs;
+use crate::check::bodies::type_inference::EquationState;
+use crate::check::bodies::type_inference::PendingEquation;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::clocked;
 use crate::check::exprs::expr;
 use crate::check::exprs::names;
 use crate::check::signatures::imported;
 use crate::check::types;
-use crate::check::types::PortTy;
+use crate::check::types::DeclaredType;
 use crate::check::types::consts;
 use crate::check::types::exact_time;
 use crate::check::types::infer_times;
 use crate::check::types::time_sums;
 use crate::program::DeclKind;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
-use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowRole, Optional};
-use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::Mode;
+use crate::ty::check_assignable;
+use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowPresence, FlowRole};
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_syntax::Dialect;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
 use smallvec::SmallVec;
 
 /// A statement that is checked when the types of all flows are known.
-pub(crate) enum Later<'a> {
+pub(crate) enum DeferredCheck<'a> {
     /// Call without a target.
     Call(&'a ast::Expr),
     /// Condition that is claimed to hold.
@@ -44,7 +44,7 @@ pub(crate) enum Later<'a> {
     /// Contract, in its own block.
     Contract(&'a ast::Contract),
     /// End of the command.
-    End(&'a ast::End, Span),
+    End(&'a ast::CommandEnd, Span),
     /// Exported flow.
     Export(&'a ast::Dotted),
     /// Activation condition and time budget of a fragment's block.
@@ -60,7 +60,7 @@ pub(crate) fn check_body<'a>(cx: &mut Body<'_, 'a>, body: &'a ast::Body) {
     elements::check_element_order(cx);
     check_equations(cx);
     for (block, item) in later {
-        cx.within(block, |body| check_deferred(body, item));
+        cx.in_block(block, |body| check_deferred(body, item));
     }
     definitions::check_definitions(cx);
     time_sums::check_time_sums(cx);
@@ -73,7 +73,7 @@ pub(crate) fn check_equations(cx: &mut Body<'_, '_>) {
     inference_errors::report_unknown_types(cx);
     for index in 0..cx.pending.len() {
         let block = cx.pending[index].block;
-        cx.within(block, |body| elements::check_element_equation(body, index));
+        cx.in_block(block, |body| elements::check_element_equation(body, index));
     }
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn check_equations(cx: &mut Body<'_, '_>) {
 pub(crate) fn declare_body<'a>(
     cx: &mut Body<'_, 'a>,
     body: &'a ast::Body,
-    later: &mut Vec<(BlockId, Later<'a>)>,
+    later: &mut Vec<(BlockId, DeferredCheck<'a>)>,
 ) {
     locals::reserve_tables(cx, body);
     for section in &body.locals {
@@ -108,13 +108,13 @@ pub(crate) fn declare_var<'a>(cx: &mut Body<'_, 'a>, var: &'a VarDecl) {
         let flow = locals::declare_flow(cx, name, &port, FlowRole::Local);
         time_sums::record_seconds(cx, flow, &var.ty);
         if let Some(value) = &var.default {
-            cx.pending.push(Pending {
+            cx.pending.push(PendingEquation {
                 block: cx.block,
-                goal: Goal::Var(flow),
+                lhs: EquationLhs::Var(flow),
                 value,
                 span: var.span,
-                introduces: SmallVec::from([None]),
-                state: State::Open,
+                inferred_flows: SmallVec::from([None]),
+                state: EquationState::Unchecked,
                 indices: Vec::new(),
             });
         }
@@ -124,7 +124,7 @@ pub(crate) fn declare_var<'a>(cx: &mut Body<'_, 'a>, var: &'a VarDecl) {
 pub(crate) fn declare_const<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) {
     let Some(constant) = consts::constant_def(cx, def) else {
         for name in &def.names {
-            let nothing = PortTy {
+            let nothing = DeclaredType {
                 ty: Ty::Unknown,
                 optional: false,
             };
@@ -143,7 +143,7 @@ fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
     for (block, sections) in std::mem::take(&mut cx.definitions.declared_clocks) {
         for section in sections {
             if let Locals::Var(vars) = section {
-                cx.within(block, |body| resolve_clocks_of(body, vars));
+                cx.in_block(block, |body| resolve_clocks_of(body, vars));
             }
         }
     }
@@ -157,7 +157,7 @@ pub(crate) fn resolve_clocks_of<'a>(cx: &mut Body<'_, 'a>, vars: &'a [VarDecl]) 
         };
         let on = clocked::resolve_clock(cx, clock);
         for name in &var.names {
-            if let (Some(flow), Some(on)) = (cx.local_flow(&name.name), on) {
+            if let (Some(flow), Some(on)) = (cx.find_flow(&name.name), on) {
                 cx.unit.flows[flow.0 as usize].clock = Some(on);
             }
         }
@@ -167,26 +167,32 @@ pub(crate) fn resolve_clocks_of<'a>(cx: &mut Body<'_, 'a>, vars: &'a [VarDecl]) 
 fn declare_statement<'a>(
     cx: &mut Body<'_, 'a>,
     statement: &'a Statement,
-    later: &mut Vec<(BlockId, Later<'a>)>,
+    later: &mut Vec<(BlockId, DeferredCheck<'a>)>,
 ) {
     let block = cx.block;
     match &statement.kind {
         StatementKind::Equation(equation) => declare_equation(cx, equation, statement.span),
-        StatementKind::Call(call) => later.push((block, Later::Call(call))),
+        StatementKind::Call(call) => later.push((block, DeferredCheck::Call(call))),
         StatementKind::Claim(claim) => {
-            later.push((block, Later::Claim(claim, statement.span)));
+            later.push((block, DeferredCheck::Claim(claim, statement.span)));
         }
-        StatementKind::End(end) => later.push((block, Later::End(end, statement.span))),
+        StatementKind::CommandEnd(end) => {
+            later.push((block, DeferredCheck::End(end, statement.span)))
+        }
         StatementKind::Export(flows) => {
-            later.extend(flows.iter().map(|flow| (block, Later::Export(flow))));
+            later.extend(
+                flows
+                    .iter()
+                    .map(|flow| (block, DeferredCheck::Export(flow))),
+            );
         }
         StatementKind::Fragment(fragment) => declare_fragment(cx, fragment, later),
         StatementKind::Automaton(automaton) => {
             automaton::declare_automaton(cx, automaton, statement.span, later);
         }
-        StatementKind::Choice(choice) => blocks::declare_equation_block(cx, &choice.means),
-        StatementKind::Keep(keep) => blocks::declare_equation_block(cx, &keep.means),
-        StatementKind::Broken(names) => {
+        StatementKind::Conditional(choice) => blocks::declare_equation_block(cx, &choice.desugared),
+        StatementKind::FrameBlock(keep) => blocks::declare_equation_block(cx, &keep.desugared),
+        StatementKind::Error(names) => {
             for name in names {
                 let flow = match locals::find_local(cx, &name.name) {
                     None => Some(locals::introduce_flow(cx, name)),
@@ -209,13 +215,13 @@ pub(crate) fn declare_equation<'a>(cx: &mut Body<'_, 'a>, equation: &'a ast::Equ
         .iter()
         .map(|target| introduced_flow(cx, target, index));
     let introduces = introduces.collect();
-    cx.pending.push(Pending {
+    cx.pending.push(PendingEquation {
         block: cx.block,
-        goal: Goal::Targets(&equation.targets),
+        lhs: EquationLhs::Targets(&equation.targets),
         value: &equation.value,
         span,
-        introduces,
-        state: State::Open,
+        inferred_flows: introduces,
+        state: EquationState::Unchecked,
         indices: Vec::new(),
     });
 }
@@ -223,7 +229,7 @@ pub(crate) fn declare_equation<'a>(cx: &mut Body<'_, 'a>, equation: &'a ast::Equ
 /// Returns the flow that a target introduces: a plain name that no surrounding block declares.
 fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) -> Option<FlowId> {
     report_constant_redefinition(cx, &target.name);
-    let may = target.path.is_empty() && cx.mode == Mode::Rpi && target.name.name != "_";
+    let may = target.path.is_empty() && cx.mode == Dialect::Rpi && target.name.name != "_";
     let own = match locals::find_in_block(cx, cx.block, &target.name.name) {
         Some(Local::Flow(flow)) => Some(defaults::defined_flow(cx, flow)),
         _ => None,
@@ -243,26 +249,26 @@ fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) ->
 
 /// Reports an equation that seems to define a constant of the same file.
 pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) {
-    let Some(id) = cx.checker.program.own(cx.module, &name.name) else {
+    let Some(id) = cx.checker.program.lookup_own(cx.module, &name.name) else {
         return;
     };
     let decl = cx.checker.program.decl(id);
     if !matches!(decl.kind, DeclKind::Const(_)) || locals::find_local(cx, &name.name).is_some() {
         return;
     }
-    let finding = Finding::new(Code::RPI1003, format!("`{}` is a constant", name.name))
-        .at(name.span, "a constant cannot be defined by an equation")
-        .also(decl.span, "declared here")
+    let diagnostic = Diagnostic::new(Code::RPI1003, format!("`{}` is a constant", name.name))
+        .primary(name.span, "a constant cannot be defined by an equation")
+        .secondary(decl.span, "declared here")
         .help(format!(
             "use another name for the new flow: `{}_new = ...;`",
             name.name
         ));
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Whether a flow gets its type from an equation that has not been declared yet.
 fn lacks_type(cx: &Body<'_, '_>, flow: FlowId) -> bool {
-    let inferred = cx.unit.flow(flow).optional == Optional::Inferred;
+    let inferred = cx.unit.flow(flow).optional == FlowPresence::Inferred;
     inferred && cx.inference.defined_by[flow.0 as usize].is_none()
 }
 
@@ -283,67 +289,70 @@ fn is_declared(cx: &Body<'_, '_>, name: &Ident) -> bool {
 fn declare_fragment<'a>(
     cx: &mut Body<'_, 'a>,
     decl: &'a FragmentDecl,
-    later: &mut Vec<(BlockId, Later<'a>)>,
+    later: &mut Vec<(BlockId, DeferredCheck<'a>)>,
 ) {
     let name = &decl.signature.name;
     let block = locals::add_block(cx, &name.name, name.span);
     locals::declare(cx, name, Local::Block(block));
-    later.push((cx.block, Later::Activation(block, decl)));
-    cx.within(block, |body| {
+    later.push((cx.block, DeferredCheck::Activation(block, decl)));
+    cx.in_block(block, |body| {
         if let Some(outputs) = &decl.signature.outputs {
             outputs.iter().for_each(|var| declare_var(body, var));
         }
         if let Some(contract) = &decl.contract {
             later.push((
                 contract::declare_contract(body, contract),
-                Later::Contract(contract),
+                DeferredCheck::Contract(contract),
             ));
         }
         declare_body(body, &decl.body, later);
     });
 }
 
-fn check_deferred<'a>(cx: &mut Body<'_, 'a>, item: Later<'a>) {
+fn check_deferred<'a>(cx: &mut Body<'_, 'a>, item: DeferredCheck<'a>) {
     match item {
-        Later::Call(call) => check_call(cx, call),
-        Later::Claim(claim, span) => contract::check_claim(cx, claim, span),
-        Later::Contract(contract) => {
+        DeferredCheck::Call(call) => check_call(cx, call),
+        DeferredCheck::Claim(claim, span) => contract::check_claim(cx, claim, span),
+        DeferredCheck::Contract(contract) => {
             imported::check_imports(cx, cx.block);
             contract::check_contract(cx, contract);
         }
-        Later::End(end, span) => check_end(cx, end, span),
-        Later::Export(flow) => check_export(cx, flow),
-        Later::Activation(block, decl) => check_activation(cx, block, decl),
-        Later::Automaton(index, automaton) => automaton::check_automaton(cx, index, automaton),
+        DeferredCheck::End(end, span) => check_end(cx, end, span),
+        DeferredCheck::Export(flow) => check_export(cx, flow),
+        DeferredCheck::Activation(block, decl) => check_activation(cx, block, decl),
+        DeferredCheck::Automaton(index, automaton) => {
+            automaton::check_automaton(cx, index, automaton)
+        }
     }
 }
 
 fn check_call<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Expr) {
     let value = expr::check_expr(cx, call);
     let span = call.span;
-    cx.current().equations.push(Equation {
+    cx.current_block().equations.push(Equation {
         targets: Vec::new(),
         value,
         span,
     });
 }
 
-fn check_end<'a>(cx: &mut Body<'_, 'a>, end: &'a ast::End, span: Span) {
+fn check_end<'a>(cx: &mut Body<'_, 'a>, end: &'a ast::CommandEnd, span: Span) {
     if !cx.unit.kind.is_root() || cx.block != BlockId::ROOT {
-        let finding = Finding::new(Code::RPI8001, "only the body of a command can end it")
-            .at(span, "not at the top level of a command")
+        let diagnostic = Diagnostic::new(Code::RPI8001, "only the body of a command can end it")
+            .primary(span, "not at the top level of a command")
             .help(
                 "define the condition as a flow here, and end the command by that flow at the top level",
             );
-        return report::report_diagnostic(cx, finding);
+        return report::report_diagnostic(cx, diagnostic);
     }
     let same = |other: &&End| other.result == end.result.name;
-    if let Some(first) = cx.current().ends.iter().find(same) {
-        let finding = crate::program::twice(&end.result.name, end.result.span, first.span);
-        report::report_diagnostic(cx, finding);
+    if let Some(first) = cx.current_block().ends.iter().find(same) {
+        let diagnostic =
+            crate::program::duplicate_name_error(&end.result.name, end.result.span, first.span);
+        report::report_diagnostic(cx, diagnostic);
     }
     let condition = check_condition(cx, &end.condition, "the end of a command");
-    cx.current().ends.push(End {
+    cx.current_block().ends.push(End {
         kind: end.kind,
         result: end.result.name.clone(),
         condition,
@@ -355,7 +364,7 @@ fn check_export<'a>(cx: &mut Body<'_, 'a>, flow: &'a ast::Dotted) {
     let value = names::resolve_dotted(cx, flow);
     let key: Vec<&str> = flow.parts.iter().map(|part| part.name.as_str()).collect();
     let key = key.join(".");
-    cx.current().exports.push(typed::Export {
+    cx.current_block().exports.push(typed::Export {
         key,
         value,
         span: flow.span,
@@ -371,7 +380,7 @@ fn check_activation<'a>(cx: &mut Body<'_, 'a>, block: BlockId, decl: &'a Fragmen
         .and_then(|budget| consts::const_nanoseconds(cx, budget));
     let target = &mut cx.unit.blocks[block.0 as usize];
     target.when = condition;
-    target.restart = when.is_some_and(|w| w.restart);
+    target.restart = when.is_some_and(|w| w.resets);
     target.budget_ns = budget_ns;
 }
 
@@ -382,7 +391,8 @@ pub(crate) fn check_condition<'a>(
     of: &str,
 ) -> ExprId {
     let id = expr::check_expr(cx, condition);
-    let wanted = Wanted::By(Span::NONE, format!("{of} must be a Boolean condition"));
+    let wanted =
+        ExpectationReason::Because(Span::NONE, format!("{of} must be a Boolean condition"));
     expect_type(cx, id, &Ty::Bool, &wanted);
     id
 }
@@ -392,10 +402,10 @@ pub(crate) fn expect_type(
     cx: &mut Body<'_, '_>,
     id: ExprId,
     expected: &Ty,
-    wanted: &Wanted,
+    wanted: &ExpectationReason,
 ) -> bool {
     exact_time::convert_time_for(cx, id, expected);
-    let result = fit(expected, cx.ty_of(id), &mut Subst::default());
+    let result = check_assignable(expected, cx.ty_of(id), &mut Substitution::default());
     match result {
         Ok(()) => expr::check_angle_unit(cx, id, expected),
         Err(misfit) => {

@@ -7,37 +7,37 @@ use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::bodies::tuple_pieces;
 use crate::check::bodies::type_inference;
-use crate::check::bodies::type_inference::Goal;
+use crate::check::bodies::type_inference::EquationLhs;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::access;
 use crate::check::exprs::expr;
 use crate::check::types::exact_time;
 use crate::program::Lookup;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
+use crate::ty::check_assignable;
 use crate::ty::join;
-use crate::typed::{Equation, ExprId, FlowId, FlowRole, Place, Target, UnitKind};
-use rpi_diag::counted;
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{Equation, ExprId, FlowId, FlowRole, Target, TargetPlace, UnitKind};
+use rpi_diag::with_noun;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{self, Ident};
 use smallvec::SmallVec;
 
 /// Checks the value of an equation against its targets.
 pub(crate) fn check_equation(cx: &mut Body<'_, '_>, index: usize) {
     let value = type_inference::checked_value(cx, index);
-    let (goal, span) = (cx.pending[index].goal, cx.pending[index].span);
+    let (goal, span) = (cx.pending[index].lhs, cx.pending[index].span);
     let count = match goal {
-        Goal::Targets(targets) => targets.len(),
-        Goal::Var(_) => 1,
+        EquationLhs::Targets(targets) => targets.len(),
+        EquationLhs::Var(_) => 1,
     };
     let mut parts: SmallVec<[Ty; 1]> = match goal {
-        Goal::Targets(targets) if count > 1 => {
+        EquationLhs::Targets(targets) if count > 1 => {
             let wanted = targets.iter().map(|target| declared_type(cx, target));
             let wanted: Vec<Option<&Ty>> = wanted.collect();
-            let pieces = tuple_pieces::pieces(std::slice::from_ref(cx.ty_of(value)), &wanted);
+            let pieces = tuple_pieces::decompose(std::slice::from_ref(cx.ty_of(value)), &wanted);
             pieces.into_iter().map(|piece| piece.ty).collect()
         }
         _ => SmallVec::from([cx.ty_of(value).clone()]),
@@ -47,15 +47,15 @@ pub(crate) fn check_equation(cx: &mut Body<'_, '_>, index: usize) {
     }
     parts.resize(count, Ty::Unknown);
     let targets = match goal {
-        Goal::Targets(targets) => {
+        EquationLhs::Targets(targets) => {
             let targets = targets.iter().zip(&parts);
             targets
                 .map(|(target, ty)| check_target(cx, target, ty, value))
                 .collect()
         }
-        Goal::Var(flow) => vec![check_var_target(cx, flow, &parts[0], value)],
+        EquationLhs::Var(flow) => vec![check_var_target(cx, flow, &parts[0], value)],
     };
-    cx.current().equations.push(Equation {
+    cx.current_block().equations.push(Equation {
         targets,
         value,
         span,
@@ -64,7 +64,7 @@ pub(crate) fn check_equation(cx: &mut Body<'_, '_>, index: usize) {
 
 /// Returns the type of the flow that a target defines as a whole, if it is known.
 fn declared_type<'s>(cx: &'s Body<'_, '_>, target: &ast::Target) -> Option<&'s Ty> {
-    let flow = cx.local_flow(&target.name.name)?;
+    let flow = cx.find_flow(&target.name.name)?;
     let ty = &cx.unit.flow(flow).ty;
     (target.path.is_empty() && !ty.has_unknown()).then_some(ty)
 }
@@ -78,26 +78,26 @@ fn count_mismatch(
 ) {
     let span = cx.pending[index].span;
     let at = cx.span_of(value);
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
         format!(
             "{} {} defined by {}",
-            counted(targets, "flow"),
+            with_noun(targets, "flow"),
             if targets == 1 { "is" } else { "are" },
-            counted(parts, "value")
+            with_noun(parts, "value")
         ),
     )
-    .at(at, format!("this gives {}", counted(parts, "value")))
-    .also(span, format!("{} on the left", counted(targets, "flow")));
+    .primary(at, format!("this gives {}", with_noun(parts, "value")))
+    .secondary(span, format!("{} on the left", with_noun(targets, "flow")));
     // It is not known which target lacks its value, so no further errors are reported for any of them.
-    let introduced = cx.pending[index].introduces.iter().flatten();
+    let introduced = cx.pending[index].inferred_flows.iter().flatten();
     cx.reported.erroneous_flows.extend(introduced.copied());
-    if let Goal::Targets(targets) = cx.pending[index].goal {
-        let declared = targets.iter().filter_map(|t| cx.local_flow(&t.name.name));
+    if let EquationLhs::Targets(targets) = cx.pending[index].lhs {
+        let declared = targets.iter().filter_map(|t| cx.find_flow(&t.name.name));
         let declared: Vec<FlowId> = declared.collect();
         cx.reported.erroneous_flows.extend(declared);
     }
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Checks a target, whose type must match the type of the value.
@@ -116,7 +116,7 @@ fn check_var_target(cx: &mut Body<'_, '_>, flow: FlowId, found: &Ty, value: Expr
     let span = cx.unit.flow(flow).span;
     typed_target(
         cx,
-        Place::Flow { flow, at: 0 },
+        TargetPlace::Flow { flow, at: 0 },
         expected,
         span,
         found,
@@ -126,7 +126,7 @@ fn check_var_target(cx: &mut Body<'_, '_>, flow: FlowId, found: &Ty, value: Expr
 
 fn typed_target(
     cx: &mut Body<'_, '_>,
-    place: Place,
+    place: TargetPlace,
     expected: Ty,
     span: Span,
     found: &Ty,
@@ -139,20 +139,26 @@ fn typed_target(
     }
     let now = cx.ty_of(value).clone();
     let found = if is_all { &now } else { found };
-    match fit(&expected, found, &mut Subst::default()) {
+    match check_assignable(&expected, found, &mut Substitution::default()) {
         Ok(()) => {
             expr::check_angle_unit(cx, value, &expected);
             ty = join(&expected, found).unwrap_or(ty);
         }
         Err(misfit) => {
             let text = format!("the target has the type `{expected}`");
-            report::type_mismatch(cx, value, &expected, &misfit, &Wanted::By(span, text));
+            report::type_mismatch(
+                cx,
+                value,
+                &expected,
+                &misfit,
+                &ExpectationReason::Because(span, text),
+            );
         }
     }
     Target { place, ty, span }
 }
 
-fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (Place, Ty) {
+fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (TargetPlace, Ty) {
     let name = &target.name;
     match locals::find_local(cx, &name.name) {
         Some(Local::Flow(flow)) => {
@@ -160,39 +166,39 @@ fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (Place, T
         }
         Some(Local::Constant(_)) => not_definable(cx, name, "a constant"),
         Some(Local::Block(_)) => not_definable(cx, name, "a fragment"),
-        Some(Local::State(_) | Local::States(..)) => not_definable(cx, name, "a state"),
-        None if name.name == "_" => (Place::Nowhere, Ty::Unknown),
+        Some(Local::State(_) | Local::AmbiguousState(..)) => not_definable(cx, name, "a state"),
+        None if name.name == "_" => (TargetPlace::Nowhere, Ty::Unknown),
         None => undefined_target(cx, name, !target.path.is_empty()),
     }
 }
 
 /// Handles a target whose name is not declared in this body.
-fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Place, Ty) {
+fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (TargetPlace, Ty) {
     if let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) {
-        return not_definable(cx, name, cx.checker.program.decl(id).kind.what());
+        return not_definable(cx, name, cx.checker.program.decl(id).kind.description());
     }
     let help = match in_part && cx.unit.kind == UnitKind::Command {
         true => "declare the device as a parameter of the command: `command C (arm: Arm)`",
         false => "declare flows after `returns` or `var`",
     };
-    let told = cx.reported.undefined_names.place(&name.name);
-    if cx.is_new_unknown(&name.name) {
+    let told = cx.reported.undefined_names.index(&name.name);
+    if cx.record_undefined(&name.name) {
         let near = cx.checker.suggest(&name.name, locals::local_names(cx));
         // That the intended flow has no equation is the same error.
-        let meant = near.as_ref().and_then(|near| cx.local_flow(near));
+        let meant = near.as_ref().and_then(|near| cx.find_flow(near));
         cx.reported.erroneous_flows.extend(meant);
-        let finding = unknown("flow", &name.name, name.span, near);
-        report::report_diagnostic(cx, finding.help(help));
+        let diagnostic = undefined_name("flow", &name.name, name.span, near);
+        report::report_diagnostic(cx, diagnostic.help(help));
     } else if let Some(told) = told {
         add_target_help(cx, told, name, help);
     }
-    (Place::Nowhere, Ty::Unknown)
+    (TargetPlace::Nowhere, Ty::Unknown)
 }
 
 /// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has no other help.
 fn add_target_help(cx: &mut Body<'_, '_>, told: usize, name: &Ident, help: &str) {
-    let alike = unknown("flow", &name.name, name.span, None);
-    let told = cx.findings.get_mut(told);
+    let alike = undefined_name("flow", &name.name, name.span, None);
+    let told = cx.diagnostics.get_mut(told);
     let told = told.filter(|told| told.code == alike.code && told.message == alike.message);
     if let Some(told) = told.filter(|told| told.help.is_empty() && told.fixes.is_empty()) {
         told.help.push(help.to_owned());
@@ -211,32 +217,32 @@ fn target_place_in_flow<'a>(
     cx: &mut Body<'_, 'a>,
     flow: FlowId,
     target: &'a ast::Target,
-) -> (Place, Ty) {
-    if let Some(device) = cx.unit.device(flow).cloned() {
+) -> (TargetPlace, Ty) {
+    if let Some(device) = cx.unit.device_type_instance(flow).cloned() {
         return access::actuator_target(cx, flow, &device, target);
     }
     let what = match cx.unit.flow(flow).role {
-        FlowRole::Input | FlowRole::Given => Some("an in-port"),
+        FlowRole::Input | FlowRole::TakenOver => Some("an in-port"),
         FlowRole::Param => Some("a parameter"),
         FlowRole::Output | FlowRole::Local => None,
     };
     let ty = shared_type(cx, flow).clone();
     if what.is_some() && cx.reported.erroneous_flows.contains(&flow) {
-        return (Place::Nowhere, Ty::Unknown);
+        return (TargetPlace::Nowhere, Ty::Unknown);
     }
     if let Some(what) = what {
         // A parameter of an unknown type may be a device.
         return match ty.is_unknown() && !target.path.is_empty() {
-            true => (Place::Nowhere, Ty::Unknown),
+            true => (TargetPlace::Nowhere, Ty::Unknown),
             false => not_definable(cx, &target.name, what),
         };
     }
     if is_part_of_outer_flow(cx, flow, target) {
-        return (Place::Nowhere, Ty::Unknown);
+        return (TargetPlace::Nowhere, Ty::Unknown);
     }
     match access::resolve_path(cx, &ty, 0, &target.path) {
-        Some((at, ty)) => (Place::Flow { flow, at }, ty),
-        None => (Place::Nowhere, Ty::Unknown),
+        Some((at, ty)) => (TargetPlace::Flow { flow, at }, ty),
+        None => (TargetPlace::Nowhere, Ty::Unknown),
     }
 }
 
@@ -252,25 +258,25 @@ fn is_part_of_outer_flow(cx: &mut Body<'_, '_>, flow: FlowId, target: &ast::Targ
         let block = cx.unit.block(cx.block).name.clone();
         let declared = cx.unit.flow(flow).span;
         let message = format!("`{name}` is defined in parts inside of `{block}`");
-        let finding = Finding::new(Code::RPI1008, message)
-            .at(
+        let diagnostic = Diagnostic::new(Code::RPI1008, message)
+            .primary(
                 target.span,
                 format!("takes effect only while `{block}` is active"),
             )
-            .also(declared, "declared outside of it, to be defined as a whole")
+            .secondary(declared, "declared outside of it, to be defined as a whole")
             .help(format!("define it in one equation: `{name} = ...;`"));
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
     true
 }
 
-fn not_definable(cx: &mut Body<'_, '_>, name: &Ident, what: &str) -> (Place, Ty) {
-    let finding = Finding::new(Code::RPI1003, format!("`{}` is {what}", name.name))
-        .at(name.span, format!("{what} cannot be defined here"))
+fn not_definable(cx: &mut Body<'_, '_>, name: &Ident, what: &str) -> (TargetPlace, Ty) {
+    let diagnostic = Diagnostic::new(Code::RPI1003, format!("`{}` is {what}", name.name))
+        .primary(name.span, format!("{what} cannot be defined here"))
         .help(format!(
             "use another name for the new flow: `{}_new = ...;`",
             name.name
         ));
-    report::report_diagnostic(cx, finding);
-    (Place::Nowhere, Ty::Unknown)
+    report::report_diagnostic(cx, diagnostic);
+    (TargetPlace::Nowhere, Ty::Unknown)
 }

@@ -4,42 +4,46 @@
 //! where one is expected: `c, ab = (e[0], e[1])` with `ab: [int, int]`. Therefore the expected types decide; where they
 //! are not known, the number of values decides and the outermost tuples are decomposed first.
 
-use crate::check::exprs::access::leaves;
+use crate::check::exprs::access::leaf_count;
 use crate::ty::Member;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
+use crate::ty::check_assignable;
 
 /// A part of one of several values.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct TuplePiece {
     /// Index of the value.
-    pub(crate) of: usize,
+    pub(crate) value: usize,
     /// Index of the first leaf of the part among the leaves of the value.
-    pub(crate) at: u32,
+    pub(crate) leaf: u32,
     pub(crate) ty: Ty,
 }
 
 /// Decomposes a list of values for targets of the types `wanted`, as far as these are known. Returns all pieces if
 /// their number cannot match.
-pub(crate) fn pieces(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<Piece> {
-    let whole: Vec<Piece> = (list.iter().cloned().enumerate())
-        .map(|(of, ty)| Piece { of, at: 0, ty })
+pub(crate) fn decompose(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<TuplePiece> {
+    let whole: Vec<TuplePiece> = (list.iter().cloned().enumerate())
+        .map(|(of, ty)| TuplePiece {
+            value: of,
+            leaf: 0,
+            ty,
+        })
         .collect();
-    let by_type = by_type(&whole, wanted);
-    by_type.unwrap_or_else(|| by_number(whole, wanted.len()))
+    let by_type = decompose_by_type(&whole, wanted);
+    by_type.unwrap_or_else(|| decompose_by_count(whole, wanted.len()))
 }
 
 /// Decomposes only values that do not match as a whole; `None` if a type does not match or is not known.
-fn by_type(whole: &[Piece], wanted: &[Option<&Ty>]) -> Option<Vec<Piece>> {
+fn decompose_by_type(whole: &[TuplePiece], wanted: &[Option<&Ty>]) -> Option<Vec<TuplePiece>> {
     let mut pieces = Vec::with_capacity(wanted.len());
     // Remaining values in reverse order: the next one is last.
-    let mut open: Vec<Piece> = whole.iter().rev().cloned().collect();
+    let mut open: Vec<TuplePiece> = whole.iter().rev().cloned().collect();
     for wanted in wanted {
         let wanted = (*wanted)?;
         let mut next = open.pop()?;
-        while fit(wanted, &next.ty, &mut Subst::default()).is_err() {
-            let inner = next.opened()?;
+        while check_assignable(wanted, &next.ty, &mut Substitution::default()).is_err() {
+            let inner = next.elements()?;
             open.extend(inner.into_iter().rev());
             next = open.pop()?;
         }
@@ -49,54 +53,60 @@ fn by_type(whole: &[Piece], wanted: &[Option<&Ty>]) -> Option<Vec<Piece>> {
 }
 
 /// Decomposes tuples level by level until there are `count` pieces.
-fn by_number(mut level: Vec<Piece>, count: usize) -> Vec<Piece> {
+fn decompose_by_count(mut level: Vec<TuplePiece>, count: usize) -> Vec<TuplePiece> {
     while level.len() < count {
-        let is_whole = |piece: &Piece| !matches!(piece.ty, Ty::Tuple(_));
+        let is_whole = |piece: &TuplePiece| !matches!(piece.ty, Ty::Tuple(_));
         if level.iter().all(is_whole) {
             break;
         }
-        level = level.into_iter().flat_map(Piece::opened_or_whole).collect();
+        level = level
+            .into_iter()
+            .flat_map(TuplePiece::elements_or_self)
+            .collect();
     }
     match level.len() == count {
         true => level,
-        false => flattened(level),
+        false => flatten(level),
     }
 }
 
 /// Returns the elements of a tuple, with nested tuples decomposed; the value itself if it is not a tuple.
-pub(crate) fn all(ty: &Ty) -> Vec<Piece> {
-    let (of, at, ty) = (0, 0, ty.clone());
-    flattened(vec![Piece { of, at, ty }])
+pub(crate) fn flattened_pieces(ty: &Ty) -> Vec<TuplePiece> {
+    let (value, leaf, ty) = (0, 0, ty.clone());
+    flatten(vec![TuplePiece { value, leaf, ty }])
 }
 
-fn flattened(mut level: Vec<Piece>) -> Vec<Piece> {
+fn flatten(mut level: Vec<TuplePiece>) -> Vec<TuplePiece> {
     while level.iter().any(|piece| matches!(piece.ty, Ty::Tuple(_))) {
-        level = level.into_iter().flat_map(Piece::opened_or_whole).collect();
+        level = level
+            .into_iter()
+            .flat_map(TuplePiece::elements_or_self)
+            .collect();
     }
     level
 }
 
-impl Piece {
+impl TuplePiece {
     /// Returns the elements of a tuple; `None` for other types.
-    fn opened(&self) -> Option<Vec<Piece>> {
+    fn elements(&self) -> Option<Vec<TuplePiece>> {
         let Ty::Tuple(members) = &self.ty else {
             return None;
         };
-        let mut at = self.at;
+        let mut at = self.leaf;
         let inner = members.iter().map(|Member { ty, .. }| {
-            let piece = Piece {
-                of: self.of,
-                at,
+            let piece = TuplePiece {
+                value: self.value,
+                leaf: at,
                 ty: ty.clone(),
             };
-            at += leaves(ty);
+            at += leaf_count(ty);
             piece
         });
         Some(inner.collect())
     }
 
-    fn opened_or_whole(self) -> Vec<Piece> {
-        self.opened().unwrap_or_else(|| vec![self])
+    fn elements_or_self(self) -> Vec<TuplePiece> {
+        self.elements().unwrap_or_else(|| vec![self])
     }
 }
 
@@ -109,7 +119,7 @@ mod tests {
     }
 
     fn types(value: Ty, wanted: &[Option<&Ty>]) -> Vec<Ty> {
-        let pieces = pieces(&[value], wanted).into_iter();
+        let pieces = decompose(&[value], wanted).into_iter();
         pieces.map(|piece| piece.ty).collect()
     }
 
@@ -137,8 +147,11 @@ mod tests {
     #[test]
     fn pieces_say_where_they_begin() {
         let value = Ty::tuple([pair(), Ty::Bool]);
-        let found = pieces(&[Ty::Int, value], &[None; 4]);
-        let places: Vec<(usize, u32)> = found.iter().map(|piece| (piece.of, piece.at)).collect();
+        let found = decompose(&[Ty::Int, value], &[None; 4]);
+        let places: Vec<(usize, u32)> = found
+            .iter()
+            .map(|piece| (piece.value, piece.leaf))
+            .collect();
         assert_eq!(places, [(0, 0), (1, 0), (1, 1), (1, 2)]);
     }
 }

@@ -19,35 +19,35 @@ use rpi_syntax::ast;
 use smallvec::SmallVec;
 
 /// An equation that waits to be checked.
-pub(crate) struct Pending<'a> {
+pub(crate) struct PendingEquation<'a> {
     pub(crate) block: BlockId,
-    pub(crate) goal: Goal<'a>,
+    pub(crate) lhs: EquationLhs<'a>,
     pub(crate) value: &'a ast::Expr,
     pub(crate) span: Span,
     /// For each target the flow whose type this equation decides; `None` for other targets.
-    pub(crate) introduces: SmallVec<[Option<FlowId>; 1]>,
+    pub(crate) inferred_flows: SmallVec<[Option<FlowId>; 1]>,
     /// Progress of the check.
-    pub(crate) state: State,
+    pub(crate) state: EquationState,
     /// Index variables of the left side with their values, if the equation defines one array element.
     pub(crate) indices: Vec<(ast::Ident, i64)>,
 }
 
 /// A read of a flow whose type was not known yet.
 #[derive(Clone, Copy)]
-pub(crate) struct Missing {
+pub(crate) struct UnknownRead {
     /// Index of the equation that defines the flow.
     pub(crate) equation: usize,
     pub(crate) span: Span,
     /// Whether the flow is read in the current cycle, not through `pre`.
-    pub(crate) now: bool,
+    pub(crate) in_same_cycle: bool,
 }
 
 /// Policy for guessing the type of an operation on a number and an operand of unknown type.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub(crate) enum Guess {
+pub(crate) enum GuessPolicy {
     /// No guess: an integer may be meant as a real, and a factor changes the unit.
     #[default]
-    Nothing,
+    Never,
     /// Guess from integers.
     Integers,
     /// Guess from integers, and from factors without a unit.
@@ -56,7 +56,7 @@ pub(crate) enum Guess {
 
 /// Left side of an equation.
 #[derive(Clone, Copy)]
-pub(crate) enum Goal<'a> {
+pub(crate) enum EquationLhs<'a> {
     /// Targets of an equation.
     Targets(&'a [ast::Target]),
     /// Variable with a value in its declaration.
@@ -65,62 +65,62 @@ pub(crate) enum Goal<'a> {
 
 /// Progress of an equation.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum State {
+pub(crate) enum EquationState {
     /// Not checked yet.
-    Open,
+    Unchecked,
     /// Waits for the equations of the flows that it reads.
-    Busy,
+    Waiting,
     /// Checked, but it reads flows of unknown type.
     Guessed,
     /// The types of its flows cannot be inferred, which has been reported.
-    Told,
+    Reported,
     /// Checked; this is its value.
     Done(ExprId),
 }
 
-impl Pending<'_> {
+impl PendingEquation<'_> {
     /// Whether it decides the type of a flow.
-    pub(crate) fn infers(&self) -> bool {
-        self.introduces.iter().any(Option::is_some)
+    pub(crate) fn infers_type(&self) -> bool {
+        self.inferred_flows.iter().any(Option::is_some)
     }
 }
 
 /// Sizes of the body's tables before a trial check.
-pub(crate) struct Mark {
+pub(crate) struct Checkpoint {
     exprs: usize,
-    findings: usize,
-    state_at: Option<Span>,
+    diagnostics: usize,
+    first_state_span: Option<Span>,
 }
 
 /// Infers the types of all flows without a declared type.
 pub(crate) fn infer_types(cx: &mut Body<'_, '_>) {
     cx.inference.is_running = true;
     for index in 0..cx.pending.len() {
-        if cx.pending[index].infers() && cx.pending[index].state == State::Open {
+        if cx.pending[index].infers_type() && cx.pending[index].state == EquationState::Unchecked {
             resolve_equation(cx, index);
         }
     }
     while recheck_guessed(cx) {}
     cx.inference.is_running = false;
-    guess_from_numbers(cx, Guess::Integers);
+    guess_from_numbers(cx, GuessPolicy::Integers);
 }
 
 /// Guesses the types that only operations on numbers determine, from the types of these numbers.
-pub(crate) fn guess_from_numbers(cx: &mut Body<'_, '_>, numbers: Guess) {
+pub(crate) fn guess_from_numbers(cx: &mut Body<'_, '_>, number_literals: GuessPolicy) {
     cx.inference.is_running = true;
-    cx.inference.guess_policy = numbers;
+    cx.inference.guess_policy = number_literals;
     while recheck_guessed(cx) {}
-    cx.inference.guess_policy = Guess::Nothing;
+    cx.inference.guess_policy = GuessPolicy::Never;
     cx.inference.is_running = false;
 }
 
 /// Returns the value of an equation; checks it now if it is not checked yet.
 pub(crate) fn checked_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
     match cx.pending[index].state {
-        State::Done(value) => value,
+        EquationState::Done(value) => value,
         _ => {
             let value = check_value(cx, index);
-            cx.pending[index].state = State::Done(value);
+            cx.pending[index].state = EquationState::Done(value);
             value
         }
     }
@@ -129,7 +129,7 @@ pub(crate) fn checked_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
 /// Checks the value of an equation in its block.
 pub(crate) fn check_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
     let (block, value) = (cx.pending[index].block, cx.pending[index].value);
-    cx.within(block, |body| {
+    cx.in_block(block, |body| {
         elements::with_index_bindings(body, index, |body| expr::check_expr(body, value))
     })
 }
@@ -140,12 +140,12 @@ pub(crate) fn record_unknown_read(cx: &mut Body<'_, '_>, flow: FlowId, span: Spa
     let Some(equation) = cx.inference.defined_by[flow.0 as usize].filter(|_| !known) else {
         return;
     };
-    if !matches!(cx.pending[equation].state, State::Done(_)) {
+    if !matches!(cx.pending[equation].state, EquationState::Done(_)) {
         let now = cx.bindings.pre_depth == 0;
-        cx.inference.unknown_reads.push(Missing {
+        cx.inference.unknown_reads.push(UnknownRead {
             equation,
             span,
-            now,
+            in_same_cycle: now,
         });
     }
 }
@@ -153,11 +153,15 @@ pub(crate) fn record_unknown_read(cx: &mut Body<'_, '_>, flow: FlowId, span: Spa
 fn resolve_equation(cx: &mut Body<'_, '_>, index: usize) {
     let mut stack = vec![index];
     while let Some(&top) = stack.last() {
-        if !matches!(cx.pending[top].state, State::Open | State::Busy) || try_check(cx, top) {
+        if !matches!(
+            cx.pending[top].state,
+            EquationState::Unchecked | EquationState::Waiting
+        ) || try_check(cx, top)
+        {
             stack.pop();
             continue;
         }
-        let open = |k: &usize| cx.pending[*k].state == State::Open;
+        let open = |k: &usize| cx.pending[*k].state == EquationState::Unchecked;
         let needs = cx
             .inference
             .unknown_reads
@@ -165,10 +169,10 @@ fn resolve_equation(cx: &mut Body<'_, '_>, index: usize) {
             .map(|missing| missing.equation);
         let needs: Vec<usize> = needs.filter(open).collect();
         if needs.is_empty() {
-            cx.pending[top].state = State::Guessed;
+            cx.pending[top].state = EquationState::Guessed;
             stack.pop();
         } else {
-            cx.pending[top].state = State::Busy;
+            cx.pending[top].state = EquationState::Waiting;
             stack.extend(needs.into_iter().rev());
         }
     }
@@ -186,7 +190,7 @@ fn try_check(cx: &mut Body<'_, '_>, index: usize) -> bool {
     }
     let complete = cx.inference.unknown_reads.is_empty();
     if complete {
-        cx.pending[index].state = State::Done(value);
+        cx.pending[index].state = EquationState::Done(value);
     } else {
         rollback(cx, mark);
     }
@@ -196,11 +200,11 @@ fn try_check(cx: &mut Body<'_, '_>, index: usize) -> bool {
 
 /// Sets the types of the flows that an equation defines, as far as the type of its value is known.
 fn set_inferred_types(cx: &mut Body<'_, '_>, index: usize, ty: &Ty) {
-    let flows = cx.pending[index].introduces.clone();
+    let flows = cx.pending[index].inferred_flows.clone();
     let types: SmallVec<[Ty; 1]> = match flows.len() {
         1 => SmallVec::from([ty.clone()]),
         count => {
-            let pieces = tuple_pieces::pieces(std::slice::from_ref(ty), &vec![None; count]);
+            let pieces = tuple_pieces::decompose(std::slice::from_ref(ty), &vec![None; count]);
             pieces.into_iter().map(|piece| piece.ty).collect()
         }
     };
@@ -225,13 +229,18 @@ fn set_inferred_types(cx: &mut Body<'_, '_>, index: usize, ty: &Ty) {
 
 /// Postpones an equation such as `v = none`, of unknown type, until another state has determined the type of `v`.
 fn wait_for_other_states(cx: &mut Body<'_, '_>, index: usize) {
-    for flow in cx.pending[index].introduces.clone().into_iter().flatten() {
+    for flow in cx.pending[index]
+        .inferred_flows
+        .clone()
+        .into_iter()
+        .flatten()
+    {
         if let Some(equation) = unchecked_in_other_state(cx, flow, index) {
             let span = cx.pending[index].span;
-            cx.inference.unknown_reads.push(Missing {
+            cx.inference.unknown_reads.push(UnknownRead {
                 equation,
                 span,
-                now: false,
+                in_same_cycle: false,
             });
         }
     }
@@ -244,14 +253,14 @@ fn unchecked_in_other_state(cx: &Body<'_, '_>, flow: FlowId, index: usize) -> Op
     let mut equations = versions
         .flatten()
         .filter_map(|other| cx.inference.defined_by[other.0 as usize]);
-    equations.find(|other| *other != index && cx.pending[*other].state == State::Open)
+    equations.find(|other| *other != index && cx.pending[*other].state == EquationState::Unchecked)
 }
 
 /// Checks all guessed equations again; returns whether a type became known.
 fn recheck_guessed(cx: &mut Body<'_, '_>) -> bool {
     let before = unknown_flow_count(cx);
     for index in 0..cx.pending.len() {
-        if cx.pending[index].state == State::Guessed && cx.pending[index].infers() {
+        if cx.pending[index].state == EquationState::Guessed && cx.pending[index].infers_type() {
             try_check(cx, index);
         }
     }
@@ -259,30 +268,36 @@ fn recheck_guessed(cx: &mut Body<'_, '_>) -> bool {
 }
 
 fn unknown_flow_count(cx: &Body<'_, '_>) -> usize {
-    let guessed = cx.pending.iter().filter(|p| p.state == State::Guessed);
-    let flows = guessed.flat_map(|p| p.introduces.iter().flatten());
+    let guessed = cx
+        .pending
+        .iter()
+        .filter(|p| p.state == EquationState::Guessed);
+    let flows = guessed.flat_map(|p| p.inferred_flows.iter().flatten());
     flows.filter(|f| cx.unit.flow(**f).ty.has_unknown()).count()
 }
 
 /// Returns the current sizes of the body's tables.
-pub(crate) fn checkpoint(cx: &Body<'_, '_>) -> Mark {
-    Mark {
+pub(crate) fn checkpoint(cx: &Body<'_, '_>) -> Checkpoint {
+    Checkpoint {
         exprs: cx.unit.exprs.len(),
-        findings: cx.findings.len(),
-        state_at: cx.first_state_span,
+        diagnostics: cx.diagnostics.len(),
+        first_state_span: cx.first_state_span,
     }
 }
 
 /// Undoes all additions to the body's tables since `mark`.
-pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Mark) {
+pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Checkpoint) {
     cx.unit.exprs.truncate(mark.exprs);
     // `chosen` is sorted by expression, so that the undone ones are at its end.
     let is_kept = |id: &ExprId| (id.0 as usize) < mark.exprs;
-    let kept = cx.unit.chosen.partition_point(is_kept);
-    cx.unit.chosen.truncate(kept);
-    cx.findings.truncate(mark.findings);
-    cx.reported.undefined_names.forget_from(mark.findings);
-    cx.reported.invalid_clocks.forget_from(mark.findings);
-    cx.inference.real_fix_index = cx.inference.real_fix_index.filter(|at| *at < mark.findings);
-    cx.first_state_span = mark.state_at;
+    let kept = cx.unit.static_conditions.partition_point(is_kept);
+    cx.unit.static_conditions.truncate(kept);
+    cx.diagnostics.truncate(mark.diagnostics);
+    cx.reported.undefined_names.truncate(mark.diagnostics);
+    cx.reported.invalid_clocks.truncate(mark.diagnostics);
+    cx.inference.real_fix_index = cx
+        .inference
+        .real_fix_index
+        .filter(|at| *at < mark.diagnostics);
+    cx.first_state_span = mark.first_state_span;
 }

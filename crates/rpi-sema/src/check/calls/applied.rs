@@ -5,16 +5,16 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::callable::Callable;
-use crate::check::calls::predefined_ops::Predef;
+use crate::check::calls::predefined_ops::PredefinedOp;
 use crate::check::exprs::expr;
 use crate::check::exprs::ops;
 use crate::check::signatures::header::Header;
-use crate::ty::{Subst, Ty};
-use crate::typed::Kind;
+use crate::ty::{Substitution, Ty};
+use crate::typed::TypedExprKind;
 use crate::typed::{self, ExprId};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 use std::rc::Rc;
@@ -22,8 +22,8 @@ use std::rc::Rc;
 /// Calls an operator by its name.
 pub(crate) fn call_predefined_op<'a>(
     cx: &mut Body<'_, 'a>,
-    predef: &Predef,
-    given: Vec<Given<'a>>,
+    predef: &PredefinedOp,
+    given: Vec<CallArgument<'a>>,
     span: Span,
 ) -> ExprId {
     let given = arg_tuples::flatten_tuple_args(cx, given);
@@ -34,12 +34,12 @@ pub(crate) fn call_predefined_op<'a>(
             cx,
             arg.value,
             ty,
-            &crate::check::diagnostics::report::Wanted::Here,
+            &crate::check::diagnostics::report::ExpectationReason::Unexplained,
         );
     }
     match sound {
         true => call_operator(cx, predef.op, &given, span),
-        false => cx.add(Kind::Fault, gives, span),
+        false => cx.add(TypedExprKind::Error, gives, span),
     }
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn call_predefined_op<'a>(
 pub(crate) fn call_operator<'a>(
     cx: &mut Body<'_, 'a>,
     op: StaticOp,
-    given: &[Given<'a>],
+    given: &[CallArgument<'a>],
     span: Span,
 ) -> ExprId {
     let given = arg_tuples::flatten_tuple_args(cx, given.to_vec());
@@ -55,9 +55,13 @@ pub(crate) fn call_operator<'a>(
     match (op, &values[..]) {
         (StaticOp::Binary(op), [a, b]) => apply_binary(cx, op, *a, *b, span),
         (StaticOp::Unary(UnaryOp::Pre), [a]) => {
-            cx.has_state(span);
+            cx.record_state(span);
             let ty = cx.ty_of(*a).clone();
-            cx.add(Kind::Each(typed::Each::Pre, [*a].into()), ty, span)
+            cx.add(
+                TypedExprKind::Each(typed::ElementwiseOp::Pre, [*a].into()),
+                ty,
+                span,
+            )
         }
         (StaticOp::Unary(op), [a]) => ops::unary_prim(cx, op, *a, span),
         (StaticOp::If, [c, a, b]) => {
@@ -65,7 +69,7 @@ pub(crate) fn call_operator<'a>(
                 cx,
                 *c,
                 &Ty::Bool,
-                &crate::check::diagnostics::report::Wanted::Here,
+                &crate::check::diagnostics::report::ExpectationReason::Unexplained,
             );
             let ty = expr::common_type(
                 cx,
@@ -73,19 +77,23 @@ pub(crate) fn call_operator<'a>(
                 *b,
                 "both branches of an `if` must have the same type",
             );
-            cx.add(Kind::Each(typed::Each::If, [*c, *a, *b].into()), ty, span)
+            cx.add(
+                TypedExprKind::Each(typed::ElementwiseOp::If, [*c, *a, *b].into()),
+                ty,
+                span,
+            )
         }
         _ => {
-            let name = Callable::Op(op).spelling();
-            let finding = Finding::new(
+            let name = Callable::Op(op).source_text();
+            let diagnostic = Diagnostic::new(
                 Code::RPI1010,
                 format!(
                     "`{name}` does not take {}",
-                    rpi_diag::counted(values.len(), "operand")
+                    rpi_diag::with_noun(values.len(), "operand")
                 ),
             )
-            .at(span, "wrong number of operands");
-            cx.fault_with(finding, span)
+            .primary(span, "wrong number of operands");
+            cx.report_error_expr(diagnostic, span)
         }
     }
 }
@@ -94,27 +102,31 @@ pub(crate) fn call_operator<'a>(
 pub(crate) fn call_node_param<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Rc<Header>,
-    given: Vec<Given<'a>>,
+    given: Vec<CallArgument<'a>>,
     span: Span,
 ) -> ExprId {
     if let Some(mut args) = args::match_args_to_ports(cx, header, &given, span) {
-        args::check_arg_types(cx, header, &mut args, &mut Subst::default());
+        args::check_arg_types(cx, header, &mut args, &mut Substitution::default());
     }
-    cx.add(Kind::Fault, header.result_type(), span)
+    cx.add(TypedExprKind::Error, header.result_type(), span)
 }
 
 fn apply_binary(cx: &mut Body<'_, '_>, op: BinaryOp, a: ExprId, b: ExprId, span: Span) -> ExprId {
     let each = match op {
-        BinaryOp::Arrow => typed::Each::Arrow,
-        BinaryOp::Coalesce => typed::Each::Coalesce,
+        BinaryOp::Arrow => typed::ElementwiseOp::Arrow,
+        BinaryOp::Coalesce => typed::ElementwiseOp::Coalesce,
         BinaryOp::Fby => {
-            cx.has_state(span);
+            cx.record_state(span);
             let ty = cx.ty_of(b).clone();
-            let before = cx.add(Kind::Each(typed::Each::Pre, [b].into()), ty, span);
+            let before = cx.add(
+                TypedExprKind::Each(typed::ElementwiseOp::Pre, [b].into()),
+                ty,
+                span,
+            );
             return apply_binary(cx, BinaryOp::Arrow, a, before, span);
         }
         _ => return ops::binary_prim(cx, op, a, b, span),
     };
     let ty = expr::common_type(cx, a, b, "both sides must have the same type");
-    cx.add(Kind::Each(each, [a, b].into()), ty, span)
+    cx.add(TypedExprKind::Each(each, [a, b].into()), ty, span)
 }

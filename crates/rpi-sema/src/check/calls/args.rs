@@ -5,8 +5,8 @@ use crate::check::bodies::locals;
 use crate::check::calls::arg_tuples;
 use crate::check::diagnostics::argument_order;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::join_names;
 use crate::check::exprs::expr;
 use crate::check::exprs::names::plain_name;
 use crate::check::signatures::header::Header;
@@ -15,12 +15,12 @@ use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::types::exact_time;
 use crate::program::DeclId;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
-use crate::typed::Kind;
+use crate::ty::check_assignable;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, FlowRole, UnitKind};
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
 use rpi_syntax::ops::BinaryOp;
@@ -28,7 +28,7 @@ use std::rc::Rc;
 
 /// Checked argument of a call.
 #[derive(Clone, Copy)]
-pub(crate) struct Given<'a> {
+pub(crate) struct CallArgument<'a> {
     /// Name of the port, if the argument is named.
     pub(crate) name: Option<&'a Ident>,
     /// Value of the argument.
@@ -37,10 +37,10 @@ pub(crate) struct Given<'a> {
     pub(crate) is_static: bool,
 }
 
-impl<'a> Given<'a> {
+impl<'a> CallArgument<'a> {
     /// Creates a positional argument.
-    pub(crate) fn plain(value: ExprId) -> Given<'a> {
-        Given {
+    pub(crate) fn positional(value: ExprId) -> CallArgument<'a> {
+        CallArgument {
             name: None,
             value,
             is_static: false,
@@ -49,13 +49,13 @@ impl<'a> Given<'a> {
 }
 
 /// Checks the arguments of a call without comparing them with ports.
-pub(crate) fn check_args<'a>(cx: &mut Body<'_, 'a>, args: &'a [Arg]) -> Vec<Given<'a>> {
+pub(crate) fn check_args<'a>(cx: &mut Body<'_, 'a>, args: &'a [Arg]) -> Vec<CallArgument<'a>> {
     args.iter().map(|arg| check_arg(cx, arg)).collect()
 }
 
-fn check_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a Arg) -> Given<'a> {
+fn check_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a Arg) -> CallArgument<'a> {
     let value = expr::check_expr(cx, &arg.value);
-    Given {
+    CallArgument {
         name: arg.name.as_ref(),
         value,
         is_static: false,
@@ -68,8 +68,8 @@ pub(crate) fn check_args_for<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
     args: &[&'a Arg],
-) -> (Vec<Given<'a>>, bool) {
-    let told = cx.findings.len();
+) -> (Vec<CallArgument<'a>>, bool) {
+    let told = cx.diagnostics.len();
     let named = args.iter().filter(|arg| arg.name.is_none());
     let wrong = named
         .filter(|arg| report_arg_named_by_eq(cx, id, &arg.value))
@@ -83,25 +83,25 @@ pub(crate) fn check_args_for<'a>(
 
 /// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
 fn merge_named_by_eq(cx: &mut Body<'_, '_>, told: usize) {
-    let by_eq = |finding: &Finding| finding.code == Code::RPI1010;
-    let mut others = cx.findings.split_off(told).into_iter();
+    let by_eq = |diagnostic: &Diagnostic| diagnostic.code == Code::RPI1010;
+    let mut others = cx.diagnostics.split_off(told).into_iter();
     let Some(mut first) = others.find(by_eq) else {
         return;
     };
     let mut rest = Vec::new();
-    for finding in others {
-        if !by_eq(&finding) {
-            rest.push(finding);
+    for diagnostic in others {
+        if !by_eq(&diagnostic) {
+            rest.push(diagnostic);
             continue;
         }
-        first = first.also(finding.span(), "and here");
-        let edits = finding.fixes.into_iter().flat_map(|fix| fix.edits);
+        first = first.secondary(diagnostic.span(), "and here");
+        let edits = diagnostic.fixes.into_iter().flat_map(|fix| fix.edits);
         if let Some(fix) = first.fixes.first_mut() {
             fix.edits.extend(edits);
         }
     }
-    cx.findings.push(first);
-    cx.findings.extend(rest);
+    cx.diagnostics.push(first);
+    cx.diagnostics.extend(rest);
 }
 
 /// Whether the expression is `x = e` where `x` is meant as the name of an argument; reported if so.
@@ -125,17 +125,17 @@ pub(crate) fn report_arg_named_by_eq<'a>(
         end: binary.rhs.span.start,
         ..value.span
     };
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
         format!("expected `:` after the argument name `{name}`"),
     )
-    .at(
+    .primary(
         between,
         format!("`{}` is a comparison", binary.op.spelling()),
     )
     // Not applied automatically: another argument of the call may really be a comparison of flows.
     .fix(Fix::maybe(format!("write `{name}: ...`")).replace(between, ": "));
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
     expr::check_expr(cx, &binary.rhs);
     true
 }
@@ -145,12 +145,12 @@ pub(crate) fn report_arg_named_by_eq<'a>(
 pub(crate) fn match_args_to_ports<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Rc<Header>,
-    given: &[Given<'a>],
+    given: &[CallArgument<'a>],
     span: Span,
 ) -> Option<Vec<Option<ExprId>>> {
     let given = &arg_tuples::flatten_tuple_args_for(cx, header, given)[..];
     let mut args = vec![None; header.inputs.len()];
-    let mut places = by_place(header).into_iter();
+    let mut places = positional_ports(header).into_iter();
     let mut sound = true;
     for arg in given {
         let port = match arg.name {
@@ -173,29 +173,29 @@ fn assign_arg<'a>(
     header: &Header,
     args: &mut [Option<ExprId>],
     k: usize,
-    arg: &Given<'a>,
+    arg: &CallArgument<'a>,
 ) -> bool {
     let port = &header.inputs[k];
     if let Some(first) = args[k].replace(arg.value) {
-        let finding = Finding::new(Code::RPI1010, format!("`{}` is given twice", port.name))
-            .at(cx.span_of(arg.value), "given again here")
-            .also(cx.span_of(first), "first given here");
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI1010, format!("`{}` is given twice", port.name))
+            .primary(cx.span_of(arg.value), "given again here")
+            .secondary(cx.span_of(first), "first given here");
+        report::report_diagnostic(cx, diagnostic);
         return false;
     }
     if arg.is_static && !is_load_time_constant(cx, arg.value) {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2008,
             format!("`{}` must be fixed when the command is loaded", port.name),
         )
-        .at(
+        .primary(
             cx.span_of(arg.value),
             "this changes while the command runs",
         )
         .help(match port.role {
             FlowRole::Param => format!(
                 "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
-                short(&header.name),
+                without_statics(&header.name),
                 port.name
             ),
             _ => format!(
@@ -203,20 +203,20 @@ fn assign_arg<'a>(
                 port.name
             ),
         });
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return false;
     }
     if !arg.is_static && port.role == FlowRole::Param && !is_load_time_constant(cx, arg.value) {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2008,
             format!(
                 "the parameter `{}` of `{}` must be fixed when the command is loaded",
                 port.name, header.name
             ),
         )
-        .at(cx.span_of(arg.value), "this changes while the command runs")
-        .also(port.span, "declared as a parameter here");
-        report::report_diagnostic(cx, finding);
+        .primary(cx.span_of(arg.value), "this changes while the command runs")
+        .secondary(port.span, "declared as a parameter here");
+        report::report_diagnostic(cx, diagnostic);
         return false;
     }
     true
@@ -226,22 +226,22 @@ fn assign_arg<'a>(
 pub(crate) fn report_unknown_args<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    given: &[Given<'a>],
+    given: &[CallArgument<'a>],
 ) -> bool {
     let ports = static_params::in_port_names(cx.checker, id);
-    let params = static_params::static_params_of(cx.checker, id);
+    let params = static_params::static_params_of_decl(cx.checker, id);
     let names = ports.chain(params.iter().map(|param| &param.name().name));
     let names: Vec<&Name> = names.collect();
     let decl = cx.checker.program.decl(id);
     let named = given.iter().filter_map(|arg| arg.name);
     let strangers = named.filter(|name| !names.contains(&&name.name));
-    let strangers: Vec<Finding> = strangers
-        .map(|name| stranger(&decl.name, decl.span, &names, name, given))
+    let strangers: Vec<Diagnostic> = strangers
+        .map(|name| unknown_arg(&decl.name, decl.span, &names, name, given))
         .collect();
     let any = !strangers.is_empty();
     strangers
         .into_iter()
-        .for_each(|finding| report::report_diagnostic(cx, finding));
+        .for_each(|diagnostic| report::report_diagnostic(cx, diagnostic));
     any
 }
 
@@ -249,28 +249,28 @@ pub(crate) fn report_unknown_args<'a>(
 fn report_unexpected_arg<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Header,
-    arg: &Given<'a>,
-    given: &[Given<'a>],
+    arg: &CallArgument<'a>,
+    given: &[CallArgument<'a>],
 ) -> bool {
-    let (ports, count) = (by_place(header).len(), given.len());
-    let finding = match arg.name {
+    let (ports, count) = (positional_ports(header).len(), given.len());
+    let diagnostic = match arg.name {
         Some(name) => {
             let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
-            stranger(&header.name, header.span, &names, name, given)
+            unknown_arg(&header.name, header.span, &names, name, given)
         }
-        None => Finding::new(
+        None => Diagnostic::new(
             Code::RPI1010,
             format!(
                 "`{}` takes {}, found {count}",
                 header.name,
-                rpi_diag::counted(ports, "argument")
+                rpi_diag::with_noun(ports, "argument")
             ),
         )
-        .at(cx.span_of(arg.value), "unexpected argument")
-        .also(header.span, "declared here")
-        .help(format!("it is declared as `{}`", signature(header))),
+        .primary(cx.span_of(arg.value), "unexpected argument")
+        .secondary(header.span, "declared here")
+        .help(format!("it is declared as `{}`", signature_text(header))),
     };
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
     false
 }
 
@@ -284,7 +284,7 @@ fn check_missing_args(
     let ports = header.inputs.iter().enumerate().zip(args);
     // Values that a command takes over from its predecessor are not arguments.
     let open = ports.filter(|((_, port), arg)| {
-        arg.is_none() && !port.has_default && port.role != FlowRole::Given
+        arg.is_none() && !port.has_default && port.role != FlowRole::TakenOver
     });
     let open: Vec<(usize, &Port)> = open.map(|(port, _)| port).collect();
     let may_lack = open.iter().all(|(_, port)| port.is_static) && !cx.inference.is_running;
@@ -292,15 +292,15 @@ fn check_missing_args(
         return true;
     }
     let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
-    let names = listed(open.iter().map(Name::as_str));
-    let finding = Finding::new(
+    let names = join_names(open.iter().map(Name::as_str));
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
         format!("missing {names} of `{}`", header.name),
     )
-    .at(span, "arguments are missing")
-    .also(header.span, "declared here")
-    .help(format!("it is declared as `{}`", signature(header)));
-    report::report_diagnostic(cx, finding);
+    .primary(span, "arguments are missing")
+    .secondary(header.span, "declared here")
+    .help(format!("it is declared as `{}`", signature_text(header)));
+    report::report_diagnostic(cx, diagnostic);
     false
 }
 
@@ -309,7 +309,7 @@ pub(crate) fn check_arg_types(
     cx: &mut Body<'_, '_>,
     header: &Header,
     args: &mut [Option<ExprId>],
-    subst: &mut Subst,
+    subst: &mut Substitution,
 ) -> bool {
     let mut sound = true;
     if argument_order::report_wrong_order(cx, header, args, subst) {
@@ -322,12 +322,18 @@ pub(crate) fn check_arg_types(
         };
         bind_device_frames(cx, port, arg, subst);
         let found = cx.ty_of(arg).clone();
-        match fit(&port.ty, &found, subst) {
+        match check_assignable(&port.ty, &found, subst) {
             Ok(()) => sound &= expr::check_angle_unit(cx, arg, &port.ty),
             Err(misfit) => {
                 let expected = port.ty.substituted(subst);
                 let text = format!("`{}` is `{expected}`", port.name);
-                report::type_mismatch(cx, arg, &expected, &misfit, &Wanted::By(port.span, text));
+                report::type_mismatch(
+                    cx,
+                    arg,
+                    &expected,
+                    &misfit,
+                    &ExpectationReason::Because(port.span, text),
+                );
                 sound = false;
             }
         }
@@ -336,8 +342,9 @@ pub(crate) fn check_arg_types(
 }
 
 /// Binds the frames of a device parameter to those of the device passed for it.
-fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Subst) {
-    let (Ty::Device(device), Kind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind) else {
+fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Substitution) {
+    let (Ty::Device(device), TypedExprKind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind)
+    else {
         return;
     };
     let outer = cx.unit.flow(*flow).name.clone();
@@ -350,22 +357,28 @@ fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &m
 
 /// Whether a value is the same in all cycles, as it depends on constants and parameters only.
 pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
-    let mut parts = cx.unit.parts(id);
+    let mut parts = cx.unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         let fixed = match &expr.kind {
-            Kind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
-            Kind::Sensor { .. } | Kind::When { .. } | Kind::Merge { .. } | Kind::Current(_) => {
-                false
+            TypedExprKind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
+            TypedExprKind::Sensor { .. }
+            | TypedExprKind::When { .. }
+            | TypedExprKind::Merge { .. }
+            | TypedExprKind::Current(_) => false,
+            TypedExprKind::Each(each, _) => {
+                matches!(
+                    each,
+                    crate::typed::ElementwiseOp::If | crate::typed::ElementwiseOp::Coalesce
+                )
             }
-            Kind::Each(each, _) => {
-                matches!(each, crate::typed::Each::If | crate::typed::Each::Coalesce)
-            }
-            Kind::Prim(call) => {
+            TypedExprKind::Prim(call) => {
                 let desc = call.prim.desc();
                 desc.role == rpi_image::Role::Compute
-                    && matches!(desc.state, rpi_image::State::None)
+                    && matches!(desc.state, rpi_image::StateSize::None)
             }
-            Kind::Call(call) => cx.checker.units[call.unit.0 as usize].kind == UnitKind::Function,
+            TypedExprKind::Call(call) => {
+                cx.checker.units[call.unit.0 as usize].kind == UnitKind::Function
+            }
             _ => true,
         };
         if !fixed {
@@ -377,14 +390,14 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
 }
 
 /// Returns the name of a callable without the static arguments of the instance.
-fn short(name: &Name) -> &str {
+fn without_statics(name: &Name) -> &str {
     name.split("<<").next().unwrap_or(name)
 }
 
 /// Returns the name of a callable and its in-ports with their types, for messages. Long lists are cut off.
-pub(crate) fn signature(header: &Header) -> String {
+pub(crate) fn signature_text(header: &Header) -> String {
     const LONGEST: usize = 6;
-    let wanted = |port: &&Port| port.role != FlowRole::Given;
+    let wanted = |port: &&Port| port.role != FlowRole::TakenOver;
     let mut ports: Vec<String> = Vec::new();
     for port in header.inputs.iter().filter(wanted).take(LONGEST) {
         ports.push(format!("{}: {}", port.name, port.ty));
@@ -396,13 +409,13 @@ pub(crate) fn signature(header: &Header) -> String {
 }
 
 /// Returns the diagnostic for a named argument that matches no port or parameter.
-fn stranger(
+fn unknown_arg(
     of: &Name,
     declared: Span,
     names: &[&Name],
     name: &Ident,
-    given: &[Given<'_>],
-) -> Finding {
+    given: &[CallArgument<'_>],
+) -> Diagnostic {
     let is_given = |other: &Name| {
         given
             .iter()
@@ -410,13 +423,13 @@ fn stranger(
     };
     let open = names.iter().filter(|other| !is_given(other));
     let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
-    let names = listed(names.iter().map(|name| name.as_str()));
-    crate::check::signatures::static_args::no_param(of, name, near)
-        .also(declared, format!("its ports and parameters are {names}"))
+    let names = join_names(names.iter().map(|name| name.as_str()));
+    crate::check::signatures::static_args::unknown_static_param(of, name, near)
+        .secondary(declared, format!("its ports and parameters are {names}"))
 }
 
 /// Returns the indices of the ports that take positional arguments.
-pub(crate) fn by_place(header: &Header) -> Vec<usize> {
+pub(crate) fn positional_ports(header: &Header) -> Vec<usize> {
     let wanted = |port: &Port| match (header.kind, port.role) {
         (kind, role) if kind.is_root() => role == FlowRole::Param,
         (_, FlowRole::Param) => !port.is_static,

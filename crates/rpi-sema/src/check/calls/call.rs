@@ -6,14 +6,14 @@ use crate::check::bodies::statement;
 use crate::check::calls::applied;
 use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::callable::Callable;
-use crate::check::calls::callable::Fixed;
+use crate::check::calls::callable::FixedPortValue;
 use crate::check::calls::callee;
 use crate::check::calls::callee::Callee;
 use crate::check::calls::condact;
 use crate::check::calls::intrinsics;
-use crate::check::calls::intrinsics::Special;
+use crate::check::calls::intrinsics::Intrinsic;
 use crate::check::calls::iterate;
 use crate::check::calls::prim;
 use crate::check::diagnostics::elsewhere;
@@ -27,28 +27,28 @@ use crate::check::signatures::header::Header;
 use crate::check::signatures::instance;
 use crate::check::signatures::size_inference;
 use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::check::signatures::unit;
 use crate::check::types::data;
 use crate::program::{DeclId, DeclKind};
-use crate::ty::{Subst, Ty};
-use crate::typed::{self, Equation, ExprId, FlowRole, Optional, Place, Target, UnitKind};
-use crate::typed::{Activation, Kind};
-use rpi_diag::{Code, Finding, Span};
+use crate::ty::{Substitution, Ty};
+use crate::typed::{self, Equation, ExprId, FlowPresence, FlowRole, Target, TargetPlace, UnitKind};
+use crate::typed::{Activation, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef};
 use std::rc::Rc;
 
 /// Call whose arguments match the ports of the callee.
-pub(crate) struct Fitted {
+pub(crate) struct MatchedCall {
     /// Header of the called instance.
     pub(crate) header: Rc<Header>,
     /// Argument of each in-port; `None` for a port that uses its default.
     pub(crate) args: Vec<Option<ExprId>>,
     /// Types and frames inferred for the free names of the signature.
-    subst: Subst,
+    subst: Substitution,
 }
 
 /// Checks a call.
@@ -73,7 +73,7 @@ pub(crate) fn call_with_activation<'a>(
         }
         Callee::Special(special) => intrinsics::check_intrinsic(cx, special, call, span),
         Callee::Iterator("condact") if call.callee.statics.is_empty() => {
-            intrinsics::check_intrinsic(cx, Special::Condact, call, span)
+            intrinsics::check_intrinsic(cx, Intrinsic::Condact, call, span)
         }
         Callee::Iterator("condact") => condact::condact_call(cx, call, span),
         Callee::Iterator(name) if call.callee.statics.is_empty() => {
@@ -93,7 +93,7 @@ pub(crate) fn call_with_activation<'a>(
                 }
                 None => {
                     args::check_args(cx, &call.args);
-                    cx.fault(span)
+                    cx.error_expr(span)
                 }
             }
         }
@@ -126,15 +126,15 @@ fn call_decl<'a>(
         let given = args::check_args(cx, &call.args);
         return match callee::resolve_alias(cx, id, callee, &call.callee.statics) {
             Some(callable) => call_callable(cx, &callable, given, activation, span),
-            None => cx.fault(span),
+            None => cx.error_expr(span),
         };
     }
     let mut bound = static_args::bind_statics(cx, id, &call.callee.statics);
     let args = static_args::bind_sizes(cx, id, &call.args, &mut bound);
     let (mut given, all_named) = args::check_args_for(cx, id, &args);
     given.extend(bound.ports);
-    if bound.faulty || !all_named {
-        return cx.fault(span);
+    if bound.has_error || !all_named {
+        return cx.error_expr(span);
     }
     call_declared(cx, id, bound.statics, given, activation, span)
 }
@@ -166,7 +166,7 @@ fn resolve_activation<'a>(cx: &mut Body<'_, 'a>, activation: &'a ast::Activation
 pub(crate) fn call_callable<'a>(
     cx: &mut Body<'_, 'a>,
     callable: &Callable,
-    given: Vec<Given<'a>>,
+    given: Vec<CallArgument<'a>>,
     activation: Activation,
     span: Span,
 ) -> ExprId {
@@ -176,10 +176,10 @@ pub(crate) fn call_callable<'a>(
         }
         Callable::Prim(prim) => prim::prim_call_with(cx, *prim, &given, span),
         Callable::Op(op) => applied::call_operator(cx, *op, &given, span),
-        Callable::Predef(predef) => applied::call_predefined_op(cx, predef, given, span),
-        Callable::Special(special) => intrinsics::apply_intrinsic(cx, *special, &given, span),
+        Callable::Predefined(predef) => applied::call_predefined_op(cx, predef, given, span),
+        Callable::Intrinsic(special) => intrinsics::apply_intrinsic(cx, *special, &given, span),
         Callable::Iteration(iteration) => iterate::apply_iterator(cx, iteration, &given, span),
-        Callable::Open(header) => applied::call_node_param(cx, header, given, span),
+        Callable::NodeParam(header) => applied::call_node_param(cx, header, given, span),
     }
 }
 
@@ -187,21 +187,24 @@ pub(crate) fn call_callable<'a>(
 fn call_with_fixed_ports<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    statics: &Rc<Statics>,
-    fixed: &Rc<[(Name, Fixed)]>,
-    mut given: Vec<Given<'a>>,
+    statics: &Rc<StaticBindings>,
+    fixed: &Rc<[(Name, FixedPortValue)]>,
+    mut given: Vec<CallArgument<'a>>,
     activation: Activation,
     span: Span,
 ) -> ExprId {
-    let params = static_params::static_params_of(cx.checker, id);
+    let params = static_params::static_params_of_decl(cx.checker, id);
     for (name, fixed) in &**fixed {
         let value = match fixed {
-            Fixed::Constant(constant) => names::constant_expr(cx, constant, span),
-            Fixed::Loaded(value) => *value,
+            FixedPortValue::Constant(constant) => names::constant_expr(cx, constant, span),
+            FixedPortValue::LoadTime(value) => *value,
         };
-        let param = params.iter().map(Param::name).find(|p| p.name == *name);
+        let param = params
+            .iter()
+            .map(StaticParamDecl::name)
+            .find(|p| p.name == *name);
         let port = || static_params::in_port_idents(cx.checker, id).find(|port| port.name == *name);
-        given.push(Given {
+        given.push(CallArgument {
             name: param.or_else(port),
             value,
             is_static: true,
@@ -214,15 +217,15 @@ fn call_with_fixed_ports<'a>(
 fn call_declared<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    statics: Statics,
-    given: Vec<Given<'a>>,
+    statics: StaticBindings,
+    given: Vec<CallArgument<'a>>,
     activation: Activation,
     span: Span,
 ) -> ExprId {
     match match_call(cx, id, statics, given, span) {
         Ok(fitted) => add_call(cx, fitted, activation, span),
         // The type is kept, so that the uses of the outputs are still checked.
-        Err(ty) => cx.add(Kind::Fault, ty, span),
+        Err(ty) => cx.add(TypedExprKind::Error, ty, span),
     }
 }
 
@@ -232,10 +235,10 @@ fn call_declared<'a>(
 pub(crate) fn match_call<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    mut statics: Statics,
-    mut given: Vec<Given<'a>>,
+    mut statics: StaticBindings,
+    mut given: Vec<CallArgument<'a>>,
     span: Span,
-) -> Result<Fitted, Ty> {
+) -> Result<MatchedCall, Ty> {
     if unit::reads_rpi_syntax(cx) {
         given = arg_tuples::flatten_tuple_args(cx, given);
     }
@@ -256,9 +259,9 @@ pub(crate) fn match_call<'a>(
     let header = header::check_header(cx.checker, id, Rc::new(statics.clone()));
     let header = header.ok_or(Ty::Unknown)?;
     let free = header.free_frames.iter();
-    let mut subst = Subst {
+    let mut subst = Substitution {
         frames: free.map(|frame| (frame.clone(), None)).collect(),
-        ..Subst::default()
+        ..Substitution::default()
     };
     let Some(mut args) = args::match_args_to_ports(cx, &header, &given, span) else {
         return Err(match open.is_empty() {
@@ -276,7 +279,7 @@ pub(crate) fn match_call<'a>(
     // Units that depend on static parameters are known only in the instance, so that the types are checked again.
     sound = sound && (!of_units || args::check_arg_types(cx, &header, &mut args, &mut subst));
     match sound {
-        true => Ok(Fitted {
+        true => Ok(MatchedCall {
             header,
             args,
             subst,
@@ -286,18 +289,23 @@ pub(crate) fn match_call<'a>(
 }
 
 /// Adds the call of an instance.
-fn add_call(cx: &mut Body<'_, '_>, fitted: Fitted, activation: Activation, span: Span) -> ExprId {
-    let Fitted {
+fn add_call(
+    cx: &mut Body<'_, '_>,
+    fitted: MatchedCall,
+    activation: Activation,
+    span: Span,
+) -> ExprId {
+    let MatchedCall {
         ref header,
         args,
         ref subst,
     } = fitted;
     if header.kind != UnitKind::Function {
-        cx.has_state(span);
+        cx.record_state(span);
     }
     report_extern_call(cx, header, span);
     let Some(unit) = unit::instantiate(cx.checker, header, span) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let args = name_clock_args(cx, header, args);
     let ty = header.result_type().substituted(subst);
@@ -310,7 +318,7 @@ fn add_call(cx: &mut Body<'_, '_>, fitted: Fitted, activation: Activation, span:
             cx,
             default,
             &ty,
-            &crate::check::diagnostics::report::Wanted::Here,
+            &crate::check::diagnostics::report::ExpectationReason::Unexplained,
         );
     }
     let args = args.into();
@@ -319,7 +327,7 @@ fn add_call(cx: &mut Body<'_, '_>, fitted: Fitted, activation: Activation, span:
         args,
         activation,
     };
-    cx.add(Kind::Call(Box::new(call)), ty, span)
+    cx.add(TypedExprKind::Call(Box::new(call)), ty, span)
 }
 
 /// Gives each argument that decides the clock of another port a flow of its own, as clocks refer to flows by name.
@@ -332,8 +340,8 @@ fn name_clock_args(
         return args;
     }
     let deciding = header.inputs.iter().zip(&mut args);
-    for (port, arg) in deciding.filter(|(port, _)| port.decides) {
-        let unnamed = |id: &ExprId| !matches!(cx.unit.expr(*id).kind, Kind::Flow(_));
+    for (port, arg) in deciding.filter(|(port, _)| port.is_clock) {
+        let unnamed = |id: &ExprId| !matches!(cx.unit.expr(*id).kind, TypedExprKind::Flow(_));
         if let Some(value) = arg.filter(unnamed) {
             *arg = Some(bind_to_flow(cx, port, value));
         }
@@ -352,14 +360,20 @@ fn bind_to_flow(
         name: format!("{}#{}", port.name, cx.unit.flows.len()).into(),
         span,
     };
-    let flow = locals::add_flow(cx, &name, ty.clone(), Optional::Inferred, FlowRole::Local);
-    let place = Place::Flow { flow, at: 0 };
+    let flow = locals::add_flow(
+        cx,
+        &name,
+        ty.clone(),
+        FlowPresence::Inferred,
+        FlowRole::Local,
+    );
+    let place = TargetPlace::Flow { flow, at: 0 };
     let equation = Equation {
         targets: vec![Target { place, ty, span }],
         value,
         span,
     };
-    cx.current().equations.push(equation);
+    cx.current_block().equations.push(equation);
     names::flow_expr(cx, flow, span)
 }
 
@@ -368,9 +382,9 @@ fn report_extern_call(cx: &mut Body<'_, '_>, header: &Header, span: Span) {
     if let DeclKind::Node(node) = cx.checker.program.decl(header.decl).kind
         && matches!(node.definition, NodeDef::Extern)
     {
-        let finding = Finding::new(Code::RPI1012, format!("`{}` has no body", header.name))
-            .at(span, "an external node cannot be executed")
-            .also(header.span, "declared without a body");
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI1012, format!("`{}` has no body", header.name))
+            .primary(span, "an external node cannot be executed")
+            .secondary(header.span, "declared without a body");
+        report::report_diagnostic(cx, diagnostic);
     }
 }

@@ -5,28 +5,28 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::callable::Callable;
-use crate::check::calls::callable::Fixed;
-use crate::check::calls::intrinsics::SPECIALS;
-use crate::check::calls::intrinsics::Special;
+use crate::check::calls::callable::FixedPortValue;
+use crate::check::calls::intrinsics::INTRINSICS;
+use crate::check::calls::intrinsics::Intrinsic;
 use crate::check::calls::iterate;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::diagnostics::undefined_names;
 use crate::check::limits::nesting;
 use crate::check::signatures::alias;
 use crate::check::signatures::header;
 use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::signatures::unit::is_callable;
 use crate::check::types::consts;
 use crate::check::types::data;
-use crate::elab::NotConstant;
-use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::elab::NotConstantError;
+use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use rpi_diag::Span;
 use rpi_prims::{PrimId, registry};
 use rpi_syntax::Name;
@@ -40,7 +40,7 @@ pub(crate) enum Callee<'a> {
     /// Declaration.
     Decl(DeclId),
     /// Predeclared operator with its own checks.
-    Special(Special),
+    Special(Intrinsic),
     /// Registered primitive.
     Prim(PrimId),
     /// Iterator over arrays, by name.
@@ -59,7 +59,7 @@ pub(crate) fn resolve_alias<'a>(
     statics: &'a [StaticArg],
 ) -> Option<Callable> {
     let bound = static_args::bind_statics(cx, id, statics);
-    if bound.faulty {
+    if bound.has_error {
         return None;
     }
     if alias::is_cyclic_alias(cx.checker, id) || !nesting::may_alias(cx.checker, callee.span) {
@@ -67,23 +67,23 @@ pub(crate) fn resolve_alias<'a>(
     }
     check_alias_ports(cx, id, &bound.statics);
     cx.checker.aliases.push(id);
-    let mut body = Body::around(cx.checker, id);
+    let mut body = Body::for_top_level(cx.checker, id);
     body.statics = Rc::new(bound.statics);
     let callable = resolve_callable(&mut body, &callee.name.name, &callee.statics, callee.span);
     let callable = callable.and_then(|callable| require_portable(&mut body, callable));
-    body.leave();
+    body.finish();
     cx.checker.aliases.pop();
     callable
 }
 
 /// Checks the unit of an alias with static parameters and declared ports, so that ports that differ from those of
 /// its target are reported.
-fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &Statics) {
+fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &StaticBindings) {
     let DeclKind::Node(node) = cx.checker.program.decl(id).kind else {
         return;
     };
-    let params = static_params::static_params_of(cx.checker, id);
-    let is_given = |param: &crate::check::signatures::static_params::Param<'_>| {
+    let params = static_params::static_params_of_decl(cx.checker, id);
+    let is_given = |param: &crate::check::signatures::static_params::StaticParamDecl<'_>| {
         statics.contains_key(&param.name().name)
     };
     if node.signature.outputs.is_none() || params.is_empty() || !params.iter().all(is_given) {
@@ -97,27 +97,33 @@ fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &Statics) {
 /// Resolves the name of a callee.
 pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
     let importing = std::mem::take(&mut cx.contract.resolving_contract);
-    if let Some(Static::Callee(callable, misfit)) = cx.statics.get(name).cloned() {
+    if let Some(StaticBinding::Callable(callable, misfit)) = cx.statics.get(name).cloned() {
         if let Some(misfit) = misfit {
             report::report_diagnostic(cx, (*misfit).clone());
             return Callee::Nothing(std::marker::PhantomData);
         }
         return Callee::Known(callable);
     }
-    if let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Value, cx.module, name)
+    if let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Value, cx.module, name)
         && let DeclKind::Constructor { ty, index } = cx.checker.program.decl(id).kind
     {
         return Callee::Constructor(ty, index);
     }
-    if let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Value, cx.module, name)
+    if let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Value, cx.module, name)
         && let DeclKind::EnumValue { ty, index } = cx.checker.program.decl(id).kind
         && data::is_datatype(cx, ty)
     {
         return Callee::Constructor(ty, index);
     }
     let space = match importing {
-        true => Space::Contract,
-        false => Space::Callable,
+        true => NameSpace::Contract,
+        false => NameSpace::Callable,
     };
     match cx.checker.program.lookup_in(space, cx.module, name) {
         Lookup::Found(id) => resolve_callee_decl(cx, id, name, span),
@@ -137,12 +143,13 @@ fn resolve_callee_decl<'a>(
         return Callee::Decl(id);
     }
     if !matches!(decl.kind, DeclKind::Broken(_)) {
-        let finding = not_a("a callable", name, decl.kind.what(), span, decl.span);
-        let finding = match decl.kind {
-            DeclKind::Command(_) => finding.help("run a command by a task, or by `rpi run`"),
-            _ => finding,
+        let diagnostic =
+            wrong_kind_of_name("a callable", name, decl.kind.description(), span, decl.span);
+        let diagnostic = match decl.kind {
+            DeclKind::Command(_) => diagnostic.help("run a command by a task, or by `rpi run`"),
+            _ => diagnostic,
         };
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
     Callee::Nothing(std::marker::PhantomData)
 }
@@ -150,15 +157,20 @@ fn resolve_callee_decl<'a>(
 /// Resolves an iterator, a predeclared operator or a primitive; reports an undefined name.
 fn resolve_builtin_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
     let plain = name.strip_prefix("Lustre::").unwrap_or(name);
-    if let Some(iterator) = crate::check::calls::iterate::NAMES
+    if let Some(iterator) = crate::check::calls::iterate::ITERATORS
         .iter()
         .find(|iterator| **iterator == plain)
     {
         return Callee::Iterator(iterator);
     }
-    let specials = SPECIALS.iter();
-    let is_kind2 = |s: &&Special| matches!(s, Special::Any | Special::Choose | Special::Machine(_));
-    let is_ours = |s: &&Special| matches!(s, Special::Spatial(_) | Special::Time);
+    let specials = INTRINSICS.iter();
+    let is_kind2 = |s: &&Intrinsic| {
+        matches!(
+            s,
+            Intrinsic::Any | Intrinsic::Choose | Intrinsic::Machine(_)
+        )
+    };
+    let is_ours = |s: &&Intrinsic| matches!(s, Intrinsic::Spatial(_) | Intrinsic::Time);
     let is_rpi = unit::reads_rpi_syntax(cx);
     let mut specials = specials.filter(|s| match is_rpi {
         true => !is_kind2(s),
@@ -167,10 +179,10 @@ fn resolve_builtin_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) ->
     if let Some(special) = specials.find(|special| special.name() == plain) {
         return Callee::Special(*special);
     }
-    if let Some(operator) = crate::check::calls::predefined_ops::operator(name) {
+    if let Some(operator) = crate::check::calls::predefined_ops::predefined_op(name) {
         return Callee::Known(operator);
     }
-    if let Some(prim) = PrimId::of(name) {
+    if let Some(prim) = PrimId::from_name(name) {
         return Callee::Prim(prim);
     }
     report_undefined_callee(cx, name, span);
@@ -181,17 +193,17 @@ fn resolve_builtin_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) ->
 fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     if let Some(Local::Flow(flow)) = locals::find_local(cx, name) {
         let declared = cx.unit.flow(flow).span;
-        let finding = not_a("a callable", name, "a flow", span, declared).help(format!(
-            "read an array element by `{name}[0]`; write a product as `{name} * x`"
-        ));
-        return report::report_diagnostic(cx, finding);
+        let diagnostic = wrong_kind_of_name("a callable", name, "a flow", span, declared).help(
+            format!("read an array element by `{name}[0]`; write a product as `{name} * x`"),
+        );
+        return report::report_diagnostic(cx, diagnostic);
     }
     let callable = |id: DeclId| is_callable(cx.checker.program.decl(id).kind);
     let near = cx
         .checker
-        .suggest(name, cx.checker.program.visible(cx.module, callable));
+        .suggest(name, cx.checker.program.visible_names(cx.module, callable));
     // `time` is not suggested: it is also the name of a predeclared flow, which is more likely to be meant.
-    let specials = SPECIALS.iter().map(|special| special.name());
+    let specials = INTRINSICS.iter().map(|special| special.name());
     let specials = specials.filter(|special| *special != "time");
     let near = near.or_else(|| rpi_diag::suggest(name, specials));
     let near = near.or_else(|| match name.is_qualified() {
@@ -207,12 +219,12 @@ fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     };
     let last = name.rsplit("::").next().unwrap_or_default();
     let is_there = |other: &str| {
-        let mut visible = cx.checker.program.visible(cx.module, callable);
-        visible.any(|known| known == other) || SPECIALS.iter().any(|s| s.name() == other)
+        let mut visible = cx.checker.program.visible_names(cx.module, callable);
+        visible.any(|known| known == other) || INTRINSICS.iter().any(|s| s.name() == other)
     };
     let here = match name.is_qualified() && is_there(last) {
         true => Some(last),
-        false => crate::check::diagnostics::foreign::call_here(name),
+        false => crate::check::diagnostics::foreign::function_equivalent(name),
     };
     match here {
         Some(here) => undefined_names::report_foreign_name(cx, what, name, span, here),
@@ -230,18 +242,18 @@ pub(crate) fn resolve_callable<'a>(
     match resolve_callee(cx, name, span) {
         Callee::Nothing(_) => None,
         Callee::Constructor(..) => {
-            let finding = not_a(
+            let diagnostic = wrong_kind_of_name(
                 "a callable",
                 name,
                 "an alternative of a datatype",
                 span,
                 span,
             );
-            report::report_diagnostic(cx, finding);
+            report::report_diagnostic(cx, diagnostic);
             None
         }
         Callee::Known(callable) => Some(callable),
-        Callee::Special(special) => Some(Callable::Special(special)),
+        Callee::Special(special) => Some(Callable::Intrinsic(special)),
         Callee::Prim(prim) => Some(Callable::Prim(prim)),
         Callee::Iterator(iterator) => {
             let iteration = iterate::resolve_iterator(cx, iterator, statics, span)?;
@@ -255,20 +267,23 @@ pub(crate) fn resolve_callable<'a>(
             }
             let bound = static_args::bind_statics(cx, id, statics);
             let fixed = fold_fixed_ports(cx, &bound.ports)?;
-            (!bound.faulty).then(|| Callable::Unit(id, Rc::new(bound.statics), fixed))
+            (!bound.has_error).then(|| Callable::Unit(id, Rc::new(bound.statics), fixed))
         }
     }
 }
 
 /// Returns the values of the ports that static arguments fix.
-fn fold_fixed_ports<'a>(cx: &mut Body<'_, 'a>, ports: &[Given<'a>]) -> Option<Rc<[(Name, Fixed)]>> {
+fn fold_fixed_ports<'a>(
+    cx: &mut Body<'_, 'a>,
+    ports: &[CallArgument<'a>],
+) -> Option<Rc<[(Name, FixedPortValue)]>> {
     let mut fixed = Vec::new();
     for port in ports {
         let value = match consts::try_fold(cx, port.value) {
-            Err(NotConstant::Flow(_)) if args::is_load_time_constant(cx, port.value) => {
-                Fixed::Loaded(port.value)
+            Err(NotConstantError::RunTime(_)) if args::is_load_time_constant(cx, port.value) => {
+                FixedPortValue::LoadTime(port.value)
             }
-            _ => Fixed::Constant(Constant {
+            _ => FixedPortValue::Constant(Constant {
                 leaves: consts::fold(cx, port.value)?,
                 ty: cx.ty_of(port.value).clone(),
             }),
@@ -280,7 +295,7 @@ fn fold_fixed_ports<'a>(cx: &mut Body<'_, 'a>, ports: &[Given<'a>]) -> Option<Rc
 
 /// Rejects a callable with values that are only known in this body; returns `None` after the error.
 pub(crate) fn require_portable(cx: &mut Body<'_, '_>, callable: Callable) -> Option<Callable> {
-    match callable.loaded() {
+    match callable.load_time_value() {
         None => Some(callable),
         Some(value) => {
             consts::fold(cx, value);

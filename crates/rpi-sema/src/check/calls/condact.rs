@@ -5,16 +5,16 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::signatures::static_args;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::{Activation, Each, Kind};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{Activation, ElementwiseOp, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Call, Expr, StaticValue};
 
 /// Checks a call of `condact` with static arguments.
@@ -22,21 +22,21 @@ pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span
     let given = args::check_args(cx, &call.args);
     let mut given = flatten_first_arg(cx, given).into_iter();
     let (Some(every), [callee, default]) = (given.next(), &call.callee.statics[..]) else {
-        let finding = Finding::new(Code::RPI1010, "missing arguments of `condact`")
-            .at(span, "invalid arguments")
+        let diagnostic = Diagnostic::new(Code::RPI1010, "missing arguments of `condact`")
+            .primary(span, "invalid arguments")
             .help("write `condact<<node, default>>(condition, arguments)`");
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     };
     let StaticValue::Expr(default) = &default.value else {
-        let finding =
-            Finding::new(Code::RPI1010, "a value is expected here").at(default.span, "not a value");
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI1010, "a value is expected here")
+            .primary(default.span, "not a value");
+        return cx.report_error_expr(diagnostic, span);
     };
     let Some(callable) = static_args::static_callee(cx, callee) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    cx.has_state(span);
-    statement::expect_type(cx, every.value, &Ty::Bool, &Wanted::Here);
+    cx.record_state(span);
+    statement::expect_type(cx, every.value, &Ty::Bool, &ExpectationReason::Unexplained);
     let default = expr::check_expr(cx, default);
     let rest = given.collect();
     match callable {
@@ -53,7 +53,10 @@ pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span
 }
 
 /// Decomposes the first argument, as the condition may be the first output of a call.
-fn flatten_first_arg<'a>(cx: &mut Body<'_, 'a>, mut given: Vec<Given<'a>>) -> Vec<Given<'a>> {
+fn flatten_first_arg<'a>(
+    cx: &mut Body<'_, 'a>,
+    mut given: Vec<CallArgument<'a>>,
+) -> Vec<CallArgument<'a>> {
     let rest = given.split_off(given.len().min(1));
     arg_tuples::flatten_tuple_args(cx, given)
         .into_iter()
@@ -63,7 +66,7 @@ fn flatten_first_arg<'a>(cx: &mut Body<'_, 'a>, mut given: Vec<Given<'a>>) -> Ve
 
 /// Checks the value of the output before the first activation. Between activations the output is held.
 pub(crate) fn check_condact_default<'a>(cx: &mut Body<'_, 'a>, default: &'a Expr) -> ExprId {
-    cx.has_state(default.span);
+    cx.record_state(default.span);
     expr::check_expr(cx, default)
 }
 
@@ -71,15 +74,19 @@ pub(crate) fn check_condact_default<'a>(cx: &mut Body<'_, 'a>, default: &'a Expr
 fn condact_of_operator<'a>(
     cx: &mut Body<'_, 'a>,
     callable: &Callable,
-    given: Vec<Given<'a>>,
+    given: Vec<CallArgument<'a>>,
     [every, default]: [ExprId; 2],
     span: Span,
 ) -> ExprId {
     let value = call::call_callable(cx, callable, given, Activation::Always, span);
     let ty = cx.ty_of(value).clone();
-    statement::expect_type(cx, default, &ty, &Wanted::Here);
-    let none = cx.add(Kind::None, ty.clone(), span);
-    let there = Kind::Each(Each::If, [every, value, none].into());
+    statement::expect_type(cx, default, &ty, &ExpectationReason::Unexplained);
+    let none = cx.add(TypedExprKind::None, ty.clone(), span);
+    let there = TypedExprKind::Each(ElementwiseOp::If, [every, value, none].into());
     let there = cx.add(there, ty.clone(), span);
-    cx.add(Kind::Each(Each::Hold, [there, default].into()), ty, span)
+    cx.add(
+        TypedExprKind::Each(ElementwiseOp::Hold, [there, default].into()),
+        ty,
+        span,
+    )
 }

@@ -3,11 +3,11 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::call;
 use crate::check::calls::prim;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::exprs::proof_only;
 use crate::check::exprs::spatial_ops;
@@ -17,16 +17,16 @@ use crate::check::types::exact_time;
 use crate::check::types::machine_int;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::ExprId;
-use crate::typed::{Activation, Each, Kind};
-use crate::units::{Dim, Ratio};
-use rpi_diag::counted;
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{Activation, ElementwiseOp, TypedExprKind};
+use crate::units::{Dimension, Ratio};
+use rpi_diag::with_noun;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
 use rpi_syntax::ast::{self, ExprKind};
 
 /// A predeclared operator in call syntax.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Special {
+pub(crate) enum Intrinsic {
     /// `present(x)`: whether a flow is present in this cycle.
     Present,
     /// `hold(x, init)`: the latest present value; `init` before the first one.
@@ -48,62 +48,62 @@ pub(crate) enum Special {
 }
 
 /// All predeclared operators in call syntax.
-pub(crate) const SPECIALS: &[Special] = &[
-    Special::Present,
-    Special::Hold,
-    Special::Condact,
-    Special::Sqrt,
-    Special::Any,
-    Special::Choose,
-    Special::Time,
-    Special::Machine("int8"),
-    Special::Machine("int16"),
-    Special::Machine("int32"),
-    Special::Machine("int64"),
-    Special::Machine("uint8"),
-    Special::Machine("uint16"),
-    Special::Machine("uint32"),
-    Special::Machine("uint64"),
-    Special::Machine("sint"),
-    Special::Machine("uint"),
-    Special::Spatial(SpatialOp::Vector),
-    Special::Spatial(SpatialOp::Dot),
-    Special::Spatial(SpatialOp::Cross),
-    Special::Spatial(SpatialOp::Norm),
-    Special::Spatial(SpatialOp::Inverse),
+pub(crate) const INTRINSICS: &[Intrinsic] = &[
+    Intrinsic::Present,
+    Intrinsic::Hold,
+    Intrinsic::Condact,
+    Intrinsic::Sqrt,
+    Intrinsic::Any,
+    Intrinsic::Choose,
+    Intrinsic::Time,
+    Intrinsic::Machine("int8"),
+    Intrinsic::Machine("int16"),
+    Intrinsic::Machine("int32"),
+    Intrinsic::Machine("int64"),
+    Intrinsic::Machine("uint8"),
+    Intrinsic::Machine("uint16"),
+    Intrinsic::Machine("uint32"),
+    Intrinsic::Machine("uint64"),
+    Intrinsic::Machine("sint"),
+    Intrinsic::Machine("uint"),
+    Intrinsic::Spatial(SpatialOp::Vector),
+    Intrinsic::Spatial(SpatialOp::Dot),
+    Intrinsic::Spatial(SpatialOp::Cross),
+    Intrinsic::Spatial(SpatialOp::Norm),
+    Intrinsic::Spatial(SpatialOp::Inverse),
 ];
 
-impl Special {
+impl Intrinsic {
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Special::Present => "present",
-            Special::Hold => "hold",
-            Special::Condact => "condact",
-            Special::Sqrt => "sqrt",
-            Special::Any => "any",
-            Special::Choose => "choose",
-            Special::Machine(name) => name,
-            Special::Time => "time",
-            Special::Spatial(op) => op.name(),
+            Intrinsic::Present => "present",
+            Intrinsic::Hold => "hold",
+            Intrinsic::Condact => "condact",
+            Intrinsic::Sqrt => "sqrt",
+            Intrinsic::Any => "any",
+            Intrinsic::Choose => "choose",
+            Intrinsic::Machine(name) => name,
+            Intrinsic::Time => "time",
+            Intrinsic::Spatial(op) => op.name(),
         }
     }
 }
 
-impl Special {
+impl Intrinsic {
     /// Returns the syntax of a call and the result, for help texts.
-    fn form(self) -> &'static str {
+    fn usage(self) -> &'static str {
         match self {
-            Special::Present => "`present(x)`: whether `x` is present",
-            Special::Hold => {
+            Intrinsic::Present => "`present(x)`: whether `x` is present",
+            Intrinsic::Hold => {
                 "`hold(x, init)`: the latest value of `x`, `init` before the first one"
             }
-            Special::Condact => "`condact(c, f(x), d)`",
-            Special::Sqrt => "`sqrt(x)`",
-            Special::Any => "`any<<t>>()`",
-            Special::Choose => "`choose { x: t | c }`",
-            Special::Machine(_) => "`(int8 x)`",
-            Special::Time => "`time(x)`: seconds in whole ticks, rounded up",
-            Special::Spatial(op) => op.form(),
+            Intrinsic::Condact => "`condact(c, f(x), d)`",
+            Intrinsic::Sqrt => "`sqrt(x)`",
+            Intrinsic::Any => "`any<<t>>()`",
+            Intrinsic::Choose => "`choose { x: t | c }`",
+            Intrinsic::Machine(_) => "`(int8 x)`",
+            Intrinsic::Time => "`time(x)`: seconds in whole ticks, rounded up",
+            Intrinsic::Spatial(op) => op.usage(),
         }
     }
 }
@@ -111,18 +111,18 @@ impl Special {
 /// Checks a call of a predeclared operator.
 pub(crate) fn check_intrinsic<'a>(
     cx: &mut Body<'_, 'a>,
-    special: Special,
+    special: Intrinsic,
     call: &'a ast::Call,
     span: Span,
 ) -> ExprId {
-    if special == Special::Condact {
+    if special == Intrinsic::Condact {
         return check_condact(cx, call, span);
     }
-    if let Special::Machine(name) = special {
+    if let Intrinsic::Machine(name) = special {
         return machine_int::machine_conversion(cx, name, call, span);
     }
     let given = args::check_args(cx, &call.args);
-    if let (Special::Any | Special::Choose, [of], []) =
+    if let (Intrinsic::Any | Intrinsic::Choose, [of], []) =
         (special, &call.callee.statics[..], &given[..])
     {
         return nondeterministic_value(cx, special, of, span);
@@ -133,59 +133,64 @@ pub(crate) fn check_intrinsic<'a>(
 /// Checks `any` and `choose`, whose values are nondeterministic.
 fn nondeterministic_value<'a>(
     cx: &mut Body<'_, 'a>,
-    special: Special,
+    special: Intrinsic,
     of: &'a ast::StaticArg,
     span: Span,
 ) -> ExprId {
     // `choose` is a function of its arguments; `any` may change from cycle to cycle.
-    if special == Special::Any {
-        cx.has_state(span);
+    if special == Intrinsic::Any {
+        cx.record_state(span);
     }
     proof_only::nondeterminism_in_constant(cx, span);
     let Some(ty) = static_args::static_type(cx, of) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     report::report_diagnostic(
         cx,
-        Finding::new(Code::RPI1013, "nondeterministic value").at(span, "false or 0 at run time"),
+        Diagnostic::new(Code::RPI1013, "nondeterministic value")
+            .primary(span, "false or 0 at run time"),
     );
-    cx.add(Kind::Outside, ty, span)
+    cx.add(TypedExprKind::Arbitrary, ty, span)
 }
 
 /// Checks a predeclared operator with checked arguments.
 pub(crate) fn apply_intrinsic<'a>(
     cx: &mut Body<'_, 'a>,
-    special: Special,
-    given: &[Given<'a>],
+    special: Intrinsic,
+    given: &[CallArgument<'a>],
     span: Span,
 ) -> ExprId {
     let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
     match (special, &values[..]) {
-        (Special::Present, [x]) => cx.add(Kind::Present(*x), Ty::Bool, span),
-        (Special::Hold, [x, init]) => {
-            cx.has_state(span);
+        (Intrinsic::Present, [x]) => cx.add(TypedExprKind::Present(*x), Ty::Bool, span),
+        (Intrinsic::Hold, [x, init]) => {
+            cx.record_state(span);
             let ty = expr::common_type(cx, *x, *init, "this is the value before the first one");
-            cx.add(Kind::Each(Each::Hold, [*x, *init].into()), ty, span)
+            cx.add(
+                TypedExprKind::Each(ElementwiseOp::Hold, [*x, *init].into()),
+                ty,
+                span,
+            )
         }
-        (Special::Sqrt, [x]) => sqrt(cx, *x, span),
-        (Special::Spatial(op), values) if values.len() == op.operands() => {
+        (Intrinsic::Sqrt, [x]) => sqrt(cx, *x, span),
+        (Intrinsic::Spatial(op), values) if values.len() == op.operand_count() => {
             spatial_ops::spatial_op(cx, op, values, span)
         }
-        (Special::Time, [x]) => time_conversion(cx, *x, span),
-        (Special::Machine(to), [x]) => match MachineInt::named(to) {
+        (Intrinsic::Time, [x]) => time_conversion(cx, *x, span),
+        (Intrinsic::Machine(to), [x]) => match MachineInt::from_name(to) {
             Some(to) => machine_int::convert_to_machine(cx, *x, to, span),
-            None => cx.fault(span),
+            None => cx.error_expr(span),
         },
         _ => {
             let message = format!(
                 "`{}` does not take {}",
                 special.name(),
-                counted(values.len(), "argument")
+                with_noun(values.len(), "argument")
             );
-            let finding = Finding::new(Code::RPI1010, message)
-                .at(span, "wrong number of arguments")
-                .help(format!("usage: {}", special.form()));
-            cx.fault_with(finding, span)
+            let diagnostic = Diagnostic::new(Code::RPI1010, message)
+                .primary(span, "wrong number of arguments")
+                .help(format!("usage: {}", special.usage()));
+            cx.report_error_expr(diagnostic, span)
         }
     }
 }
@@ -199,10 +204,10 @@ fn time_conversion(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
         cx,
         x,
         &crate::check::types::exact_time::SECONDS,
-        &Wanted::Here,
+        &ExpectationReason::Unexplained,
     ) {
         true => exact_time::ticks_from_seconds(cx, x, span),
-        false => cx.add(Kind::Fault, Ty::Duration, span),
+        false => cx.add(TypedExprKind::Error, Ty::Duration, span),
     }
 }
 
@@ -210,10 +215,10 @@ fn sqrt(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
     exact_time::convert_to_seconds(cx, x);
     let dim = match cx.ty_of(x) {
         Ty::Real(dim) => *dim,
-        Ty::Unknown => return cx.fault(span),
+        Ty::Unknown => return cx.error_expr(span),
         _ => {
-            statement::expect_type(cx, x, &Ty::REAL, &Wanted::Here);
-            Dim::ONE
+            statement::expect_type(cx, x, &Ty::REAL, &ExpectationReason::Unexplained);
+            Dimension::ONE
         }
     };
     let ty = dim.power(Ratio::HALF).map_or(Ty::Unknown, Ty::Real);
@@ -228,7 +233,7 @@ fn check_condact<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> 
     let ExprKind::Call(inner) = &called.value.unparen().kind else {
         return invalid_condact(cx, called.value.span);
     };
-    cx.has_state(span);
+    cx.record_state(span);
     let every = statement::check_condition(cx, &every.value, "an activation");
     let restart = match &inner.activation {
         ast::Activation::Always => None,
@@ -255,7 +260,7 @@ fn check_condact<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> 
         [one] => Some(one),
         _ => {
             let ty = Ty::tuple(defaults.iter().map(|id| cx.ty_of(*id).clone()));
-            Some(cx.add(Kind::Build(defaults.into()), ty, span))
+            Some(cx.add(TypedExprKind::Build(defaults.into()), ty, span))
         }
     };
     let activation = Activation::Condact {
@@ -267,11 +272,11 @@ fn check_condact<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> 
 }
 
 fn invalid_condact(cx: &mut Body<'_, '_>, span: Span) -> ExprId {
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
         "`condact` takes a condition, a call and defaults",
     )
-    .at(span, "invalid arguments")
+    .primary(span, "invalid arguments")
     .help("write `condact(c, f(x), d)`");
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }

@@ -3,12 +3,12 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::arg_tuples;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::exprs::access::leaves;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::exprs::access::leaf_count;
 use crate::check::exprs::compose;
 use crate::check::exprs::ops;
 use crate::check::limits::nesting;
@@ -16,46 +16,48 @@ use crate::check::signatures::static_args;
 use crate::check::types::consts;
 use crate::program::Program;
 use crate::ty::{Member, Ty};
-use crate::typed::{Activation, Kind};
+use crate::typed::{Activation, TypedExprKind};
 use crate::typed::{ExprId, Leaf};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
 use rpi_syntax::ast::{StaticArg, StaticValue};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
 /// Names of the iterators.
-pub(crate) const NAMES: &[&str] = &[
+pub(crate) const ITERATORS: &[&str] = &[
     "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
 ];
 
 /// Kind of an iterator.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Way {
+enum IteratorKind {
     /// Applies the callee to each element.
     Map,
     /// Passes an accumulator through the calls; each call may also read an element and produce an element.
-    Fill,
+    Fold,
     /// Tests whether the number of true elements is in a range, given by its two bounds.
     Count(i64, i64),
 }
 
 /// Iterator with its static arguments.
 #[derive(Clone, Debug)]
-pub(crate) struct Iteration {
+pub(crate) struct IteratorCall {
     name: &'static str,
-    way: Way,
+    kind: IteratorKind,
     callee: Option<Callable>,
     size: u32,
 }
 
-impl Iteration {
+impl IteratorCall {
     /// Returns the name for messages: `map<<f; 3>>`.
     pub(crate) fn name(&self, program: &Program<'_>) -> String {
         let size = self.size;
-        match (&self.callee, self.way) {
+        match (&self.callee, self.kind) {
             (Some(callee), _) => format!("{}<<{}; {size}>>", self.name, callee.name(program)),
-            (None, Way::Count(least, most)) => format!("{}<<{least}; {most}; {size}>>", self.name),
+            (None, IteratorKind::Count(least, most)) => {
+                format!("{}<<{least}; {most}; {size}>>", self.name)
+            }
             (None, _) => format!("{}<<{size}>>", self.name),
         }
     }
@@ -67,18 +69,18 @@ impl Iteration {
         if let Some(callee) = &self.callee {
             callee.write_key(key);
         }
-        key.push_str(&format!("; {}; {:?}>>", self.size, self.way));
+        key.push_str(&format!("; {}; {:?}>>", self.size, self.kind));
     }
 
     /// Returns the callable that is applied to each element.
-    pub(crate) fn callee(&self) -> Option<&Callable> {
+    pub(crate) fn resolve_callee(&self) -> Option<&Callable> {
         self.callee.as_ref()
     }
 
     /// Returns the type of the port at this place, from that of the callee's port at the same place.
     pub(crate) fn port_type(&self, place: usize, of_callee: &Ty) -> Ty {
-        match self.way {
-            Way::Fill if place == 0 => of_callee.clone(),
+        match self.kind {
+            IteratorKind::Fold if place == 0 => of_callee.clone(),
             _ => Ty::Array(Rc::new(of_callee.clone()), self.size),
         }
     }
@@ -90,24 +92,28 @@ pub(crate) fn resolve_iterator<'a>(
     name: &'static str,
     statics: &'a [StaticArg],
     span: Span,
-) -> Option<Iteration> {
+) -> Option<IteratorCall> {
     match (name, statics) {
         ("boolred", [least, most, size]) => {
             let bounds = (static_int_arg(cx, least)?, static_int_arg(cx, most)?);
             let n = static_size_arg(cx, size)?;
             check_boolred_bounds(cx, bounds, n, [least, most])?;
-            Some(Iteration {
+            Some(IteratorCall {
                 name,
-                way: Way::Count(bounds.0, bounds.1),
+                kind: IteratorKind::Count(bounds.0, bounds.1),
                 callee: None,
                 size: n,
             })
         }
         ("map" | "red" | "fold" | "fill" | "fillred" | "mapfold", [callee, size]) => {
-            let way = if name == "map" { Way::Map } else { Way::Fill };
-            Some(Iteration {
+            let way = if name == "map" {
+                IteratorKind::Map
+            } else {
+                IteratorKind::Fold
+            };
+            Some(IteratorCall {
                 name,
-                way,
+                kind: way,
                 callee: Some(static_args::static_callee(cx, callee)?),
                 size: static_size_arg(cx, size)?,
             })
@@ -117,13 +123,13 @@ pub(crate) fn resolve_iterator<'a>(
                 "boolred" => "boolred<<least; most; size>>(array)".to_owned(),
                 _ => format!("{name}<<node; size>>(...)"),
             };
-            let finding = Finding::new(
+            let diagnostic = Diagnostic::new(
                 Code::RPI1010,
                 format!("wrong number of static arguments of `{name}`"),
             )
-            .at(span, "wrong number of arguments")
+            .primary(span, "wrong number of arguments")
             .help(format!("write `{form}`"));
-            report::report_diagnostic(cx, finding);
+            report::report_diagnostic(cx, diagnostic);
             None
         }
     }
@@ -143,7 +149,10 @@ fn check_boolred_bounds(
         _ => return Some(()),
     };
     let message = "`boolred<<least; most; size>>` requires 0 <= least <= most <= size";
-    report::report_diagnostic(cx, Finding::new(Code::RPI2009, message).at(arg.span, text));
+    report::report_diagnostic(
+        cx,
+        Diagnostic::new(Code::RPI2009, message).primary(arg.span, text),
+    );
     None
 }
 
@@ -151,9 +160,9 @@ fn static_int_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<i64> 
     match &arg.value {
         StaticValue::Expr(expr) => consts::const_integer(cx, expr),
         _ => {
-            let finding = Finding::new(Code::RPI1010, "an integer is expected here")
-                .at(arg.span, "not an integer");
-            report::report_diagnostic(cx, finding);
+            let diagnostic = Diagnostic::new(Code::RPI1010, "an integer is expected here")
+                .primary(arg.span, "not an integer");
+            report::report_diagnostic(cx, diagnostic);
             None
         }
     }
@@ -169,17 +178,21 @@ fn static_size_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<u32>
 /// Applies an iterator to checked arguments.
 pub(crate) fn apply_iterator<'a>(
     cx: &mut Body<'_, 'a>,
-    iteration: &Iteration,
-    given: &[Given<'a>],
+    iteration: &IteratorCall,
+    given: &[CallArgument<'a>],
     span: Span,
 ) -> ExprId {
     let given = arg_tuples::flatten_tuple_args(cx, given.to_vec());
     let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
-    match (iteration.way, &iteration.callee) {
-        (Way::Map, Some(callee)) => map_arrays(cx, callee, &values, iteration.size, span),
-        (Way::Fill, Some(callee)) => fold_arrays(cx, callee, &values, iteration.size, span),
-        (Way::Count(least, most), _) => count_true(cx, least, most, &values, iteration.size, span),
-        _ => cx.fault(span),
+    match (iteration.kind, &iteration.callee) {
+        (IteratorKind::Map, Some(callee)) => map_arrays(cx, callee, &values, iteration.size, span),
+        (IteratorKind::Fold, Some(callee)) => {
+            fold_arrays(cx, callee, &values, iteration.size, span)
+        }
+        (IteratorKind::Count(least, most), _) => {
+            count_true(cx, least, most, &values, iteration.size, span)
+        }
+        _ => cx.error_expr(span),
     }
 }
 
@@ -196,20 +209,24 @@ fn elements_at(cx: &mut Body<'_, '_>, arrays: &[ExprId], k: u32, n: u32) -> Opti
         let span = cx.span_of(*array);
         match cx.ty_of(*array).clone() {
             Ty::Array(element, m) if m == n => {
-                let at = k * leaves(&element);
-                elements.push(cx.add(Kind::Part { base: *array, at }, (*element).clone(), span));
+                let at = k * leaf_count(&element);
+                elements.push(cx.add(
+                    TypedExprKind::Part { base: *array, at },
+                    (*element).clone(),
+                    span,
+                ));
             }
             Ty::Unknown => return None,
             ty => {
-                let finding = Finding::new(
+                let diagnostic = Diagnostic::new(
                     Code::RPI2009,
                     format!(
                         "expected an array of {}, found `{ty}`",
-                        rpi_diag::counted(n, "element")
+                        rpi_diag::with_noun(n, "element")
                     ),
                 )
-                .at(span, format!("this is `{ty}`"));
-                report::report_diagnostic(cx, finding);
+                .primary(span, format!("this is `{ty}`"));
+                report::report_diagnostic(cx, diagnostic);
                 return None;
             }
         }
@@ -224,7 +241,7 @@ fn call_element(
     args: Vec<ExprId>,
     span: Span,
 ) -> Vec<ExprId> {
-    let given = args.into_iter().map(Given::plain).collect();
+    let given = args.into_iter().map(CallArgument::positional).collect();
     let result = call::call_callable(cx, callee, given, Activation::Always, span);
     match cx.ty_of(result) {
         Ty::Tuple(_) => arg_tuples::tuple_elements(cx, result),
@@ -243,7 +260,7 @@ fn map_arrays(
     let mut columns: Vec<Vec<ExprId>> = Vec::new();
     for k in 0..n {
         let Some(elements) = elements_at(cx, arrays, k, n) else {
-            return cx.fault(span);
+            return cx.error_expr(span);
         };
         let results = call_element(cx, callee, elements, span);
         push_row(&mut columns, &results);
@@ -264,20 +281,20 @@ fn fold_arrays(
     span: Span,
 ) -> ExprId {
     let Some((first, arrays)) = values.split_first() else {
-        let finding = Finding::new(Code::RPI1010, "missing initial value of the accumulator")
-            .at(span, "expected an argument");
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI1010, "missing initial value of the accumulator")
+            .primary(span, "expected an argument");
+        return cx.report_error_expr(diagnostic, span);
     };
     let mut accumulator = *first;
     let mut columns: Vec<Vec<ExprId>> = Vec::new();
     for k in 0..n {
         let Some(elements) = elements_at(cx, arrays, k, n) else {
-            return cx.fault(span);
+            return cx.error_expr(span);
         };
         let args = std::iter::once(accumulator).chain(elements).collect();
         let results = call_element(cx, callee, args, span);
         let Some((next, rest)) = results.split_first() else {
-            return cx.fault(span);
+            return cx.error_expr(span);
         };
         accumulator = *next;
         push_row(&mut columns, rest);
@@ -299,7 +316,13 @@ fn collect_column(cx: &mut Body<'_, '_>, elements: &[ExprId], span: Span) -> Exp
     let element = elements
         .first()
         .map_or(Ty::Unknown, |id| cx.ty_of(*id).clone());
-    compose::add_array(cx, Kind::Build(elements.into()), Rc::new(element), n, span)
+    compose::add_array(
+        cx,
+        TypedExprKind::Build(elements.into()),
+        Rc::new(element),
+        n,
+        span,
+    )
 }
 
 /// Returns the only value, or a tuple of several.
@@ -312,7 +335,11 @@ fn one_or_tuple(cx: &mut Body<'_, '_>, values: Vec<ExprId>, span: Span) -> ExprI
         .iter()
         .map(|id| member(cx.ty_of(*id).clone()))
         .collect();
-    cx.add(Kind::Build(values.into()), Ty::Tuple(members), span)
+    cx.add(
+        TypedExprKind::Build(values.into()),
+        Ty::Tuple(members),
+        span,
+    )
 }
 
 /// Checks `boolred<<least; most; n>>(a)`: whether the number of true elements is between the bounds.
@@ -325,21 +352,21 @@ fn count_true(
     span: Span,
 ) -> ExprId {
     let [array] = values else {
-        let finding = Finding::new(Code::RPI1010, "`boolred` takes one array")
-            .at(span, "wrong number of arguments");
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI1010, "`boolred` takes one array")
+            .primary(span, "wrong number of arguments");
+        return cx.report_error_expr(diagnostic, span);
     };
-    let mut total = cx.add(Kind::Literal(Leaf::int(0)), Ty::Int, span);
+    let mut total = cx.add(TypedExprKind::Literal(Leaf::int(0)), Ty::Int, span);
     for k in 0..n {
         let Some(element) = elements_at(cx, &[*array], k, n) else {
-            return cx.fault(span);
+            return cx.error_expr(span);
         };
-        statement::expect_type(cx, element[0], &Ty::Bool, &Wanted::Here);
+        statement::expect_type(cx, element[0], &Ty::Bool, &ExpectationReason::Unexplained);
         total = increment_if(cx, element[0], total, span);
     }
     let bounds = [(BinaryOp::Ge, least), (BinaryOp::Le, most)];
     let [at_least, at_most] = bounds.map(|(op, bound)| {
-        let bound = cx.add(Kind::Literal(Leaf::int(bound)), Ty::Int, span);
+        let bound = cx.add(TypedExprKind::Literal(Leaf::int(bound)), Ty::Int, span);
         ops::binary_prim(cx, op, total, bound, span)
     });
     ops::logical_prim(cx, prim!("Core::BooleanAnd"), &[at_least, at_most], span)
@@ -347,8 +374,11 @@ fn count_true(
 
 /// Adds the sum of `total` and 1 if the condition holds, else `total`.
 fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: Span) -> ExprId {
-    let [one, zero] = [1, 0].map(|v| cx.add(Kind::Literal(Leaf::int(v)), Ty::Int, span));
-    let more = Kind::Each(crate::typed::Each::If, [condition, one, zero].into());
+    let [one, zero] = [1, 0].map(|v| cx.add(TypedExprKind::Literal(Leaf::int(v)), Ty::Int, span));
+    let more = TypedExprKind::Each(
+        crate::typed::ElementwiseOp::If,
+        [condition, one, zero].into(),
+    );
     let more = cx.add(more, Ty::Int, span);
     ops::binary_prim(cx, BinaryOp::Add, total, more, span)
 }

@@ -2,103 +2,108 @@
 
 use crate::check::calls::callable::Callable;
 use crate::ty::Ty;
-use crate::units::Dim;
+use crate::units::Dimension;
 use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 /// An operator with its Lustre V6 name.
 #[derive(Debug)]
-pub(crate) struct Predef {
+pub(crate) struct PredefinedOp {
     name: &'static str,
     pub(crate) op: StaticOp,
     /// Operand type and result type; `None` for an overloaded operator.
-    types: Option<(Of, Of)>,
+    types: Option<(OperandType, OperandType)>,
 }
 
 /// Operand or result type of an operator.
 #[derive(Clone, Copy, Debug)]
-enum Of {
+enum OperandType {
     Bool,
     Int,
     Real,
 }
 
-impl Of {
-    fn ty(self) -> Ty {
+impl OperandType {
+    fn resolve_type(self) -> Ty {
         match self {
-            Of::Bool => Ty::Bool,
-            Of::Int => Ty::Int,
-            Of::Real => Ty::Real(Dim::ONE),
+            OperandType::Bool => Ty::Bool,
+            OperandType::Int => Ty::Int,
+            OperandType::Real => Ty::Real(Dimension::ONE),
         }
     }
 }
 
-const fn any(name: &'static str, op: StaticOp) -> Predef {
+const fn overloaded(name: &'static str, op: StaticOp) -> PredefinedOp {
     let types = None;
-    Predef { name, op, types }
+    PredefinedOp { name, op, types }
 }
 
-const fn typed(name: &'static str, op: StaticOp, takes: Of, gives: Of) -> Predef {
+const fn monomorphic(
+    name: &'static str,
+    op: StaticOp,
+    takes: OperandType,
+    gives: OperandType,
+) -> PredefinedOp {
     let types = Some((takes, gives));
-    Predef { name, op, types }
+    PredefinedOp { name, op, types }
 }
 
 use BinaryOp::{Add, And, Div, Eq, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Ne, Or, Sub, Xor};
-use Of::{Bool, Int, Real};
+use OperandType::{Bool, Int, Real};
 use StaticOp::{Binary, Unary};
 
 #[rustfmt::skip]
-const PREDEFS: &[Predef] = &[
-    any("plus", Binary(Add)),
-    any("minus", Binary(Sub)),
-    any("times", Binary(Mul)),
-    any("slash", Binary(Div)),
-    any("uminus", Unary(UnaryOp::Neg)),
-    any("eq", Binary(Eq)),
-    any("neq", Binary(Ne)),
-    any("lt", Binary(Lt)),
-    any("lte", Binary(Le)),
-    any("gt", Binary(Gt)),
-    any("gte", Binary(Ge)),
-    any("if", StaticOp::If),
-    typed("and", Binary(And), Bool, Bool),
-    typed("or", Binary(Or), Bool, Bool),
-    typed("xor", Binary(Xor), Bool, Bool),
-    typed("impl", Binary(Implies), Bool, Bool),
-    typed("not", Unary(UnaryOp::Not), Bool, Bool),
-    typed("div", Binary(IntDiv), Int, Int),
-    typed("mod", Binary(Mod), Int, Int),
-    typed("iplus", Binary(Add), Int, Int),
-    typed("iminus", Binary(Sub), Int, Int),
-    typed("itimes", Binary(Mul), Int, Int),
-    typed("islash", Binary(Div), Int, Int),
-    typed("iuminus", Unary(UnaryOp::Neg), Int, Int),
-    typed("ilt", Binary(Lt), Int, Bool),
-    typed("ilte", Binary(Le), Int, Bool),
-    typed("igt", Binary(Gt), Int, Bool),
-    typed("igte", Binary(Ge), Int, Bool),
-    typed("rplus", Binary(Add), Real, Real),
-    typed("rminus", Binary(Sub), Real, Real),
-    typed("rtimes", Binary(Mul), Real, Real),
-    typed("rslash", Binary(Div), Real, Real),
-    typed("ruminus", Unary(UnaryOp::Neg), Real, Real),
-    typed("rlt", Binary(Lt), Real, Bool),
-    typed("rlte", Binary(Le), Real, Bool),
-    typed("rgt", Binary(Gt), Real, Bool),
-    typed("rgte", Binary(Ge), Real, Bool),
-    typed("real2int", Unary(UnaryOp::ToInt), Real, Int),
-    typed("int2real", Unary(UnaryOp::ToReal), Int, Real),
+const PREDEFINED_OPS: &[PredefinedOp] = &[
+    overloaded("plus", Binary(Add)),
+    overloaded("minus", Binary(Sub)),
+    overloaded("times", Binary(Mul)),
+    overloaded("slash", Binary(Div)),
+    overloaded("uminus", Unary(UnaryOp::Neg)),
+    overloaded("eq", Binary(Eq)),
+    overloaded("neq", Binary(Ne)),
+    overloaded("lt", Binary(Lt)),
+    overloaded("lte", Binary(Le)),
+    overloaded("gt", Binary(Gt)),
+    overloaded("gte", Binary(Ge)),
+    overloaded("if", StaticOp::If),
+    monomorphic("and", Binary(And), Bool, Bool),
+    monomorphic("or", Binary(Or), Bool, Bool),
+    monomorphic("xor", Binary(Xor), Bool, Bool),
+    monomorphic("impl", Binary(Implies), Bool, Bool),
+    monomorphic("not", Unary(UnaryOp::Not), Bool, Bool),
+    monomorphic("div", Binary(IntDiv), Int, Int),
+    monomorphic("mod", Binary(Mod), Int, Int),
+    monomorphic("iplus", Binary(Add), Int, Int),
+    monomorphic("iminus", Binary(Sub), Int, Int),
+    monomorphic("itimes", Binary(Mul), Int, Int),
+    monomorphic("islash", Binary(Div), Int, Int),
+    monomorphic("iuminus", Unary(UnaryOp::Neg), Int, Int),
+    monomorphic("ilt", Binary(Lt), Int, Bool),
+    monomorphic("ilte", Binary(Le), Int, Bool),
+    monomorphic("igt", Binary(Gt), Int, Bool),
+    monomorphic("igte", Binary(Ge), Int, Bool),
+    monomorphic("rplus", Binary(Add), Real, Real),
+    monomorphic("rminus", Binary(Sub), Real, Real),
+    monomorphic("rtimes", Binary(Mul), Real, Real),
+    monomorphic("rslash", Binary(Div), Real, Real),
+    monomorphic("ruminus", Unary(UnaryOp::Neg), Real, Real),
+    monomorphic("rlt", Binary(Lt), Real, Bool),
+    monomorphic("rlte", Binary(Le), Real, Bool),
+    monomorphic("rgt", Binary(Gt), Real, Bool),
+    monomorphic("rgte", Binary(Ge), Real, Bool),
+    monomorphic("real2int", Unary(UnaryOp::ToInt), Real, Int),
+    monomorphic("int2real", Unary(UnaryOp::ToReal), Int, Real),
 ];
 
 /// Returns the operator of a name. The conversions `int2real` and `real2int` need no `Lustre::` prefix.
-pub(crate) fn operator(name: &str) -> Option<Callable> {
+pub(crate) fn predefined_op(name: &str) -> Option<Callable> {
     let plain = name.strip_prefix("Lustre::");
     let name = plain.or_else(|| matches!(name, "int2real" | "real2int").then_some(name))?;
-    let found = PREDEFS.iter().find(|predef| predef.name == name);
-    found.map(Callable::Predef)
+    let found = PREDEFINED_OPS.iter().find(|predef| predef.name == name);
+    found.map(Callable::Predefined)
 }
 
-impl Predef {
+impl PredefinedOp {
     pub(crate) fn name(&self) -> String {
         format!("Lustre::{}", self.name)
     }
@@ -111,6 +116,6 @@ impl Predef {
             Binary(_) => 2,
             StaticOp::If => 3,
         };
-        Some((vec![takes.ty(); count], gives.ty()))
+        Some((vec![takes.resolve_type(); count], gives.resolve_type()))
     }
 }

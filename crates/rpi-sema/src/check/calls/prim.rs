@@ -3,38 +3,38 @@
 use crate::check::bodies::body::Body;
 use crate::check::calls::arg_tuples;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::prim_ports;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::join_names;
 use crate::check::exprs::expr;
 use crate::check::exprs::names;
 use crate::check::types::consts;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::{Kind, PrimCall};
-use rpi_diag::counted;
-use rpi_diag::{Code, Finding, Span};
-use rpi_image::{Need, PortType, PrimDesc, Role, Scalar, State};
+use crate::typed::{PrimCall, TypedExprKind};
+use rpi_diag::with_noun;
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_image::{Fallback, PortType, PrimDesc, Role, Scalar, StateSize};
 use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Ident, PrimitiveDecl};
 
 /// Arguments of a primitive call, by port and parameter.
-pub(crate) struct Slots {
+pub(crate) struct PrimArgs {
     pub(crate) inputs: Vec<Option<ExprId>>,
     pub(crate) params: Vec<Option<ExprId>>,
     /// Reals that together replace an in-port: index of the port, index among its reals, value.
-    pub(crate) pieces: Vec<(usize, usize, ExprId)>,
+    pub(crate) components: Vec<(usize, usize, ExprId)>,
 }
 
 /// Port or parameter that an argument of a primitive call is for.
-enum Slot {
+enum PrimArgTarget {
     /// In-port of this index.
     Input(usize),
     /// Parameter of this index.
     Param(usize),
     /// Real that replaces a part of an in-port: index of the port, index among its reals.
-    Piece(usize, usize),
+    Component(usize, usize),
 }
 
 /// Checks a call of a primitive by its registered name.
@@ -47,13 +47,13 @@ pub(crate) fn check_prim_call<'a>(
     let mut given = args::check_args(cx, &call.args);
     for arg in &call.callee.statics {
         let ast::StaticValue::Expr(expr) = &arg.value else {
-            let finding =
-                Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "not a value");
-            report::report_diagnostic(cx, finding);
+            let diagnostic = Diagnostic::new(Code::RPI1010, "a value is expected here")
+                .primary(arg.span, "not a value");
+            report::report_diagnostic(cx, diagnostic);
             continue;
         };
         let value = expr::check_expr(cx, expr);
-        given.push(Given {
+        given.push(CallArgument {
             name: arg.name.as_ref(),
             value,
             is_static: true,
@@ -66,13 +66,13 @@ pub(crate) fn check_prim_call<'a>(
 pub(crate) fn prim_call_with<'a>(
     cx: &mut Body<'_, 'a>,
     prim: PrimId,
-    given: &[Given<'a>],
+    given: &[CallArgument<'a>],
     span: Span,
 ) -> ExprId {
     let desc = prim.desc();
     let given = arg_tuples::flatten_tuple_args(cx, given.to_vec());
     let Some(slots) = match_prim_args(cx, desc, &given, span) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     finish_prim(cx, prim, slots, span)
 }
@@ -84,10 +84,13 @@ pub(crate) fn prim_by_position<'a>(
     inputs: &[ExprId],
     span: Span,
 ) -> ExprId {
-    let Some(prim) = PrimId::of(name) else {
-        return cx.fault(span);
+    let Some(prim) = PrimId::from_name(name) else {
+        return cx.error_expr(span);
     };
-    let given: Vec<Given<'a>> = inputs.iter().map(|id| Given::plain(*id)).collect();
+    let given: Vec<CallArgument<'a>> = inputs
+        .iter()
+        .map(|id| CallArgument::positional(*id))
+        .collect();
     prim_call_with(cx, prim, &given, span)
 }
 
@@ -108,7 +111,7 @@ pub(crate) fn add_prim(
         inputs: all.into(),
         params: vec![None; prim.desc().params.len()].into(),
     };
-    cx.add(Kind::Prim(Box::new(call)), ty, span)
+    cx.add(TypedExprKind::Prim(Box::new(call)), ty, span)
 }
 
 /// Adds a call of a primitive without in-ports.
@@ -119,22 +122,22 @@ pub(crate) fn add_nullary_prim(cx: &mut Body<'_, '_>, prim: PrimId, ty: Ty, span
 fn match_prim_args<'a>(
     cx: &mut Body<'_, 'a>,
     desc: &'static PrimDesc,
-    given: &[Given<'a>],
+    given: &[CallArgument<'a>],
     span: Span,
-) -> Option<Slots> {
-    let mut slots = Slots {
+) -> Option<PrimArgs> {
+    let mut slots = PrimArgs {
         inputs: vec![None; desc.inputs.len()],
         params: vec![None; desc.params.len()],
-        pieces: Vec::new(),
+        components: Vec::new(),
     };
     let mut place = 0;
     let mut sound = true;
     for arg in given {
         let slot = match arg.name {
-            Some(name) => slot(desc, &name.name),
+            Some(name) => prim_arg_target(desc, &name.name),
             None => {
                 place += 1;
-                (place <= desc.inputs.len()).then_some(Slot::Input(place - 1))
+                (place <= desc.inputs.len()).then_some(PrimArgTarget::Input(place - 1))
             }
         };
         match slot {
@@ -152,64 +155,65 @@ fn match_prim_args<'a>(
 fn set_prim_arg<'a>(
     cx: &mut Body<'_, 'a>,
     desc: &'static PrimDesc,
-    slots: &mut Slots,
-    slot: &Slot,
-    arg: &Given<'a>,
+    slots: &mut PrimArgs,
+    slot: &PrimArgTarget,
+    arg: &CallArgument<'a>,
 ) -> bool {
     if arg.is_static && !args::is_load_time_constant(cx, arg.value) {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2008,
             "a parameter must be known when the command is loaded",
         )
-        .at(cx.span_of(arg.value), "this changes while the command runs");
-        report::report_diagnostic(cx, finding);
+        .primary(cx.span_of(arg.value), "this changes while the command runs");
+        report::report_diagnostic(cx, diagnostic);
         return false;
     }
     match *slot {
-        Slot::Input(k) => {
+        PrimArgTarget::Input(k) => {
             slots.inputs[k] = Some(arg.value);
             prim_ports::fits_port(cx, arg.value, desc.inputs[k].ty, desc.inputs[k].name)
         }
-        Slot::Param(k) => {
+        PrimArgTarget::Param(k) => {
             slots.params[k] = Some(arg.value);
             prim_ports::fits_param(cx, arg.value, desc.params[k].ty, desc.params[k].name)
         }
-        Slot::Piece(port, k) => {
-            slots.pieces.push((port, k, arg.value));
+        PrimArgTarget::Component(port, k) => {
+            slots.components.push((port, k, arg.value));
             prim_ports::fits_port(
                 cx,
                 arg.value,
-                PortType::One(Scalar::Real),
+                PortType::Scalar(Scalar::Real),
                 "a part of a value",
             )
         }
     }
 }
 
-fn unexpected_prim_arg<'a>(cx: &mut Body<'_, 'a>, desc: &'static PrimDesc, arg: &Given<'a>) {
-    let finding = match arg.name {
-        Some(name) => no_name(desc, name),
-        None => Finding::new(
+fn unexpected_prim_arg<'a>(cx: &mut Body<'_, 'a>, desc: &'static PrimDesc, arg: &CallArgument<'a>) {
+    let diagnostic = match arg.name {
+        Some(name) => unknown_port(desc, name),
+        None => Diagnostic::new(
             Code::RPI1010,
             format!(
                 "too many arguments: `{}` has {}",
                 desc.name,
-                counted(desc.inputs.len(), "in-port")
+                with_noun(desc.inputs.len(), "in-port")
             ),
         )
-        .at(cx.span_of(arg.value), "unexpected argument"),
+        .primary(cx.span_of(arg.value), "unexpected argument"),
     };
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 fn check_required_args(
     cx: &mut Body<'_, '_>,
     desc: &'static PrimDesc,
-    slots: &Slots,
+    slots: &PrimArgs,
     span: Span,
 ) -> bool {
     let open = desc.inputs.iter().zip(&slots.inputs);
-    let open = open.filter(|(port, given)| given.is_none() && matches!(port.need, Need::Required));
+    let open =
+        open.filter(|(port, given)| given.is_none() && matches!(port.fallback, Fallback::Required));
     let open: Vec<&str> = open.map(|(port, _)| port.name).collect();
     let params = desc.params.iter().zip(&slots.params);
     let params = params.filter(|(p, given)| {
@@ -222,22 +226,24 @@ fn check_required_args(
     if open.is_empty() {
         return true;
     }
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
-        format!("missing {} of `{}`", listed(open), desc.name),
+        format!("missing {} of `{}`", join_names(open), desc.name),
     )
-    .at(span, "required argument missing");
-    report::report_diagnostic(cx, finding);
+    .primary(span, "required argument missing");
+    report::report_diagnostic(cx, diagnostic);
     false
 }
 
-fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: Slots, span: Span) -> ExprId {
+fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: PrimArgs, span: Span) -> ExprId {
     let desc = prim.desc();
-    if !matches!(desc.state, State::None) || !matches!(desc.role, Role::Compute | Role::Constant) {
-        cx.has_state(span);
+    if !matches!(desc.state, StateSize::None)
+        || !matches!(desc.role, Role::Compute | Role::Constant)
+    {
+        cx.record_state(span);
     }
     if compose_inputs(cx, desc, &mut slots, span).is_none() {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
     let ty = prim_ports::prim_type(cx, desc, &slots, span);
     let call = PrimCall {
@@ -245,23 +251,23 @@ fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: Slots, span: Span
         inputs: slots.inputs.into(),
         params: slots.params.into(),
     };
-    cx.add(Kind::Prim(Box::new(call)), ty, span)
+    cx.add(TypedExprKind::Prim(Box::new(call)), ty, span)
 }
 
 /// Composes the reals that replace an in-port into one constant.
 fn compose_inputs(
     cx: &mut Body<'_, '_>,
     desc: &'static PrimDesc,
-    slots: &mut Slots,
+    slots: &mut PrimArgs,
     span: Span,
 ) -> Option<()> {
     for (k, port) in desc.inputs.iter().enumerate() {
-        let Need::Params(names, make) = port.need else {
+        let Fallback::ComposedOfParams(names, make) = port.fallback else {
             continue;
         };
         let mut reals: Vec<f64> = names.iter().map(|(_, default)| *default).collect();
         let pieces: Vec<(usize, ExprId)> = slots
-            .pieces
+            .components
             .iter()
             .filter(|p| p.0 == k)
             .map(|p| (p.1, p.2))
@@ -272,8 +278,8 @@ fn compose_inputs(
         for (place, value) in pieces {
             reals[place] = consts::fold(cx, value)?.first()?.as_real()?;
         }
-        let ty = prim_ports::port_ty(port.ty);
-        slots.inputs[k] = Some(cx.add(Kind::Literal(make(&reals)), ty, span));
+        let ty = prim_ports::resolve_port_type(port.ty);
+        slots.inputs[k] = Some(cx.add(TypedExprKind::Literal(make(&reals)), ty, span));
     }
     Some(())
 }
@@ -281,16 +287,16 @@ fn compose_inputs(
 /// Checks the body of a declared primitive: the registered primitive between typed ports.
 pub(crate) fn check_primitive<'a>(cx: &mut Body<'_, 'a>, decl: &'a PrimitiveDecl) {
     if let Some(budget) = &decl.budget {
-        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+        cx.current_block().budget_ns = consts::const_nanoseconds(cx, budget);
     }
     let name = &decl.signature.name;
-    let Some(prim) = PrimId::of(&name.name) else {
-        let finding = Finding::new(
+    let Some(prim) = PrimId::from_name(&name.name) else {
+        let diagnostic = Diagnostic::new(
             Code::RPI1001,
             format!("undefined primitive `{}`", name.name),
         )
-        .at(name.span, "not in the registry of primitives");
-        report::report_diagnostic(cx, finding);
+        .primary(name.span, "not in the registry of primitives");
+        report::report_diagnostic(cx, diagnostic);
         return;
     };
     let mut given = Vec::new();
@@ -300,21 +306,21 @@ pub(crate) fn check_primitive<'a>(cx: &mut Body<'_, 'a>, decl: &'a PrimitiveDecl
         given.push((name, value));
     }
     let desc = prim.desc();
-    let mut slots = Slots {
+    let mut slots = PrimArgs {
         inputs: vec![None; desc.inputs.len()],
         params: vec![None; desc.params.len()],
-        pieces: Vec::new(),
+        components: Vec::new(),
     };
     for (port, value) in given {
-        let arg = Given::plain(value);
-        match slot(desc, &port) {
+        let arg = CallArgument::positional(value);
+        match prim_arg_target(desc, &port) {
             Some(slot) => {
                 set_prim_arg(cx, desc, &mut slots, &slot, &arg);
             }
             None => {
                 let span = cx.span_of(value);
                 let ident = Ident { name: port, span };
-                report::report_diagnostic(cx, no_name(desc, &ident));
+                report::report_diagnostic(cx, unknown_port(desc, &ident));
             }
         }
     }
@@ -336,15 +342,15 @@ fn define_outputs(cx: &mut Body<'_, '_>, value: ExprId, desc: &'static PrimDesc)
                 name: declared.name.clone(),
                 span: declared.span,
             };
-            report::report_diagnostic(cx, no_name(desc, &ident));
+            report::report_diagnostic(cx, unknown_port(desc, &ident));
             continue;
         };
         let target = crate::typed::Target {
-            place: crate::typed::Place::Flow { flow, at: 0 },
+            place: crate::typed::TargetPlace::Flow { flow, at: 0 },
             ty,
             span,
         };
-        cx.current().equations.push(crate::typed::Equation {
+        cx.current_block().equations.push(crate::typed::Equation {
             targets: vec![target],
             value: part,
             span,
@@ -353,30 +359,30 @@ fn define_outputs(cx: &mut Body<'_, '_>, value: ExprId, desc: &'static PrimDesc)
 }
 
 /// Returns the port or parameter that a name refers to: an in-port, the parameter that replaces one, or a parameter.
-fn slot(desc: &PrimDesc, name: &str) -> Option<Slot> {
-    let input = desc.input(name).or_else(|| desc.fallback(name));
+fn prim_arg_target(desc: &PrimDesc, name: &str) -> Option<PrimArgTarget> {
+    let input = desc.input(name).or_else(|| desc.in_port_of_param(name));
     if let Some(k) = input {
-        return Some(Slot::Input(k));
+        return Some(PrimArgTarget::Input(k));
     }
     if let Some(k) = desc.param(name) {
-        return Some(Slot::Param(k));
+        return Some(PrimArgTarget::Param(k));
     }
     desc.inputs
         .iter()
         .enumerate()
-        .find_map(|(port, input)| match input.need {
-            Need::Params(names, _) => {
+        .find_map(|(port, input)| match input.fallback {
+            Fallback::ComposedOfParams(names, _) => {
                 let place = names.iter().position(|(n, _)| *n == name)?;
-                Some(Slot::Piece(port, place))
+                Some(PrimArgTarget::Component(port, place))
             }
             _ => None,
         })
 }
 
 /// Returns the diagnostic for a name that is neither a port nor a parameter of a primitive.
-fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
-    let stand_ins = desc.inputs.iter().filter_map(|port| match port.need {
-        Need::Param(name, _) => Some(name),
+fn unknown_port(desc: &PrimDesc, name: &Ident) -> Diagnostic {
+    let stand_ins = desc.inputs.iter().filter_map(|port| match port.fallback {
+        Fallback::Param(name, _) => Some(name),
         _ => None,
     });
     let names: Vec<&str> = desc
@@ -393,5 +399,8 @@ fn no_name(desc: &PrimDesc, name: &Ident) -> Finding {
         name.span,
         near,
     )
-    .help(format!("its ports and parameters are {}", listed(names)))
+    .help(format!(
+        "its ports and parameters are {}",
+        join_names(names)
+    ))
 }

@@ -1,14 +1,14 @@
 //! Ports of primitives: their types and values as the checker sees them.
 
 use crate::check::bodies::body::Body;
-use crate::check::calls::prim::Slots;
+use crate::check::calls::prim::PrimArgs;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::types::consts;
 use crate::check::types::exact_time;
 use crate::ty::{Member, Ty};
 use crate::typed::{ExprId, Leaf};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{ParamType, PortType, PrimDesc, Scalar, ShapeArgs, Type, Value};
 use std::rc::Rc;
 
@@ -19,9 +19,16 @@ pub(crate) fn fits_port(cx: &mut Body<'_, '_>, value: ExprId, port: PortType, na
     let ty = cx.ty_of(value).clone();
     let fits = ty.is_unknown() || port_accepts(port, &ty);
     if !fits {
-        let expected = port_ty(port);
-        let wanted = Wanted::By(Span::NONE, format!("`{name}` takes {}", port_text(port)));
-        report::type_mismatch(cx, value, &expected, &crate::ty::Misfit::Kind, &wanted);
+        let expected = resolve_port_type(port);
+        let wanted =
+            ExpectationReason::Because(Span::NONE, format!("`{name}` takes {}", port_text(port)));
+        report::type_mismatch(
+            cx,
+            value,
+            &expected,
+            &crate::ty::TypeMismatchError::Kind,
+            &wanted,
+        );
     }
     fits
 }
@@ -33,14 +40,21 @@ pub(crate) fn fits_param(
     name: &str,
 ) -> bool {
     let port = match param {
-        ParamType::One(scalar) => PortType::One(scalar),
+        ParamType::Scalar(scalar) => PortType::Scalar(scalar),
         ParamType::Array(scalar) => PortType::Array(scalar),
         ParamType::Str => {
             let ty = cx.ty_of(value).clone();
             let fits = matches!(ty, Ty::Text | Ty::Device(_) | Ty::Unknown);
             if !fits {
-                let wanted = Wanted::By(Span::NONE, format!("`{name}` takes a text"));
-                report::type_mismatch(cx, value, &Ty::Text, &crate::ty::Misfit::Kind, &wanted);
+                let wanted =
+                    ExpectationReason::Because(Span::NONE, format!("`{name}` takes a text"));
+                report::type_mismatch(
+                    cx,
+                    value,
+                    &Ty::Text,
+                    &crate::ty::TypeMismatchError::Kind,
+                    &wanted,
+                );
             }
             return fits;
         }
@@ -52,13 +66,13 @@ pub(crate) fn fits_param(
 pub(crate) fn prim_type(
     cx: &mut Body<'_, '_>,
     desc: &'static PrimDesc,
-    slots: &Slots,
+    slots: &PrimArgs,
     span: Span,
 ) -> Ty {
     let mut members = Vec::with_capacity(desc.outputs.len());
     for (k, port) in desc.outputs.iter().enumerate() {
         let ty = match port.ty {
-            PortType::One(scalar) => scalar_ty(scalar),
+            PortType::Scalar(scalar) => scalar_ty(scalar),
             _ => sized_output_type(cx, desc, slots, k, span),
         };
         members.push(Member {
@@ -75,7 +89,7 @@ pub(crate) fn prim_type(
 fn sized_output_type(
     cx: &mut Body<'_, '_>,
     desc: &'static PrimDesc,
-    slots: &Slots,
+    slots: &PrimArgs,
     port: usize,
     span: Span,
 ) -> Ty {
@@ -102,12 +116,12 @@ fn sized_output_type(
     match desc.out_type(port, &args) {
         Some(ty) => flow_type(ty),
         None => {
-            let finding = Finding::new(
+            let diagnostic = Diagnostic::new(
                 Code::RPI2009,
                 format!("size mismatch in the arguments of `{}`", desc.name),
             )
-            .at(span, "cannot infer the size of its result");
-            report::report_diagnostic(cx, finding);
+            .primary(span, "cannot infer the size of its result");
+            report::report_diagnostic(cx, diagnostic);
             Ty::Unknown
         }
     }
@@ -119,14 +133,14 @@ fn param_value(cx: &mut Body<'_, '_>, id: ExprId, ty: ParamType) -> Option<Value
     }
     let leaves = consts::fold(cx, id)?;
     match ty {
-        ParamType::Array(scalar) => Some(packed(scalar, &leaves)),
+        ParamType::Array(scalar) => Some(pack_leaves(scalar, &leaves)),
         _ => leaves.first().cloned(),
     }
 }
 
 fn port_accepts(port: PortType, ty: &Ty) -> bool {
     match (port, ty) {
-        (PortType::One(scalar), ty) => ty.scalar() == Some(scalar),
+        (PortType::Scalar(scalar), ty) => ty.scalar() == Some(scalar),
         (PortType::Array(scalar), Ty::Array(element, _)) => element.scalar() == Some(scalar),
         (PortType::Matrix, Ty::Array(row, _)) => {
             matches!(&**row, Ty::Array(element, _) if element.scalar() == Some(Scalar::Real))
@@ -135,16 +149,16 @@ fn port_accepts(port: PortType, ty: &Ty) -> bool {
     }
 }
 
-pub(crate) fn port_ty(port: PortType) -> Ty {
+pub(crate) fn resolve_port_type(port: PortType) -> Ty {
     match port {
-        PortType::One(scalar) => scalar_ty(scalar),
+        PortType::Scalar(scalar) => scalar_ty(scalar),
         PortType::Array(_) | PortType::Matrix => Ty::Unknown,
     }
 }
 
 fn port_text(port: PortType) -> String {
     match port {
-        PortType::One(scalar) => format!("`{scalar}`"),
+        PortType::Scalar(scalar) => format!("`{scalar}`"),
         PortType::Array(scalar) => format!("an array of `{scalar}`"),
         PortType::Matrix => "a matrix of reals".to_owned(),
     }
@@ -163,7 +177,7 @@ pub(crate) fn scalar_ty(scalar: Scalar) -> Ty {
 
 fn flow_type(ty: Type) -> Ty {
     match ty {
-        Type::One(scalar) => scalar_ty(scalar),
+        Type::Scalar(scalar) => scalar_ty(scalar),
         Type::Array(scalar, n) => Ty::Array(Rc::new(scalar_ty(scalar)), n),
         Type::Matrix(rows, cols) => Ty::Array(Rc::new(Ty::Array(Rc::new(Ty::REAL), cols)), rows),
     }
@@ -172,7 +186,7 @@ fn flow_type(ty: Type) -> Ty {
 /// Returns the machine type of a value that a port of a primitive can take; `None` for other types.
 pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
     if let Some(scalar) = ty.scalar() {
-        return Some(Type::One(scalar));
+        return Some(Type::Scalar(scalar));
     }
     match ty {
         Ty::Array(row, rows) => match &**row {
@@ -186,26 +200,28 @@ pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
 /// Returns the default value of a parameter; `None` if it has none.
 pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
     match param.ty {
-        ParamType::One(scalar) => param.default.value(Type::One(scalar)),
+        ParamType::Scalar(scalar) => param.default.value(Type::Scalar(scalar)),
         ParamType::Array(scalar) => param.default.value(Type::Array(scalar, 0)),
-        ParamType::Str => param
-            .default
-            .value(Type::One(Scalar::Bool))
-            .map(|value| match value {
-                Value::Str(text) => Value::Str(text),
-                Value::Cells { .. } => Value::Str(String::new()),
-            }),
+        ParamType::Str => {
+            param
+                .default
+                .value(Type::Scalar(Scalar::Bool))
+                .map(|value| match value {
+                    Value::Str(text) => Value::Str(text),
+                    Value::Slots { .. } => Value::Str(String::new()),
+                })
+        }
     }
 }
 
 /// Packs leaves into one array value.
-pub(crate) fn packed(scalar: Scalar, leaves: &[Leaf]) -> Value {
+pub(crate) fn pack_leaves(scalar: Scalar, leaves: &[Leaf]) -> Value {
     let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
-    Value::Cells {
+    Value::Slots {
         ty: Type::Array(scalar, n),
         cells: leaves
             .iter()
-            .flat_map(|leaf| leaf.cells().iter().copied())
+            .flat_map(|leaf| leaf.slots().iter().copied())
             .collect(),
     }
 }

@@ -1,43 +1,43 @@
 //! Arguments in another order than the ports: reported as one error, not as one for each argument.
 
 use crate::check::bodies::body::Body;
-use crate::check::calls::args::signature;
+use crate::check::calls::args::signature_text;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::join_names;
 use crate::check::signatures::header::Header;
-use crate::ty::Subst;
-use crate::ty::fit;
+use crate::ty::Substitution;
+use crate::ty::check_assignable;
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use rpi_diag::{Code, Finding, Fix};
+use crate::typed::TypedExprKind;
+use rpi_diag::{Code, Diagnostic, Fix};
 
 /// Maximum number of mismatched arguments for which other orders are tried.
-const MOST: usize = 5;
+const MAX_REORDERED: usize = 5;
 
 /// Whether arguments match their ports only in another order; reports it if so.
 pub(crate) fn report_wrong_order(
     cx: &mut Body<'_, '_>,
     header: &Header,
     args: &[Option<ExprId>],
-    subst: &Subst,
+    subst: &Substitution,
 ) -> bool {
     let mut trial = subst.clone();
     let mut misfits = Vec::new();
     for (k, (port, arg)) in header.inputs.iter().zip(args).enumerate() {
         let Some(arg) = arg else { continue };
         let found = cx.ty_of(*arg).clone();
-        if fit(&port.ty, &found, &mut trial).is_err() {
+        if check_assignable(&port.ty, &found, &mut trial).is_err() {
             misfits.push(k);
         }
     }
-    if !(2..=MOST).contains(&misfits.len()) {
+    if !(2..=MAX_REORDERED).contains(&misfits.len()) {
         return false;
     }
     let Some(order) = matching_order(cx, header, args, &misfits, &trial) else {
         return false;
     };
-    let finding = wrong_order(cx, header, args, &misfits, &order);
-    report::report_diagnostic(cx, finding);
+    let diagnostic = wrong_order(cx, header, args, &misfits, &order);
+    report::report_diagnostic(cx, diagnostic);
     true
 }
 
@@ -47,7 +47,7 @@ fn matching_order(
     header: &Header,
     args: &[Option<ExprId>],
     misfits: &[usize],
-    subst: &Subst,
+    subst: &Substitution,
 ) -> Option<Vec<ExprId>> {
     let mut order: Vec<ExprId> = Vec::new();
     let mut left: Vec<ExprId> = misfits.iter().filter_map(|k| args[*k]).collect();
@@ -56,12 +56,12 @@ fn matching_order(
         let port = &header.inputs[*k];
         let fits = |arg: &ExprId| {
             let mut trial = trial.clone();
-            fit(&port.ty, cx.ty_of(*arg), &mut trial).is_ok()
+            check_assignable(&port.ty, cx.ty_of(*arg), &mut trial).is_ok()
         };
         // Greedy: an order that is not found this way leaves one error for each argument.
         let at = left.iter().position(fits)?;
         let arg = left.remove(at);
-        fit(&port.ty, &cx.ty_of(arg).clone(), &mut trial).ok()?;
+        check_assignable(&port.ty, &cx.ty_of(arg).clone(), &mut trial).ok()?;
         order.push(arg);
     }
     Some(order)
@@ -73,29 +73,29 @@ fn wrong_order(
     args: &[Option<ExprId>],
     misfits: &[usize],
     order: &[ExprId],
-) -> Finding {
+) -> Diagnostic {
     let names = misfits.iter().map(|k| header.inputs[*k].name.as_str());
     let message = format!(
         "arguments for {} of `{}` are in the wrong order",
-        listed(names),
+        join_names(names),
         header.name
     );
-    let mut finding = Finding::new(Code::RPI2001, message);
+    let mut diagnostic = Diagnostic::new(Code::RPI2001, message);
     let mut given: Vec<(usize, ExprId)> = Vec::new();
     given.extend(misfits.iter().filter_map(|k| Some((*k, args[*k]?))));
     given.sort_by_key(|(_, arg)| cx.span_of(*arg).start);
     for (at, (k, arg)) in given.iter().enumerate() {
         let text = format!("`{}`, found `{}`", header.inputs[*k].ty, cx.ty_of(*arg));
         let text = format!("`{}` expects {text}", header.inputs[*k].name);
-        finding = match at {
-            0 => finding.at(cx.span_of(*arg), text),
-            _ => finding.also(cx.span_of(*arg), text),
+        diagnostic = match at {
+            0 => diagnostic.primary(cx.span_of(*arg), text),
+            _ => diagnostic.secondary(cx.span_of(*arg), text),
         };
     }
-    let finding = finding.help(format!("it is declared as `{}`", signature(header)));
+    let diagnostic = diagnostic.help(format!("it is declared as `{}`", signature_text(header)));
     match reorder_fix(cx, args, misfits, order) {
-        Some(fix) => finding.fix(fix),
-        None => finding,
+        Some(fix) => diagnostic.fix(fix),
+        None => diagnostic,
     }
 }
 
@@ -117,7 +117,7 @@ fn reorder_fix(
 
 /// Returns the name of a flow if the expression is only that name.
 fn plain_flow_name(cx: &Body<'_, '_>, id: ExprId) -> Option<String> {
-    let Kind::Flow(flow) = &cx.unit.expr(id).kind else {
+    let TypedExprKind::Flow(flow) = &cx.unit.expr(id).kind else {
         return None;
     };
     let name = cx.unit.flow(*flow).name.to_string();

@@ -7,9 +7,9 @@
 //! reported by the parser.
 
 use crate::facts::literal;
-use crate::typed::{Each, Kind, PrimCall};
-use crate::typed::{Equation, ExprId, FlowId, Leaf, Place, Unit};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{ElementwiseOp, PrimCall, TypedExprKind};
+use crate::typed::{Equation, ExprId, FlowId, Leaf, TargetPlace, Unit};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
@@ -22,7 +22,7 @@ const DIVISIONS: &[Division] = &[
 ];
 
 /// Operators whose result is not negative if their first operands, as many as given here, are not negative.
-const KEEPERS: &[(PrimId, usize)] = &[
+const SIGN_PRESERVING: &[(PrimId, usize)] = &[
     (prim!("Core::IntAdd"), 2),
     (prim!("Core::IntMultiply"), 2),
     (prim!("Core::IntDivide"), 2),
@@ -30,33 +30,35 @@ const KEEPERS: &[(PrimId, usize)] = &[
 ];
 
 /// Comparisons that, if true, bound the first operand from below by the second: `>` and `>=`.
-const AT_LEAST: &[PrimId] = &[prim!("Core::IntGreater"), prim!("Rpi::IntGreaterOrEqual")];
+const LOWER_BOUND_TESTS: &[PrimId] = &[prim!("Core::IntGreater"), prim!("Rpi::IntGreaterOrEqual")];
 
 /// Returns the diagnostic for the first place whose result depends on the compiler.
-pub(crate) fn check(units: &[Unit]) -> Option<Finding> {
+pub(crate) fn check(units: &[Unit]) -> Option<Diagnostic> {
     let units = units.iter().filter(|unit| unit.is_lustre);
-    let first = units.filter_map(first).min_by_key(|(at, ..)| *at);
-    first.map(|(at, division)| finding(at, division))
+    let first = units
+        .filter_map(first_negative_dividend)
+        .min_by_key(|(at, ..)| *at);
+    first.map(|(at, division)| dialect_warning(at, division))
 }
 
-fn finding(at: Span, (_, word, here, elsewhere): &Division) -> Finding {
+fn dialect_warning(at: Span, (_, word, here, elsewhere): &Division) -> Diagnostic {
     let message = format!("Lustre compilers differ in `{word}` of a negative number");
-    Finding::new(Code::RPI2015, message)
-        .at(at, "this may be negative")
+    Diagnostic::new(Code::RPI2015, message)
+        .primary(at, "this may be negative")
         .note(format!("here, in Lustre V6 and in C {here}; in Kind 2 it is {elsewhere}"))
         .help("make sure that it is not negative (`if x < 0 then 0 else x`), or use only one of these compilers")
 }
 
 /// Returns the first dividend of a unit that may be negative, with its division.
-fn first(unit: &Unit) -> Option<(Span, &'static Division)> {
-    let mut search = Search::new(unit);
+fn first_negative_dividend(unit: &Unit) -> Option<(Span, &'static Division)> {
+    let mut search = NegativeSearch::new(unit);
     unit.exprs.iter().find_map(|expr| {
-        let Kind::Prim(call) = &expr.kind else {
+        let TypedExprKind::Prim(call) = &expr.kind else {
             return None;
         };
         let division = DIVISIONS.iter().find(|(prim, ..)| *prim == call.prim)?;
         let (dividend, divisor) = operands(call)?;
-        let matters = !search.is_one(divisor) && search.may_be_negative(dividend);
+        let matters = !search.is_unit_divisor(divisor) && search.may_be_negative(dividend);
         matters.then(|| (unit.expr(dividend).span, division))
     })
 }
@@ -71,19 +73,19 @@ fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
 
 /// Backward search for negative values, starting at dividends. An expression that has been visited without success is
 /// not visited again.
-struct Search<'u> {
+struct NegativeSearch<'u> {
     unit: &'u Unit,
     /// Defining expressions of each flow; computed on first use.
     sources: Option<Vec<Vec<ExprId>>>,
-    seen: Vec<bool>,
+    visited: Vec<bool>,
 }
 
-impl<'u> Search<'u> {
+impl<'u> NegativeSearch<'u> {
     fn new(unit: &'u Unit) -> Self {
-        Search {
+        NegativeSearch {
             unit,
             sources: None,
-            seen: vec![false; unit.exprs.len()],
+            visited: vec![false; unit.exprs.len()],
         }
     }
 
@@ -91,10 +93,10 @@ impl<'u> Search<'u> {
     fn may_be_negative(&mut self, dividend: ExprId) -> bool {
         let mut open = vec![dividend];
         while let Some(id) = open.pop() {
-            if std::mem::replace(&mut self.seen[id.0 as usize], true) {
+            if std::mem::replace(&mut self.visited[id.0 as usize], true) {
                 continue;
             }
-            match self.reasons(id) {
+            match self.sign_dependencies(id) {
                 Some(reasons) => open.extend(reasons),
                 None => return true,
             }
@@ -104,19 +106,23 @@ impl<'u> Search<'u> {
 
     /// Returns expressions such that this expression is not negative if none of them is; `None` if it may be negative
     /// regardless.
-    fn reasons(&mut self, id: ExprId) -> Option<Vec<ExprId>> {
+    fn sign_dependencies(&mut self, id: ExprId) -> Option<Vec<ExprId>> {
         match &self.unit.expr(id).kind {
-            Kind::Fault => Some(Vec::new()),
-            Kind::Literal(_) | Kind::Const(_) => {
+            TypedExprKind::Error => Some(Vec::new()),
+            TypedExprKind::Literal(_) | TypedExprKind::Const(_) => {
                 self.constant(id).filter(|n| *n >= 0).map(|_| Vec::new())
             }
-            Kind::Flow(flow) => self.sources(*flow),
-            Kind::When { value, .. } | Kind::Current(value) => Some(vec![*value]),
-            Kind::Merge { cases, .. } => Some(cases.iter().map(|(_, case)| *case).collect()),
-            Kind::Each(Each::If, operands) => self.choice(operands),
-            Kind::Each(_, operands) => Some(operands.to_vec()),
-            Kind::Prim(call) => {
-                let (_, count) = KEEPERS.iter().find(|(prim, _)| *prim == call.prim)?;
+            TypedExprKind::Flow(flow) => self.sources(*flow),
+            TypedExprKind::When { value, .. } | TypedExprKind::Current(value) => Some(vec![*value]),
+            TypedExprKind::Merge { cases, .. } => {
+                Some(cases.iter().map(|(_, case)| *case).collect())
+            }
+            TypedExprKind::Each(ElementwiseOp::If, operands) => self.unproven_branches(operands),
+            TypedExprKind::Each(_, operands) => Some(operands.to_vec()),
+            TypedExprKind::Prim(call) => {
+                let (_, count) = SIGN_PRESERVING
+                    .iter()
+                    .find(|(prim, _)| *prim == call.prim)?;
                 call.inputs.iter().take(*count).copied().collect()
             }
             _ => None,
@@ -126,32 +132,33 @@ impl<'u> Search<'u> {
     /// Returns the defining expressions of a flow; `None` if it has none, such as an in-port.
     fn sources(&mut self, flow: FlowId) -> Option<Vec<ExprId>> {
         let unit = self.unit;
-        let sources = self.sources.get_or_insert_with(|| sources_of(unit));
+        let sources = self.sources.get_or_insert_with(|| add_sources(unit));
         let of_flow = &sources[flow.0 as usize];
         (!of_flow.is_empty()).then(|| of_flow.clone())
     }
 
     /// Returns the branches of an `if`, except those that its condition proves not negative.
-    fn choice(&self, operands: &[ExprId]) -> Option<Vec<ExprId>> {
+    fn unproven_branches(&self, operands: &[ExprId]) -> Option<Vec<ExprId>> {
         let [condition, yes, no] = *operands else {
             return None;
         };
         let open = [(yes, true), (no, false)].into_iter();
-        let open = open.filter(|(way, holds)| !self.is_kept(condition, *holds, *way));
+        let open = open.filter(|(way, holds)| !self.is_proven_nonnegative(condition, *holds, *way));
         Some(open.map(|(way, _)| way).collect())
     }
 
     /// Whether the branch `way` is not negative because the condition holds (`holds`) or fails: `x` where `x >= 0`,
     /// `-x` where `x < 0`.
-    fn is_kept(&self, condition: ExprId, holds: bool, way: ExprId) -> bool {
-        let Kind::Prim(test) = &self.unit.expr(condition).kind else {
+    fn is_proven_nonnegative(&self, condition: ExprId, holds: bool, way: ExprId) -> bool {
+        let TypedExprKind::Prim(test) = &self.unit.expr(condition).kind else {
             return false;
         };
-        let Some((high, low)) = operands(test).filter(|_| AT_LEAST.contains(&test.prim)) else {
+        let Some((high, low)) = operands(test).filter(|_| LOWER_BOUND_TESTS.contains(&test.prim))
+        else {
             return false;
         };
         // Here high >= low, and high > low if the test is strict and holds, or is not strict and fails.
-        let is_strict = test.prim == AT_LEAST[0];
+        let is_strict = test.prim == LOWER_BOUND_TESTS[0];
         let (high, low) = if holds { (high, low) } else { (low, high) };
         let least = -i64::from(holds == is_strict);
         let is_least = |id: ExprId, sign: i64| {
@@ -171,7 +178,9 @@ impl<'u> Search<'u> {
     /// Returns the operand of a negation.
     fn negated(&self, id: ExprId) -> Option<ExprId> {
         match &self.unit.expr(id).kind {
-            Kind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => *call.inputs.first()?,
+            TypedExprKind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => {
+                *call.inputs.first()?
+            }
             _ => None,
         }
     }
@@ -179,8 +188,8 @@ impl<'u> Search<'u> {
     /// Returns the value of an integer constant.
     fn constant(&self, id: ExprId) -> Option<i64> {
         match &self.unit.expr(id).kind {
-            Kind::Literal(leaf) => leaf.as_int(),
-            Kind::Const(leaves) => match &leaves[..] {
+            TypedExprKind::Literal(leaf) => leaf.as_int(),
+            TypedExprKind::Const(leaves) => match &leaves[..] {
                 [leaf] => Leaf::as_int(leaf),
                 _ => None,
             },
@@ -189,18 +198,18 @@ impl<'u> Search<'u> {
     }
 
     /// Whether a divisor is 1 or -1.
-    fn is_one(&self, divisor: ExprId) -> bool {
+    fn is_unit_divisor(&self, divisor: ExprId) -> bool {
         matches!(self.constant(divisor), Some(1 | -1))
     }
 }
 
 /// Returns the defining expressions of each flow.
-fn sources_of(unit: &Unit) -> Vec<Vec<ExprId>> {
+fn add_sources(unit: &Unit) -> Vec<Vec<ExprId>> {
     let mut sources = vec![Vec::new(); unit.flows.len()];
     for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
         for (k, target) in equation.targets.iter().enumerate() {
-            if let Place::Flow { flow, .. } = target.place {
-                sources[flow.0 as usize].push(part(unit, equation, k));
+            if let TargetPlace::Flow { flow, .. } = target.place {
+                sources[flow.0 as usize].push(target_value(unit, equation, k));
             }
         }
     }
@@ -208,9 +217,9 @@ fn sources_of(unit: &Unit) -> Vec<Vec<ExprId>> {
 }
 
 /// Returns the value of target `k` of an equation: its part of a tuple, or else the whole value.
-fn part(unit: &Unit, equation: &Equation, k: usize) -> ExprId {
+fn target_value(unit: &Unit, equation: &Equation, k: usize) -> ExprId {
     match &unit.expr(equation.value).kind {
-        Kind::Build(parts) if parts.len() == equation.targets.len() => parts[k],
+        TypedExprKind::Build(parts) if parts.len() == equation.targets.len() => parts[k],
         _ => equation.value,
     }
 }

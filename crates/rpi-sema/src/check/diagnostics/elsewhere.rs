@@ -1,11 +1,11 @@
 //! Help for functions of other languages that do not exist here.
 
 use crate::check::bodies::body::Body;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::diagnostics::foreign;
 use crate::check::diagnostics::suggest_callee;
 use crate::ty::Ty;
-use crate::units::Dim;
+use crate::units::Dimension;
 use rpi_diag::{Code, Fix, Span};
 use rpi_syntax::ast;
 
@@ -14,7 +14,7 @@ use rpi_syntax::ast;
 pub(crate) fn suggest_for_foreign_call<'a>(
     cx: &mut Body<'_, 'a>,
     call: &'a ast::Call,
-    given: &[Given],
+    given: &[CallArgument],
     span: Span,
 ) {
     suggest_callee::suggest_power_operator(cx, call, span);
@@ -22,23 +22,23 @@ pub(crate) fn suggest_for_foreign_call<'a>(
         .first()
         .map_or(Ty::Unknown, |first| cx.ty_of(first.value).clone());
     let name = &call.callee.name;
-    let Some((help, fix)) = here(&name.name.to_lowercase(), call, &ty) else {
+    let Some((help, fix)) = foreign_call_help(&name.name.to_lowercase(), call, &ty) else {
         return;
     };
     // Other undefined names in such a call are also of the other language.
-    cx.findings.retain(|finding| {
-        let place = finding.span();
+    cx.diagnostics.retain(|diagnostic| {
+        let place = diagnostic.span();
         let inside = span.start <= place.start && place.end <= span.end && place != name.span;
-        !(inside && place.file == span.file && finding.code == Code::RPI1001)
+        !(inside && place.file == span.file && diagnostic.code == Code::RPI1001)
     });
-    if let Some(finding) = suggest_callee::diagnostic_at(cx, name.span, Code::RPI1001) {
-        finding.help = vec![help];
-        finding.fixes = fix.into_iter().collect();
+    if let Some(diagnostic) = suggest_callee::diagnostic_at(cx, name.span, Code::RPI1001) {
+        diagnostic.help = vec![help];
+        diagnostic.fixes = fix.into_iter().collect();
     }
 }
 
 /// Returns the help text for a foreign call, and a fix where it is certain enough.
-fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> {
+fn foreign_call_help(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> {
     let place = call.callee.name.span;
     match name {
         "prev" | "previous" | "old" => {
@@ -59,9 +59,11 @@ fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> 
             };
             Some((help, None))
         }
-        "sum" | "prod" | "all" | "reduce" | "foldl" | "accumulate" => Some(folded(name, call, ty)),
-        _ if converts_to(name).is_some() => {
-            let word = converts_to(name)?;
+        "sum" | "prod" | "all" | "reduce" | "foldl" | "accumulate" => {
+            Some(reduction_help(name, call, ty))
+        }
+        _ if conversion_target(name).is_some() => {
+            let word = conversion_target(name)?;
             let fix = Fix::maybe(format!("write `{word}`")).replace(place, format!("{word} "));
             let help = format!("a conversion is an operator before its operand: `{word} x`");
             Some((help, (call.args.len() == 1).then_some(fix)))
@@ -79,27 +81,29 @@ fn here(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> 
             let help = "a node cannot print; its out-ports are visible in a run, and a command can export flows: `export x;`";
             Some((help.to_owned(), None))
         }
-        _ => crate::check::diagnostics::foreign_idioms::of_call(name)
+        _ => crate::check::diagnostics::foreign_idioms::call_help(name)
             .map(|help| (help.to_owned(), None)),
     }
 }
 
 /// Returns the type to which a function of another language converts: `float`, `INT_TO_REAL`, `toInt`.
-fn converts_to(name: &str) -> Option<&'static str> {
+fn conversion_target(name: &str) -> Option<&'static str> {
     let target = match name.rsplit_once("_to_").or_else(|| name.rsplit_once("to")) {
-        Some((from, target)) if from.is_empty() || foreign::type_here(from).is_some() => target,
+        Some((from, target)) if from.is_empty() || foreign::type_equivalent(from).is_some() => {
+            target
+        }
         Some((_, target)) if name.contains("_to_") => target,
         _ => name,
     };
     let target = target.trim_start_matches('_');
     let known = |word: &'static str| {
-        (target == word || foreign::type_here(target) == Some(word)).then_some(word)
+        (target == word || foreign::type_equivalent(target) == Some(word)).then_some(word)
     };
     known("real").or_else(|| known("int"))
 }
 
 /// Returns the help text and fix that replace `sum(a)` and the like by `red`.
-fn folded(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
+fn reduction_help(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
     let (op, with) = match name {
         "prod" => ("*", "1"),
         "all" => ("and", "true"),
@@ -116,7 +120,7 @@ fn folded(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
     };
     let is_plain = match (&**element, name) {
         (Ty::Bool, "all") | (Ty::Int, "sum" | "prod") => true,
-        (Ty::Real(dim), "sum" | "prod") => *dim == Dim::ONE,
+        (Ty::Real(dim), "sum" | "prod") => *dim == Dimension::ONE,
         _ => false,
     };
     let callee = format!("red<<{op}, {n}>>");

@@ -1,10 +1,10 @@
 //! Names of types, values and functions in other languages, with their equivalents in RPI, for suggestions.
 
 /// A name of another language and its equivalent.
-type Row = (&'static str, &'static str);
+type Equivalent = (&'static str, &'static str);
 
 /// Types, in lower case.
-const TYPES: &[Row] = &[
+const TYPES: &[Equivalent] = &[
     ("float", "real"),
     ("float32", "real"),
     ("float64", "real"),
@@ -94,7 +94,7 @@ const TYPES: &[Row] = &[
 ];
 
 /// Values, in lower case.
-const VALUES: &[Row] = &[
+const VALUES: &[Equivalent] = &[
     ("true", "true"),
     ("false", "false"),
     ("null", "none"),
@@ -115,7 +115,7 @@ const VALUES: &[Row] = &[
 ];
 
 /// Functions, in lower case.
-const CALLS: &[Row] = &[
+const FUNCTIONS: &[Equivalent] = &[
     ("fabs", "abs"),
     ("abs", "abs"),
     ("fmin", "min"),
@@ -159,7 +159,7 @@ const CALLS: &[Row] = &[
 
 /// Equivalents that are not exact: they take other arguments, or have another meaning. The name cannot simply be
 /// replaced.
-const OTHERWISE: &[&str] = &[
+const INEXACT: &[&str] = &[
     "none",
     "on_delay",
     "off_delay",
@@ -174,18 +174,18 @@ const OTHERWISE: &[&str] = &[
 ];
 
 /// Whether a foreign value name is so common that a similar declared name is the better suggestion.
-pub(crate) fn is_loose(name: &str) -> bool {
+pub(crate) fn is_common_word(name: &str) -> bool {
     const LOOSE: [&str; 6] = ["on", "off", "yes", "now", "absent", "cycle_time"];
     LOOSE.contains(&&*name.to_lowercase())
 }
 
 /// Whether `here` can replace `there` without other changes.
-pub(crate) fn differs_by_name(there: &str, here: &str) -> bool {
-    !OTHERWISE.contains(&here) || there.eq_ignore_ascii_case(here)
+pub(crate) fn is_exact_equivalent(there: &str, here: &str) -> bool {
+    !INEXACT.contains(&here) || there.eq_ignore_ascii_case(here)
 }
 
 /// Returns the help text for a name that is an object or a module in other languages.
-pub(crate) fn no_value(name: &str) -> Option<&'static str> {
+pub(crate) fn foreign_value_help(name: &str) -> Option<&'static str> {
     match &*name.to_lowercase() {
         "self" | "this" | "me" => Some("flows and ports are named without a prefix: `x`"),
         "math" | "np" | "numpy" | "std" | "cmath" => {
@@ -196,14 +196,16 @@ pub(crate) fn no_value(name: &str) -> Option<&'static str> {
 }
 
 /// Returns the help text for foreign types without an equivalent: texts, lists, and void.
-pub(crate) fn no_type(name: &str) -> Option<&'static str> {
+pub(crate) fn foreign_type_help(name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
-    let found = NO_TYPES.iter().find(|(names, _)| names.contains(&&*lower));
+    let found = UNSUPPORTED_TYPES
+        .iter()
+        .find(|(names, _)| names.contains(&&*lower));
     found.map(|(_, help)| *help)
 }
 
 /// Foreign types without an equivalent, in lower case, with help texts.
-const NO_TYPES: &[(&[&str], &str)] = &[
+const UNSUPPORTED_TYPES: &[(&[&str], &str)] = &[
     (
         &["string", "str", "text", "wstring"],
         "flows cannot hold text; use an enum for a set of names: `type Mode = enum { Off, On };`",
@@ -235,22 +237,22 @@ const NO_TYPES: &[(&[&str], &str)] = &[
 ];
 
 /// Returns the equivalent of a foreign type.
-pub(crate) fn type_here(name: &str) -> Option<&'static str> {
-    here(TYPES, name)
+pub(crate) fn type_equivalent(name: &str) -> Option<&'static str> {
+    lookup(TYPES, name)
 }
 
 /// Returns the equivalent of a foreign value.
-pub(crate) fn value_here(name: &str) -> Option<&'static str> {
-    here(VALUES, name)
+pub(crate) fn value_equivalent(name: &str) -> Option<&'static str> {
+    lookup(VALUES, name)
 }
 
 /// Returns the equivalent of a foreign function.
-pub(crate) fn call_here(name: &str) -> Option<&'static str> {
-    here(CALLS, name)
+pub(crate) fn function_equivalent(name: &str) -> Option<&'static str> {
+    lookup(FUNCTIONS, name)
 }
 
 /// Looks up a name in a table, ignoring case. Returns `None` if the equivalent is the name itself.
-fn here(table: &[Row], name: &str) -> Option<&'static str> {
+fn lookup(table: &[Equivalent], name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
     let found = table
         .iter()
@@ -264,10 +266,10 @@ mod tests {
 
     #[test]
     fn names_are_found_whatever_their_letters() {
-        assert_eq!(type_here("Float"), Some("real"));
-        assert_eq!(value_here("True"), Some("true"));
-        assert_eq!(call_here("fabs"), Some("abs"));
-        assert_eq!(type_here("real"), None);
-        assert_eq!(type_here("Speed"), None);
+        assert_eq!(type_equivalent("Float"), Some("real"));
+        assert_eq!(value_equivalent("True"), Some("true"));
+        assert_eq!(function_equivalent("fabs"), Some("abs"));
+        assert_eq!(type_equivalent("real"), None);
+        assert_eq!(type_equivalent("Speed"), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Help texts for functions of other languages that are written in another form here.
 
 /// Names of functions in lower case, with the help text that shows the form here.
-const FORMS: &[(&[&str], &str)] = &[
+const CALL_FORMS: &[(&[&str], &str)] = &[
     (
         &[
             "ifelse", "if_else", "iif", "iff", "ite", "select", "sel", "cond", "where", "choose",
@@ -108,13 +108,13 @@ const FORMS: &[(&[&str], &str)] = &[
 ];
 
 /// Returns the help text for a call of this function, if there is one; `name` is in lower case.
-pub(crate) fn of_call(name: &str) -> Option<&'static str> {
-    let found = FORMS.iter().find(|(names, _)| names.contains(&name));
+pub(crate) fn call_help(name: &str) -> Option<&'static str> {
+    let found = CALL_FORMS.iter().find(|(names, _)| names.contains(&name));
     found.map(|(_, help)| *help)
 }
 
 /// Returns the help text for a task step that is a function in other languages; `name` is as written in the program.
-pub(crate) fn of_step(name: &str) -> Option<&'static str> {
+pub(crate) fn step_help(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let starts = |words: &[&str]| words.iter().any(|word| name.starts_with(word));
     if starts(&["wait", "sleep", "delay", "pause", "dwell"]) {

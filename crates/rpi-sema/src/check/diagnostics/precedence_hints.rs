@@ -9,7 +9,7 @@ use crate::program::Lookup;
 use crate::ty::Ty;
 use crate::typed::ExprId;
 use crate::units::is_unit;
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_net::prim;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Binary, Expr, ExprKind};
@@ -36,7 +36,7 @@ pub(crate) fn is_unit_index(cx: &Body<'_, '_>, base: ExprId, index: &Expr) -> bo
 
 fn is_unit_expr(cx: &Body<'_, '_>, expr: &Expr) -> bool {
     let is_free = |name: &Name| {
-        let space = crate::program::Space::Value;
+        let space = crate::program::NameSpace::Value;
         let found = cx.checker.program.lookup_in(space, cx.module, name);
         locals::find_local(cx, name).is_none() && !matches!(found, Lookup::Found(_))
     };
@@ -62,10 +62,10 @@ pub(crate) fn unit_after_flow(
         Ty::Int => "convert it and multiply by one unit: `real x * 1[m]`",
         _ => "declare the flow with its unit, `x: real[m]`, or multiply by one unit: `x * 1[m]`",
     };
-    let finding = Finding::new(Code::RPI2006, message)
-        .at(unit.span, "not an index")
-        .also(cx.span_of(base), format!("this is `{ty}`"));
-    cx.fault_with(finding.help(help), span)
+    let diagnostic = Diagnostic::new(Code::RPI2006, message)
+        .primary(unit.span, "not an index")
+        .secondary(cx.span_of(base), format!("this is `{ty}`"));
+    cx.report_error_expr(diagnostic.help(help), span)
 }
 
 /// Reports `a && b` between Booleans in Lustre, where the operator is bitwise; returns the logical operation
@@ -90,9 +90,9 @@ fn bitwise_on_booleans(
     let before = space(binary.lhs.span.end == place.start);
     let after = space(binary.rhs.span.start == place.end);
     let fix = Fix::maybe(format!("write `{word}`"));
-    let finding =
-        of_bits(sign, word, place).fix(fix.replace(place, format!("{before}{word}{after}")));
-    report::report_diagnostic(cx, finding);
+    let diagnostic = bitwise_operator(sign, word, place)
+        .fix(fix.replace(place, format!("{before}{word}{after}")));
+    report::report_diagnostic(cx, diagnostic);
     Some(ops::logical_prim(cx, prim, &operands, span))
 }
 
@@ -103,7 +103,7 @@ pub(crate) fn bitwise_not_on_boolean(cx: &mut Body<'_, '_>, operand: ExprId, spa
         ..span
     };
     let fix = Fix::maybe("write `not`").replace(sign, "not ");
-    report::report_diagnostic(cx, of_bits("!", "not", sign).fix(fix));
+    report::report_diagnostic(cx, bitwise_operator("!", "not", sign).fix(fix));
     ops::logical_prim(cx, prim!("Core::BooleanNot"), &[operand], span)
 }
 
@@ -117,7 +117,7 @@ fn hint_negated_comparison(cx: &mut Body<'_, '_>, binary: &Binary) {
         return;
     }
     let place = operand.span;
-    let mut told = cx.findings.iter_mut().rev();
+    let mut told = cx.diagnostics.iter_mut().rev();
     let told = told.find(|told| told.code == Code::RPI2006 && told.span() == place);
     if let Some(told) = told {
         let fix = Fix::maybe("negate the comparison")
@@ -131,7 +131,7 @@ fn hint_negated_comparison(cx: &mut Body<'_, '_>, binary: &Binary) {
 }
 
 /// Returns the diagnostic for a bitwise operator between Booleans.
-fn of_bits(sign: &str, word: &str, span: Span) -> Finding {
+fn bitwise_operator(sign: &str, word: &str, span: Span) -> Diagnostic {
     let message = format!("expected `{word}` between Booleans, found `{sign}`");
-    Finding::new(Code::RPI2006, message).at(span, "bitwise operator of machine integers")
+    Diagnostic::new(Code::RPI2006, message).primary(span, "bitwise operator of machine integers")
 }

@@ -3,24 +3,24 @@
 use crate::check::bodies::body::Body;
 use crate::check::types::frames;
 use crate::check::types::quantity;
-use crate::check::types::quantity::Measured;
-use crate::ty::{Misfit, Ty};
+use crate::check::types::quantity::MeasuredValue;
+use crate::ty::{Ty, TypeMismatchError};
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use crate::units::Dim;
-use rpi_diag::counted;
-use rpi_diag::{Code, Finding, Fix, Severity, Span};
+use crate::typed::TypedExprKind;
+use crate::units::Dimension;
+use rpi_diag::with_noun;
+use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 
 /// Adds a diagnostic about this body.
-pub(crate) fn report_diagnostic(cx: &mut Body<'_, '_>, finding: Finding) {
-    cx.findings.push(finding);
+pub(crate) fn report_diagnostic(cx: &mut Body<'_, '_>, diagnostic: Diagnostic) {
+    cx.diagnostics.push(diagnostic);
 }
 
 /// Whether an error has been added since there were `before` diagnostics. Notes and warnings do not invalidate a
 /// value.
 pub(crate) fn has_error_since(cx: &Body<'_, '_>, before: usize) -> bool {
-    let mut new = cx.findings.iter().skip(before);
-    new.any(|finding| finding.severity() == Severity::Error)
+    let mut new = cx.diagnostics.iter().skip(before);
+    new.any(|diagnostic| diagnostic.severity() == Severity::Error)
 }
 
 /// Reports that an expression does not have the expected type.
@@ -28,36 +28,36 @@ pub(crate) fn type_mismatch(
     cx: &mut Body<'_, '_>,
     expr: ExprId,
     expected: &Ty,
-    misfit: &Misfit,
-    wanted_by: &Wanted,
+    misfit: &TypeMismatchError,
+    wanted_by: &ExpectationReason,
 ) {
     let span = cx.unit.expr(expr).span;
-    let finding = match misfit {
-        Misfit::Dimension { expected, found } => {
-            let found = Measured {
+    let diagnostic = match misfit {
+        TypeMismatchError::Dimension { expected, found } => {
+            let found = MeasuredValue {
                 dim: *found,
                 ..measured_value(cx, expr)
             };
-            quantity::misplaced(*expected, found)
+            quantity::dimension_mismatch(*expected, found)
         }
-        Misfit::Frame {
+        TypeMismatchError::Frame {
             expected: wanted,
             found,
-        } => frames::misplaced(expected, cx.ty_of(expr), (wanted, found), span),
-        Misfit::Size { expected, found } => size(*expected, *found, span),
-        Misfit::Kind => kind_mismatch(cx, expr, expected),
+        } => frames::frame_mismatch(expected, cx.ty_of(expr), (wanted, found), span),
+        TypeMismatchError::Size { expected, found } => const_size(*expected, *found, span),
+        TypeMismatchError::Kind => kind_mismatch(cx, expr, expected),
     };
-    report_diagnostic(cx, wanted_by.explain(finding));
+    report_diagnostic(cx, wanted_by.annotate(diagnostic));
 }
 
 /// Returns the description of a value for a diagnostic about quantities.
-pub(crate) fn measured_value(cx: &Body<'_, '_>, id: ExprId) -> Measured {
+pub(crate) fn measured_value(cx: &Body<'_, '_>, id: ExprId) -> MeasuredValue {
     let dim = match cx.ty_of(id) {
         Ty::Real(dim) => *dim,
-        _ => Dim::ONE,
+        _ => Dimension::ONE,
     };
     let span = cx.span_of(id);
-    Measured {
+    MeasuredValue {
         dim,
         span,
         is_number: is_number_literal(cx, id),
@@ -71,23 +71,27 @@ pub(crate) fn is_number_literal(cx: &Body<'_, '_>, id: ExprId) -> bool {
 
 /// Whether an expression is the element that an iterator takes from an array. Only the array has source text.
 fn is_iterator_element(cx: &Body<'_, '_>, id: ExprId) -> bool {
-    matches!(cx.unit.expr(id).kind, Kind::Part { base, .. } if cx.span_of(base) == cx.span_of(id))
+    matches!(cx.unit.expr(id).kind, TypedExprKind::Part { base, .. } if cx.span_of(base) == cx.span_of(id))
 }
 
 /// Returns the diagnostic for a value whose type is of another kind than the expected type.
-fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Finding {
+fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Diagnostic {
     let (found, span) = (cx.ty_of(id), cx.span_of(id));
-    let message = format!("expected {}, found {}", kind_of(expected), kind_of(found));
-    let finding =
-        Finding::new(Code::RPI2001, message).at(span, format!("this is {}", kind_of(found)));
+    let message = format!(
+        "expected {}, found {}",
+        type_text(expected),
+        type_text(found)
+    );
+    let diagnostic = Diagnostic::new(Code::RPI2001, message)
+        .primary(span, format!("this is {}", type_text(found)));
     match (expected, found) {
-        (Ty::Real(dim), Ty::Int) if is_number_literal(cx, id) && *dim != Dim::ONE => {
-            quantity::with_units(finding, *dim, span)
+        (Ty::Real(dim), Ty::Int) if is_number_literal(cx, id) && *dim != Dimension::ONE => {
+            quantity::with_unit_fixes(diagnostic, *dim, span)
         }
-        (Ty::Duration, Ty::Int | Ty::Real(Dim::ONE)) if is_number_literal(cx, id) => {
-            quantity::with_units(finding, Dim::TIME, span)
+        (Ty::Duration, Ty::Int | Ty::Real(Dimension::ONE)) if is_number_literal(cx, id) => {
+            quantity::with_unit_fixes(diagnostic, Dimension::TIME, span)
         }
-        (Ty::Duration, Ty::Real(Dim::TIME)) => finding
+        (Ty::Duration, Ty::Real(Dimension::TIME)) => diagnostic
             .help("`time(x)` is `x` in whole ticks, rounded up")
             .fix(
                 Fix::maybe("convert with `time`")
@@ -95,45 +99,48 @@ fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Finding {
                     .insert_after(span, ")"),
             ),
         (Ty::Int, Ty::Duration) => {
-            finding.help("divide by a time to get an integer: `x div 1[ms]`")
+            diagnostic.help("divide by a time to get an integer: `x div 1[ms]`")
         }
-        (Ty::Real(_) | Ty::Int, _) if is_iterator_element(cx, id) => finding,
-        (Ty::Real(_), Ty::Int) => finding.fix(to_real_fix(cx, id)),
-        (Ty::Int, Ty::Real(Dim::ONE)) if is_number_literal(cx, id) => {
-            finding.help("write an integer without a decimal point")
+        (Ty::Real(_) | Ty::Int, _) if is_iterator_element(cx, id) => diagnostic,
+        (Ty::Real(_), Ty::Int) => diagnostic.fix(to_real_fix(cx, id)),
+        (Ty::Int, Ty::Real(Dimension::ONE)) if is_number_literal(cx, id) => {
+            diagnostic.help("write an integer without a decimal point")
         }
-        (Ty::Int, Ty::Real(_)) => finding
+        (Ty::Int, Ty::Real(_)) => diagnostic
             .help("`int x` cuts off the fraction; `int round(x)` takes the nearest")
             .fix(conversion_fix(cx, id, "int")),
-        (expected, Ty::Tuple(_)) => with_output_fixes(cx, finding, id, expected),
+        (expected, Ty::Tuple(_)) => with_output_fixes(cx, diagnostic, id, expected),
         (Ty::Bool, Ty::Int | Ty::Real(_)) => {
-            finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+            diagnostic.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
         }
-        (Ty::Real(_), Ty::Array(element, _)) if matches!(**element, Ty::Real(_)) => {
-            finding.help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`")
-        }
-        (_, Ty::Array(element, _)) if **element == *expected => {
-            finding.help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`")
-        }
-        _ => finding,
+        (Ty::Real(_), Ty::Array(element, _)) if matches!(**element, Ty::Real(_)) => diagnostic
+            .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
+        (_, Ty::Array(element, _)) if **element == *expected => diagnostic
+            .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
+        _ => diagnostic,
     }
 }
 
 /// Adds a fix for each output of a call that has the expected type.
-fn with_output_fixes(cx: &Body<'_, '_>, finding: Finding, id: ExprId, expected: &Ty) -> Finding {
+fn with_output_fixes(
+    cx: &Body<'_, '_>,
+    diagnostic: Diagnostic,
+    id: ExprId,
+    expected: &Ty,
+) -> Diagnostic {
     let (span, members) = (cx.span_of(id), cx.ty_of(id).members());
     let fits = members.iter().filter(|m| m.ty == *expected);
-    let mut finding = finding;
+    let mut diagnostic = diagnostic;
     for name in fits.filter_map(|member| member.name.as_ref()) {
         let title = format!("use its output `{name}`");
-        finding
+        diagnostic
             .fixes
             .push(Fix::maybe(title).insert_after(span, format!(".{name}")));
     }
     let is_named = members.iter().any(|member| member.name.is_some());
     match is_named {
-        true => finding,
-        false => finding.help(
+        true => diagnostic,
+        false => diagnostic.help(
             "several values in parentheses form a tuple; the initial value is written before `->`: `0 -> pre x`",
         ),
     }
@@ -143,7 +150,7 @@ fn with_output_fixes(cx: &Body<'_, '_>, finding: Finding, id: ExprId, expected: 
 fn real_literal_fix(cx: &Body<'_, '_>, id: ExprId) -> Fix {
     let (span, fix) = (cx.span_of(id), Fix::sure("write a real"));
     let value = match &cx.unit.expr(id).kind {
-        Kind::Literal(leaf) => leaf.as_int(),
+        TypedExprKind::Literal(leaf) => leaf.as_int(),
         _ => None,
     };
     let text = value.map(|value| value.to_string());
@@ -165,9 +172,11 @@ pub(crate) fn to_real_fix(cx: &Body<'_, '_>, id: ExprId) -> Fix {
 fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
     let (span, title) = (cx.span_of(id), format!("convert with `{word}`"));
     match &cx.unit.expr(id).kind {
-        Kind::Flow(_) | Kind::Literal(_) | Kind::Const(_) | Kind::Call(_) | Kind::Part { .. } => {
-            Fix::maybe(title).insert_before(span, format!("{word} "))
-        }
+        TypedExprKind::Flow(_)
+        | TypedExprKind::Literal(_)
+        | TypedExprKind::Const(_)
+        | TypedExprKind::Call(_)
+        | TypedExprKind::Part { .. } => Fix::maybe(title).insert_before(span, format!("{word} ")),
         _ => Fix::maybe(title)
             .insert_before(span, format!("{word} ("))
             .insert_after(span, ")"),
@@ -175,72 +184,85 @@ fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
 }
 
 /// Reason why a type is expected.
-pub(crate) enum Wanted {
+pub(crate) enum ExpectationReason {
     /// No explanation is needed.
-    Here,
+    Unexplained,
     /// Explanation with the location of its cause; without a location it becomes a note.
-    By(Span, String),
+    Because(Span, String),
 }
 
-impl Wanted {
-    fn explain(&self, finding: Finding) -> Finding {
+impl ExpectationReason {
+    fn annotate(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self {
-            Wanted::Here => finding,
-            Wanted::By(span, text) if span.is_none() => finding.note(text.clone()),
-            Wanted::By(span, text) => finding.also(*span, text.clone()),
+            ExpectationReason::Unexplained => diagnostic,
+            ExpectationReason::Because(span, text) if span.is_none() => {
+                diagnostic.note(text.clone())
+            }
+            ExpectationReason::Because(span, text) => diagnostic.secondary(*span, text.clone()),
         }
     }
 }
 
 /// Returns the description of a type; the result of a call is described by its outputs.
-fn kind_of(ty: &Ty) -> String {
+fn type_text(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(members) if members.iter().any(|m| m.name.is_some()) => {
             let names = members.iter().filter_map(|m| m.name.as_deref());
-            format!("several outputs, {}", listed(names))
+            format!("several outputs, {}", join_names(names))
         }
         ty => format!("`{ty}`"),
     }
 }
 
 /// Returns the diagnostic for an array of another size than expected.
-fn size(expected: u32, found: u32, span: Span) -> Finding {
-    Finding::new(
+fn const_size(expected: u32, found: u32, span: Span) -> Diagnostic {
+    Diagnostic::new(
         Code::RPI2009,
         format!(
             "expected {}, found {found}",
-            counted(expected as usize, "element")
+            with_noun(expected as usize, "element")
         ),
     )
-    .at(
+    .primary(
         span,
-        format!("this has {}", counted(found as usize, "element")),
+        format!("this has {}", with_noun(found as usize, "element")),
     )
 }
 
 /// Returns the diagnostic for an undefined name.
-pub(crate) fn unknown(what: &str, name: &str, span: Span, near: Option<String>) -> Finding {
-    let finding =
-        Finding::new(Code::RPI1001, format!("undefined {what} `{name}`")).at(span, "not declared");
-    finding.did_you_mean(span, near)
+pub(crate) fn undefined_name(
+    what: &str,
+    name: &str,
+    span: Span,
+    near: Option<String>,
+) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::RPI1001, format!("undefined {what} `{name}`"))
+        .primary(span, "not declared");
+    diagnostic.did_you_mean(span, near)
 }
 
 /// Returns the diagnostic for a member that a value does not have.
-pub(crate) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Finding {
-    let finding =
-        Finding::new(Code::RPI1004, format!("{of} has no `{name}`")).at(span, "not found");
-    finding.did_you_mean(span, near)
+pub(crate) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::new(Code::RPI1004, format!("{of} has no `{name}`")).primary(span, "not found");
+    diagnostic.did_you_mean(span, near)
 }
 
 /// Returns the diagnostic for a name of another kind than expected.
-pub(crate) fn not_a(wanted: &str, name: &str, is: &str, span: Span, declared: Span) -> Finding {
-    Finding::new(Code::RPI1003, format!("`{name}` is {is}, not {wanted}"))
-        .at(span, format!("{wanted} is expected here"))
-        .also(declared, "declared here")
+pub(crate) fn wrong_kind_of_name(
+    wanted: &str,
+    name: &str,
+    is: &str,
+    span: Span,
+    declared: Span,
+) -> Diagnostic {
+    Diagnostic::new(Code::RPI1003, format!("`{name}` is {is}, not {wanted}"))
+        .primary(span, format!("{wanted} is expected here"))
+        .secondary(declared, "declared here")
 }
 
 /// Joins names for a sentence: `a`, `b` and `c`.
-pub(crate) fn listed<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+pub(crate) fn join_names<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
     let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
     match &quoted[..] {
         [] => "nothing".to_owned(),

@@ -3,45 +3,45 @@
 use std::collections::BTreeMap;
 
 /// Reported errors by key, each with the index of its diagnostic.
-pub(crate) struct Told<K> {
-    places: BTreeMap<K, usize>,
+pub(crate) struct ReportedErrors<K> {
+    indices: BTreeMap<K, usize>,
     /// Keys in the order of the diagnostics. The keys of a discarded trial check are removed again.
-    order: Vec<K>,
+    keys: Vec<K>,
 }
 
-impl<K> Default for Told<K> {
+impl<K> Default for ReportedErrors<K> {
     fn default() -> Self {
-        Told {
-            places: BTreeMap::new(),
-            order: Vec::new(),
+        ReportedErrors {
+            indices: BTreeMap::new(),
+            keys: Vec::new(),
         }
     }
 }
 
-impl<K: Ord + Clone> Told<K> {
+impl<K: Ord + Clone> ReportedErrors<K> {
     /// Returns the index of the diagnostic for a key.
-    pub(crate) fn place(&self, what: &K) -> Option<usize> {
-        self.places.get(what).copied()
+    pub(crate) fn index(&self, what: &K) -> Option<usize> {
+        self.indices.get(what).copied()
     }
 
     /// Records the index of the diagnostic for a key; returns whether the key is new.
-    pub(crate) fn tell(&mut self, what: &K, place: usize) -> bool {
-        if self.places.contains_key(what) {
+    pub(crate) fn record(&mut self, what: &K, place: usize) -> bool {
+        if self.indices.contains_key(what) {
             return false;
         }
-        self.places.insert(what.clone(), place);
-        self.order.push(what.clone());
+        self.indices.insert(what.clone(), place);
+        self.keys.push(what.clone());
         true
     }
 
     /// Removes all keys whose diagnostics have this index or a higher one.
-    pub(crate) fn forget_from(&mut self, place: usize) {
-        while let Some(last) = self.order.last() {
-            if self.place(last).is_some_and(|told| told < place) {
+    pub(crate) fn truncate(&mut self, place: usize) {
+        while let Some(last) = self.keys.last() {
+            if self.index(last).is_some_and(|told| told < place) {
                 break;
             }
-            self.places.remove(last);
-            self.order.pop();
+            self.indices.remove(last);
+            self.keys.pop();
         }
     }
 }

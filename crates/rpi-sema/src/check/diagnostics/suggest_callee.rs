@@ -2,47 +2,49 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
-use crate::check::exprs::access::names_of;
+use crate::check::exprs::access::member_names;
 use crate::check::exprs::expr;
 use crate::check::exprs::names::plain_name;
 use crate::check::types::type_decls;
-use crate::program::{Lookup, Space};
+use crate::program::{Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::typed::TypedExprKind;
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, ExprKind};
 use rpi_syntax::ops::BinaryOp;
 
 /// Names of the power function in other languages, in lower case.
-const POWERS: &[&str] = &["pow", "power", "powf", "powi", "expt"];
+const POWER_NAMES: &[&str] = &["pow", "power", "powf", "powi", "expt"];
 
 /// Adds to the reported error of `pow(x, 2.0)` the fix that writes `x ** 2.0`.
 pub(crate) fn suggest_power_operator<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) {
     let name = call.callee.name.name.to_lowercase();
-    let (true, [base, exponent]) = (POWERS.contains(&name.as_str()), &call.args[..]) else {
+    let (true, [base, exponent]) = (POWER_NAMES.contains(&name.as_str()), &call.args[..]) else {
         return;
     };
-    let Some(finding) = diagnostic_at(cx, call.callee.name.span, Code::RPI1001) else {
+    let Some(diagnostic) = diagnostic_at(cx, call.callee.name.span, Code::RPI1001) else {
         return;
     };
     let (base, exponent) = (&base.value, &exponent.value);
-    let [(open, close), (open_too, close_too)] = [base, exponent].map(brackets);
+    let [(open, close), (open_too, close_too)] = [base, exponent].map(parentheses_for);
     let sign = format!("{close} ** {open_too}");
     let fix = Fix::sure("write `x ** y`")
         .replace(
-            between(span.start, base.span.start, span),
+            span_between(span.start, base.span.start, span),
             format!("({open}"),
         )
-        .replace(between(base.span.end, exponent.span.start, span), sign)
+        .replace(span_between(base.span.end, exponent.span.start, span), sign)
         .replace(
-            between(exponent.span.end, span.end, span),
+            span_between(exponent.span.end, span.end, span),
             format!("{close_too})"),
         );
-    finding.help.clear();
-    finding.help.push("a power is written `x ** y`".to_owned());
-    finding.fixes = vec![fix];
+    diagnostic.help.clear();
+    diagnostic
+        .help
+        .push("a power is written `x ** y`".to_owned());
+    diagnostic.fixes = vec![fix];
 }
 
 /// Adds the struct syntax to the reported error of `P(x, y)` for a struct `P`. Returns an error expression of the
@@ -56,31 +58,31 @@ pub(crate) fn suggest_struct_literal<'a>(
     let Lookup::Found(id) = cx
         .checker
         .program
-        .lookup_in(Space::Type, cx.module, &name.name)
+        .lookup_in(NameSpace::Type, cx.module, &name.name)
     else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let told = diagnostic_at(cx, name.span, Code::RPI1003);
     let Some(told) = told.map(|told| told.clone()) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let Ty::Struct(ty) = type_decls::type_decl(cx.checker, id) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    let form = names_of(&ty.fields).map(|field| format!("{field} = ..."));
+    let form = member_names(&ty.fields).map(|field| format!("{field} = ..."));
     let form = form.collect::<Vec<_>>().join("; ");
     let mended = told.help(format!(
         "write a value of this type as `{} {{{form}}}`",
         name.name
     ));
-    let mended = match as_fields(&ty, call, span) {
+    let mended = match struct_literal_fix(&ty, call, span) {
         Some(fix) => mended.fix(fix),
         None => mended,
     };
-    if let Some(finding) = diagnostic_at(cx, name.span, Code::RPI1003) {
-        *finding = mended;
+    if let Some(diagnostic) = diagnostic_at(cx, name.span, Code::RPI1003) {
+        *diagnostic = mended;
     }
-    cx.add(Kind::Fault, Ty::Struct(ty), span)
+    cx.add(TypedExprKind::Error, Ty::Struct(ty), span)
 }
 
 /// Reports a call `map(f, a)` of an iterator whose static arguments are written among the arguments.
@@ -109,18 +111,18 @@ pub(crate) fn iterator_without_statics<'a>(
         _ => format!("<<{callee}, {size}>>"),
     };
     let message = format!("`{name}` lacks its static arguments");
-    let finding = Finding::new(Code::RPI1010, message)
-        .at(call.callee.span, "static arguments expected after the name")
+    let diagnostic = Diagnostic::new(Code::RPI1010, message)
+        .primary(call.callee.span, "static arguments expected after the name")
         .help(format!("write `{name}{form}(...)`"));
-    let finding = match &call.args[..] {
+    let diagnostic = match &call.args[..] {
         [first, second, ..] if is_known => {
-            let moved = between(first.value.span.start, second.value.span.start, span);
+            let moved = span_between(first.value.span.start, second.value.span.start, span);
             let fix = Fix::sure(format!("write `{name}{form}`")).replace(moved, "");
-            finding.fix(fix.insert_after(call.callee.span, form))
+            diagnostic.fix(fix.insert_after(call.callee.span, form))
         }
-        _ => finding,
+        _ => diagnostic,
     };
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Whether a name is a callable declaration and not a local flow.
@@ -128,7 +130,7 @@ fn is_callable_name(cx: &Body<'_, '_>, name: &Name) -> bool {
     let found = cx
         .checker
         .program
-        .lookup_in(Space::Callable, cx.module, name);
+        .lookup_in(NameSpace::Callable, cx.module, name);
     let is_callee =
         |id| crate::check::signatures::unit::is_callable(cx.checker.program.decl(id).kind);
     locals::find_local(cx, name).is_none() && matches!(found, Lookup::Found(id) if is_callee(id))
@@ -139,13 +141,13 @@ pub(crate) fn diagnostic_at<'s>(
     cx: &'s mut Body<'_, '_>,
     span: Span,
     code: Code,
-) -> Option<&'s mut Finding> {
-    let mut findings = cx.findings.iter_mut().rev();
-    findings.find(|finding| finding.code == code && finding.span() == span)
+) -> Option<&'s mut Diagnostic> {
+    let mut diagnostics = cx.diagnostics.iter_mut().rev();
+    diagnostics.find(|diagnostic| diagnostic.code == code && diagnostic.span() == span)
 }
 
 /// Returns the parentheses that an operand of `**` needs: none for a name or a number.
-fn brackets(operand: &ast::Expr) -> (&'static str, &'static str) {
+fn parentheses_for(operand: &ast::Expr) -> (&'static str, &'static str) {
     match operand.kind {
         ExprKind::Name(_) | ExprKind::Number(_) => ("", ""),
         _ => ("(", ")"),
@@ -153,7 +155,7 @@ fn brackets(operand: &ast::Expr) -> (&'static str, &'static str) {
 }
 
 /// Returns the span from `start` to `end` in the file of `around`.
-fn between(start: u32, end: u32, around: Span) -> Span {
+fn span_between(start: u32, end: u32, around: Span) -> Span {
     Span {
         start,
         end,
@@ -162,7 +164,7 @@ fn between(start: u32, end: u32, around: Span) -> Span {
 }
 
 /// Returns the fix that turns a call into a struct literal; `None` if the arguments are not as many as the fields.
-fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
+fn struct_literal_fix(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
     if call.args.is_empty() || call.args.len() != ty.fields.len() {
         return None;
     }
@@ -174,12 +176,12 @@ fn as_fields(ty: &StructTy, call: &ast::Call, span: Span) -> Option<Fix> {
         false => Fix::sure("write the fields"),
     };
     let mut from = call.callee.span.end;
-    for (k, (arg, field)) in call.args.iter().zip(names_of(&ty.fields)).enumerate() {
+    for (k, (arg, field)) in call.args.iter().zip(member_names(&ty.fields)).enumerate() {
         let name = arg.name.as_ref().map_or(field, |name| name.name.as_str());
         let opening = if k == 0 { " {" } else { "; " };
         let text = format!("{opening}{name} = ");
-        fix = fix.replace(between(from, arg.value.span.start, span), text);
+        fix = fix.replace(span_between(from, arg.value.span.start, span), text);
         from = arg.value.span.end;
     }
-    Some(fix.replace(between(from, span.end, span), "}"))
+    Some(fix.replace(span_between(from, span.end, span), "}"))
 }

@@ -5,7 +5,7 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::join_names;
 use crate::check::diagnostics::report::no_member;
 use crate::check::exprs::expr;
 use crate::check::exprs::indexing;
@@ -15,16 +15,16 @@ use crate::check::exprs::spatial_parts;
 use crate::check::types::consts;
 use crate::check::types::type_decls;
 use crate::program::{DeclKind, Lookup};
-use crate::ty::{DevicePortTy, DeviceTy, Member, Subst, Ty};
-use crate::typed::Kind;
-use crate::typed::{BlockId, ExprId, FlowId, Place};
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::ty::{DevicePortTy, DeviceTy, Member, Substitution, Ty};
+use crate::typed::TypedExprKind;
+use crate::typed::{BlockId, ExprId, FlowId, TargetPlace};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident};
 use std::rc::Rc;
 
 /// Returns the name of a value in messages: its type, or "this call" for the outputs of a call.
-fn owner(ty: &Ty) -> String {
+fn value_description(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(_) => "this call".to_owned(),
         ty => format!("`{ty}`"),
@@ -32,32 +32,32 @@ fn owner(ty: &Ty) -> String {
 }
 
 /// Returns the names of a device's actuator ports or of its sensor ports, for messages.
-fn ports(device: &DeviceTy, actuators: bool) -> String {
+fn port_list(device: &DeviceTy, actuators: bool) -> String {
     let ports = device
         .ports
         .iter()
         .filter(|port| port.is_actuator == actuators);
-    listed(ports.map(|port| port.name.as_str()))
+    join_names(ports.map(|port| port.name.as_str()))
 }
 
 /// Returns the diagnostic for an unknown field or output, with the list of the existing ones.
-pub(crate) fn no_part(ty: &Ty, of: &str, field: &Ident) -> Finding {
-    let near = rpi_diag::suggest(&field.name, names_of(ty.members()));
-    let finding = no_member(of, &field.name, field.span, near);
+pub(crate) fn unknown_member(ty: &Ty, of: &str, field: &Ident) -> Diagnostic {
+    let near = rpi_diag::suggest(&field.name, member_names(ty.members()));
+    let diagnostic = no_member(of, &field.name, field.span, near);
     let what = match ty {
         Ty::Tuple(_) => "outputs",
         Ty::Struct(_) => "fields",
-        _ => return finding,
+        _ => return diagnostic,
     };
-    let names: Vec<&str> = names_of(ty.members()).collect();
+    let names: Vec<&str> = member_names(ty.members()).collect();
     match names.is_empty() {
-        true => finding,
-        false => finding.help(format!("its {what} are {}", names.join(", "))),
+        true => diagnostic,
+        false => diagnostic.help(format!("its {what} are {}", names.join(", "))),
     }
 }
 
 /// Returns the names of the named members.
-pub(crate) fn names_of(parts: &[Member]) -> impl Iterator<Item = &str> {
+pub(crate) fn member_names(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }
 
@@ -97,16 +97,16 @@ fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Opt
     let whole = field.base.span.merge(value.span);
     if !ty.values.contains(&value.name) {
         let near = rpi_diag::suggest(&value.name, ty.values.iter().map(Name::as_str));
-        let finding = no_member(&format!("the enum `{name}`"), &value.name, value.span, near);
-        return Some(cx.fault_with(finding, whole));
+        let diagnostic = no_member(&format!("the enum `{name}`"), &value.name, value.span, near);
+        return Some(cx.report_error_expr(diagnostic, whole));
     }
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1003,
         format!("`{}` must be written without its type", value.name),
     )
-    .at(field.base.span, format!("`{name}` is an enum type"))
+    .primary(field.base.span, format!("`{name}` is an enum type"))
     .fix(Fix::sure(format!("write `{}`", value.name)).replace(whole, value.name.as_str()));
-    Some(cx.fault_with(finding, whole))
+    Some(cx.report_error_expr(diagnostic, whole))
 }
 
 /// Reports `Mode::Moving`: an enum value is written without its type. Returns `None` if the path does not start
@@ -124,16 +124,16 @@ pub(crate) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span)
     };
     if !ty.values.iter().any(|known| known == value) {
         let near = rpi_diag::suggest(value, ty.values.iter().map(Name::as_str));
-        let finding = no_member(&format!("the enum `{of}`"), value, span, near);
-        return Some(cx.fault_with(finding, span));
+        let diagnostic = no_member(&format!("the enum `{of}`"), value, span, near);
+        return Some(cx.report_error_expr(diagnostic, span));
     }
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1003,
         format!("`{value}` must be written without its type"),
     )
-    .at(span, format!("`{of}` is an enum type"))
+    .primary(span, format!("`{of}` is an enum type"))
     .fix(Fix::sure(format!("write `{value}`")).replace(span, value));
-    Some(cx.fault_with(finding, span))
+    Some(cx.report_error_expr(diagnostic, span))
 }
 
 /// Returns the block of the inline fragment or state that `inner` or `outer.inner` names.
@@ -162,7 +162,9 @@ pub(crate) fn block_member(
     match locals::find_in_block(cx, block, &field.name) {
         Some(Local::Flow(flow)) => names::flow_expr(cx, flow, span),
         Some(Local::Constant(constant)) => names::constant_expr(cx, &constant, span),
-        Some(Local::States(places, _)) => names::ambiguous_state(cx, &field.name, places, span),
+        Some(Local::AmbiguousState(places, _)) => {
+            names::ambiguous_state(cx, &field.name, places, span)
+        }
         _ => {
             let near = cx.checker.suggest(&field.name, locals::names_in(cx, block));
             let what = match automaton::is_state(cx, block) {
@@ -170,8 +172,8 @@ pub(crate) fn block_member(
                 false => "fragment",
             };
             let of = format!("the {what} `{}`", cx.unit.block(block).name);
-            let finding = no_member(&of, &field.name, field.span, near);
-            cx.fault_with(finding, span)
+            let diagnostic = no_member(&of, &field.name, field.span, near);
+            cx.report_error_expr(diagnostic, span)
         }
     }
 }
@@ -180,12 +182,12 @@ pub(crate) fn block_member(
 pub(crate) fn member_access(cx: &mut Body<'_, '_>, base: ExprId, field: &Ident) -> ExprId {
     let span = cx.span_of(base).merge(field.span);
     match cx.ty_of(base).clone() {
-        Ty::Unknown => cx.fault(span),
+        Ty::Unknown => cx.error_expr(span),
         Ty::Device(device) => sensor_access(cx, base, &device, field, span),
         Ty::Spatial(..) => spatial_parts::spatial_part(cx, base, field, span),
-        ty => match member_of(&ty, &field.name) {
-            Some((at, ty)) => cx.add(Kind::Part { base, at }, ty, span),
-            None => cx.fault_with(no_part(&ty, &owner(&ty), field), span),
+        ty => match find_member(&ty, &field.name) {
+            Some((at, ty)) => cx.add(TypedExprKind::Part { base, at }, ty, span),
+            None => cx.report_error_expr(unknown_member(&ty, &value_description(&ty), field), span),
         },
     }
 }
@@ -200,32 +202,32 @@ fn sensor_access(
     let found = device.ports.iter().position(|port| port.name == field.name);
     let Some(index) = found else {
         let near = rpi_diag::suggest(&field.name, device.ports.iter().map(|p| p.name.as_str()));
-        let finding = no_member(
+        let diagnostic = no_member(
             &format!("the device type `{}`", device.name),
             &field.name,
             field.span,
             near,
         );
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     };
     let port = &device.ports[index];
     if port.is_actuator {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI6001,
             format!("`{}` is an actuator port", field.name),
         )
-        .at(field.span, "an actuator port cannot be read")
+        .primary(field.span, "an actuator port cannot be read")
         .help(format!(
             "read measured values and the last set-point from its sensor ports: {}",
-            ports(device, false)
+            port_list(device, false)
         ));
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     }
     let Some(ty) = port_type(cx, base, device, port, field.span) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let port = u32::try_from(index).unwrap_or(u32::MAX);
-    cx.add(Kind::Sensor { device: base, port }, ty, span)
+    cx.add(TypedExprKind::Sensor { device: base, port }, ty, span)
 }
 
 /// Returns the type of a device's port, with the frames of this device. Reports a size that depends on a parameter
@@ -238,11 +240,11 @@ fn port_type(
     span: Span,
 ) -> Option<Ty> {
     let Some(ty) = &port.ty else {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2008,
             format!("cannot infer the size of `{}`", port.name),
         )
-        .at(
+        .primary(
             span,
             format!("it depends on a parameter of `{}`", device.name),
         )
@@ -250,10 +252,10 @@ fn port_type(
             "give the parameter in the type: `{}<<7>>`",
             device.name
         ));
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return None;
     };
-    let Kind::Flow(flow) = cx.unit.expr(base).kind else {
+    let TypedExprKind::Flow(flow) = cx.unit.expr(base).kind else {
         return Some(ty.clone());
     };
     Some(ty.substituted(&device_frame_subst(cx, device, flow)))
@@ -261,12 +263,16 @@ fn port_type(
 
 /// Returns the substitution of the frames of a device type by those of the device that `flow` holds: `tcp` becomes
 /// `arm.tcp`.
-pub(crate) fn device_frame_subst(cx: &Body<'_, '_>, device: &DeviceTy, flow: FlowId) -> Subst {
+pub(crate) fn device_frame_subst(
+    cx: &Body<'_, '_>,
+    device: &DeviceTy,
+    flow: FlowId,
+) -> Substitution {
     let name = &cx.unit.flow(flow).name;
     let frame = |local: &rpi_syntax::Name| (local.clone(), Some(format!("{name}.{local}").into()));
-    Subst {
+    Substitution {
         frames: device.frames.iter().map(frame).collect(),
-        ..Subst::default()
+        ..Substitution::default()
     }
 }
 
@@ -276,16 +282,16 @@ pub(crate) fn actuator_target<'a>(
     flow: FlowId,
     device: &Rc<DeviceTy>,
     target: &'a ast::Target,
-) -> (Place, Ty) {
-    let nowhere = (Place::Nowhere, Ty::Unknown);
+) -> (TargetPlace, Ty) {
+    let nowhere = (TargetPlace::Nowhere, Ty::Unknown);
     let [Access::Field(field)] = &target.path[..] else {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI1003,
             format!("cannot define the device `{}`", target.name.name),
         )
-        .at(target.span, "only its actuator ports can be defined")
+        .primary(target.span, "only its actuator ports can be defined")
         .help(format!("write `{}.port = ...;`", target.name.name));
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return nowhere;
     };
     let actuators = device.ports.iter().filter(|port| port.is_actuator);
@@ -296,24 +302,24 @@ pub(crate) fn actuator_target<'a>(
     else {
         let near = rpi_diag::suggest(&field.name, actuators.map(|p| p.name.as_str()));
         let of = format!("the device type `{}`", device.name);
-        let finding = match device.port(&field.name) {
-            Some(_) => Finding::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
-                .at(field.span, "a sensor port cannot be defined")
-                .help(format!("write set-points to {}", ports(device, true))),
+        let diagnostic = match device.port(&field.name) {
+            Some(_) => Diagnostic::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
+                .primary(field.span, "a sensor port cannot be defined")
+                .help(format!("write set-points to {}", port_list(device, true))),
             None => no_member(&of, &field.name, field.span, near),
         };
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return nowhere;
     };
     let base = cx.add(
-        Kind::Flow(flow),
+        TypedExprKind::Flow(flow),
         Ty::Device(device.clone()),
         target.name.span,
     );
     let ty = port_type(cx, base, device, &device.ports[index], field.span);
     let port = u32::try_from(index).unwrap_or(u32::MAX);
     (
-        Place::Port { device: flow, port },
+        TargetPlace::Port { device: flow, port },
         ty.unwrap_or(Ty::Unknown),
     )
 }
@@ -337,7 +343,7 @@ pub(crate) fn resolve_path<'a>(
         (Access::Index(index), Ty::Array(element, n)) => {
             let k = consts::const_integer(cx, index)?;
             let k = indexing::checked_index(cx, k, *n, index.span)?;
-            (k * leaves(element), (**element).clone())
+            (k * leaf_count(element), (**element).clone())
         }
         (Access::Slice(slice), Ty::Array(element, n)) => {
             indexing::resolve_slice(cx, element, *n, slice)?
@@ -352,27 +358,27 @@ pub(crate) fn resolve_path<'a>(
 
 /// Returns the first leaf and the type of a field; reports an unknown field.
 pub(crate) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
-    let found = member_of(ty, &field.name);
+    let found = find_member(ty, &field.name);
     if found.is_none() {
         let names = ty.members().iter().filter_map(|m| m.name.as_deref());
         let near = rpi_diag::suggest(&field.name, names);
-        let finding = no_member(&format!("`{ty}`"), &field.name, field.span, near);
-        report::report_diagnostic(cx, finding);
+        let diagnostic = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+        report::report_diagnostic(cx, diagnostic);
     }
     found
 }
 
 /// Returns the number of leaves of a type, saturating, for use as an offset.
-pub(crate) fn leaves(ty: &Ty) -> u32 {
+pub(crate) fn leaf_count(ty: &Ty) -> u32 {
     u32::try_from(ty.leaf_count()).unwrap_or(u32::MAX)
 }
 
 /// Returns the first leaf and the type of the member with this name.
-pub(crate) fn member_of(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
+pub(crate) fn find_member(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
     let members = ty.members();
     let index = members
         .iter()
         .position(|m| m.name.as_deref() == Some(name))?;
-    let before = members[..index].iter().map(|m| leaves(&m.ty));
+    let before = members[..index].iter().map(|m| leaf_count(&m.ty));
     Some((before.sum(), members[index].ty.clone()))
 }

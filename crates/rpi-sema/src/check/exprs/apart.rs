@@ -2,13 +2,13 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::join_names;
 use crate::check::types::machine_int;
 use crate::check::types::quantity;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::ExprId;
-use crate::units::Dim;
-use rpi_diag::Finding;
+use crate::units::Dimension;
+use rpi_diag::Diagnostic;
 use rpi_image::Scalar::{Pose, Vector};
 use rpi_syntax::ops::BinaryOp::{
     self, And, Div, Implies, Mul, Or, Pow, ShiftLeft, ShiftRight, Xor,
@@ -17,57 +17,57 @@ use rpi_syntax::ops::BinaryOp::{
 /// Adds help or a fix to the diagnostic about two operands that the operator does not accept.
 pub(crate) fn with_operand_hints(
     cx: &Body<'_, '_>,
-    finding: Finding,
+    diagnostic: Diagnostic,
     op: BinaryOp,
     (left, a): (ExprId, &Ty),
     (right, b): (ExprId, &Ty),
-) -> Finding {
-    let mixed = |finding, int, dim| with_int_operand_fix(cx, finding, op, int, dim);
+) -> Diagnostic {
+    let mixed = |diagnostic, int, dim| with_int_operand_fix(cx, diagnostic, op, int, dim);
     match (a, b) {
         (Ty::Bool | Ty::Int | Ty::Real(_), Ty::Bool | Ty::Int | Ty::Real(_))
             if matches!(op, And | Or | Xor | Implies) =>
         {
-            finding.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
+            diagnostic.help("a condition is a comparison: `x <> 0`, `x > 0.0`")
         }
-        (Ty::Int, Ty::Real(dim)) => mixed(finding, left, *dim),
-        (Ty::Real(dim), Ty::Int) => mixed(finding, right, *dim),
+        (Ty::Int, Ty::Real(dim)) => mixed(diagnostic, left, *dim),
+        (Ty::Real(dim), Ty::Int) => mixed(diagnostic, right, *dim),
         (Ty::Int, Ty::Duration) if report::is_number_literal(cx, left) => {
-            mixed(finding, left, Dim::TIME)
+            mixed(diagnostic, left, Dimension::TIME)
         }
         (Ty::Duration, Ty::Int) if report::is_number_literal(cx, right) => {
-            mixed(finding, right, Dim::TIME)
+            mixed(diagnostic, right, Dimension::TIME)
         }
         (Ty::Tuple(members), _) | (_, Ty::Tuple(members)) => {
             let names = members.iter().filter_map(|m| m.name.as_deref());
-            finding.help(format!(
+            diagnostic.help(format!(
                 "select one output of the call by its name: {}",
-                listed(names)
+                join_names(names)
             ))
         }
-        (Ty::Machine(of), Ty::Int) => machine_int::with_conversion_fix(cx, finding, *of, right),
-        (Ty::Int, Ty::Machine(of)) => machine_int::with_conversion_fix(cx, finding, *of, left),
+        (Ty::Machine(of), Ty::Int) => machine_int::with_conversion_fix(cx, diagnostic, *of, right),
+        (Ty::Int, Ty::Machine(of)) => machine_int::with_conversion_fix(cx, diagnostic, *of, left),
         (Ty::Machine(of), Ty::Machine(_)) if matches!(op, ShiftLeft | ShiftRight) => {
             let to = MachineInt {
                 signed: false,
                 ..*of
             }
-            .conversion();
-            finding.help(format!("the shift count must be unsigned: `({to} n)`"))
+            .conversion_name();
+            diagnostic.help(format!("the shift count must be unsigned: `({to} n)`"))
         }
-        (Ty::Machine(of), Ty::Machine(_)) => {
-            finding.help(format!("convert one of them: `({} x)`", of.conversion()))
-        }
+        (Ty::Machine(of), Ty::Machine(_)) => diagnostic.help(format!(
+            "convert one of them: `({} x)`",
+            of.conversion_name()
+        )),
         (Ty::Bool, _) | (_, Ty::Bool) => {
-            finding.help("convert a Boolean to a number by `if c then 1 else 0`")
+            diagnostic.help("convert a Boolean to a number by `if c then 1 else 0`")
         }
-        (Ty::Array(..), _) | (_, Ty::Array(..)) => finding.help(element_by_element(op, a, b)),
+        (Ty::Array(..), _) | (_, Ty::Array(..)) => diagnostic.help(elementwise_help(op, a, b)),
         (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => {
-            finding.help("compose poses by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`")
+            diagnostic.help("compose poses by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`")
         }
-        (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => {
-            finding.help("add a vector: `point(x, y, z)`; or scale the vector by a number with `*`")
-        }
-        _ => finding,
+        (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => diagnostic
+            .help("add a vector: `point(x, y, z)`; or scale the vector by a number with `*`"),
+        _ => diagnostic,
     }
 }
 
@@ -75,24 +75,24 @@ pub(crate) fn with_operand_hints(
 /// to real.
 fn with_int_operand_fix(
     cx: &Body<'_, '_>,
-    finding: Finding,
+    diagnostic: Diagnostic,
     op: BinaryOp,
     int: ExprId,
-    dim: Dim,
-) -> Finding {
+    dim: Dimension,
+) -> Diagnostic {
     match op {
         // Not applied automatically: other languages group `a ** b ** c` differently.
-        Pow => finding.fix(report::to_real_fix(cx, int).doubted()),
-        Mul | Div => finding.fix(report::to_real_fix(cx, int)),
-        _ if report::is_number_literal(cx, int) && dim != Dim::ONE => {
-            quantity::with_units(finding, dim, cx.span_of(int))
+        Pow => diagnostic.fix(report::to_real_fix(cx, int).into_maybe()),
+        Mul | Div => diagnostic.fix(report::to_real_fix(cx, int)),
+        _ if report::is_number_literal(cx, int) && dim != Dimension::ONE => {
+            quantity::with_unit_fixes(diagnostic, dim, cx.span_of(int))
         }
-        _ => finding.fix(report::to_real_fix(cx, int)),
+        _ => diagnostic.fix(report::to_real_fix(cx, int)),
     }
 }
 
 /// Returns the help text for applying a scalar operator to the elements of arrays.
-fn element_by_element(op: BinaryOp, a: &Ty, b: &Ty) -> String {
+fn elementwise_help(op: BinaryOp, a: &Ty, b: &Ty) -> String {
     let op = op.spelling();
     match (a, b) {
         (Ty::Array(_, n), Ty::Array(_, m)) if n == m => {

@@ -4,30 +4,30 @@
 use crate::check::bodies::body::Body;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::TypedExprKind;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, ExprKind, Ident};
 
 /// Name bound by an expression.
 #[derive(Clone, Debug)]
-pub(crate) struct Bound {
+pub(crate) struct Binding {
     pub(crate) name: Name,
     /// Meaning of the name.
-    pub(crate) means: Means,
+    pub(crate) value: BindingValue,
     /// Number of `pre` operators around the binding.
-    past: u32,
+    pre_depth: u32,
     /// Location of the binding.
     span: Span,
 }
 
 /// Meaning of a bound name.
 #[derive(Clone, Debug)]
-pub(crate) enum Means {
+pub(crate) enum BindingValue {
     /// Variable of a quantifier: any value of the type.
-    Any(Ty),
+    Quantified(Ty),
     /// Value to which the condition of a refinement type applies.
-    Value(Ty),
+    Refined(Ty),
     /// Name of an expression.
     Expr(ExprId),
     /// Value of an array index in an equation that defines an array element by element.
@@ -36,13 +36,13 @@ pub(crate) enum Means {
 
 /// Location of the first part of a claim that no run can evaluate; `None` if there is none.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Unwatched(pub(crate) Option<Span>);
+pub(crate) struct NotEvaluable(pub(crate) Option<Span>);
 
 /// Runs `work` with one more bound name.
 pub(crate) fn with_binding<'c, 'a, T>(
     cx: &mut Body<'c, 'a>,
     name: &Ident,
-    means: Means,
+    means: BindingValue,
     work: impl FnOnce(&mut Body<'c, 'a>) -> T,
 ) -> T {
     bind_name(cx, name, means);
@@ -52,11 +52,11 @@ pub(crate) fn with_binding<'c, 'a, T>(
 }
 
 /// Binds a name. The caller removes it from `bound` again.
-pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: Means) {
-    cx.bindings.bound_names.push(Bound {
+pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: BindingValue) {
+    cx.bindings.bound_names.push(Binding {
         name: name.name.clone(),
-        means,
-        past: cx.bindings.pre_depth,
+        value: means,
+        pre_depth: cx.bindings.pre_depth,
         span: name.span,
     });
 }
@@ -69,21 +69,21 @@ pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Op
         .iter()
         .rposition(|bound| bound.name == *name)?;
     let bound = cx.bindings.bound_names[at].clone();
-    Some(match &bound.means {
-        Means::Index(value) => cx.add(
-            Kind::Literal(crate::typed::Leaf::int(*value)),
+    Some(match &bound.value {
+        BindingValue::Index(value) => cx.add(
+            TypedExprKind::Literal(crate::typed::Leaf::int(*value)),
             Ty::Int,
             span,
         ),
-        Means::Expr(value) => copy_of(cx, *value, span),
-        Means::Value(ty) => cx.add(Kind::Outside, ty.clone(), span),
-        Means::Any(_) if cx.bindings.forbidden.is_some_and(|before| at < before) => {
+        BindingValue::Expr(value) => copy_of(cx, *value, span),
+        BindingValue::Refined(ty) => cx.add(TypedExprKind::Arbitrary, ty.clone(), span),
+        BindingValue::Quantified(_) if cx.bindings.forbidden.is_some_and(|before| at < before) => {
             report_not_constant(cx, &bound, span)
         }
-        Means::Any(_) if cx.bindings.pre_depth > bound.past => {
+        BindingValue::Quantified(_) if cx.bindings.pre_depth > bound.pre_depth => {
             report_pre_of_quantified(cx, &bound, span)
         }
-        Means::Any(ty) => cx.add(Kind::Outside, ty.clone(), span),
+        BindingValue::Quantified(ty) => cx.add(TypedExprKind::Arbitrary, ty.clone(), span),
     })
 }
 
@@ -93,24 +93,24 @@ fn copy_of(cx: &mut Body<'_, '_>, value: ExprId, span: Span) -> ExprId {
     cx.add(kind, ty, span)
 }
 
-fn report_pre_of_quantified(cx: &mut Body<'_, '_>, bound: &Bound, span: Span) -> ExprId {
+fn report_pre_of_quantified(cx: &mut Body<'_, '_>, bound: &Binding, span: Span) -> ExprId {
     let message = format!(
         "the quantified variable `{}` has no earlier cycles",
         bound.name
     );
-    let finding = Finding::new(Code::RPI2014, message)
-        .at(span, "read inside `pre`")
-        .also(bound.span, "quantified here")
+    let diagnostic = Diagnostic::new(Code::RPI2014, message)
+        .primary(span, "read inside `pre`")
+        .secondary(bound.span, "quantified here")
         .help("apply `pre` to flows only");
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
-fn report_not_constant(cx: &mut Body<'_, '_>, bound: &Bound, span: Span) -> ExprId {
-    let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-        .at(span, "variable of the same quantifier")
-        .also(bound.span, "bound here")
+fn report_not_constant(cx: &mut Body<'_, '_>, bound: &Binding, span: Span) -> ExprId {
+    let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
+        .primary(span, "variable of the same quantifier")
+        .secondary(bound.span, "bound here")
         .help("move this restriction to the condition of the quantifier");
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Whether an expression reads a variable of a quantifier or an array index.
@@ -122,7 +122,7 @@ pub(crate) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
                 .bindings
                 .bound_names
                 .iter()
-                .any(|bound| bound.name == *name && bound.varies())
+                .any(|bound| bound.name == *name && bound.has_many_values())
         {
             return true;
         }
@@ -131,14 +131,17 @@ pub(crate) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
     false
 }
 
-impl Bound {
+impl Binding {
     /// Whether the name has several values in one cycle.
-    pub(crate) fn varies(&self) -> bool {
-        matches!(self.means, Means::Any(_) | Means::Index(_))
+    pub(crate) fn has_many_values(&self) -> bool {
+        matches!(
+            self.value,
+            BindingValue::Quantified(_) | BindingValue::Index(_)
+        )
     }
 
     /// Whether the name is the variable of a quantifier.
     pub(crate) fn is_quantified(&self) -> bool {
-        matches!(self.means, Means::Any(_))
+        matches!(self.value, BindingValue::Quantified(_))
     }
 }

@@ -3,9 +3,9 @@
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::check::exprs::expr;
-use crate::check::exprs::ops::TESTS;
+use crate::check::exprs::ops::ORDERINGS;
 use crate::typed::ExprId;
-use crate::typed::{Each, Kind};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 use rpi_diag::{Fix, Span};
 use rpi_syntax::ast::{Binary, ExprKind};
 use rpi_syntax::ops::BinaryOp;
@@ -13,7 +13,7 @@ use rpi_syntax::ops::BinaryOp;
 /// Checks an operator that works leaf by leaf on two operands of one type.
 pub(crate) fn elementwise_binary<'a>(
     cx: &mut Body<'_, 'a>,
-    each: Each,
+    each: ElementwiseOp,
     binary: &'a Binary,
     span: Span,
 ) -> ExprId {
@@ -21,12 +21,12 @@ pub(crate) fn elementwise_binary<'a>(
         expr::check_expr(cx, &binary.lhs),
         expr::check_expr(cx, &binary.rhs),
     );
-    let before = cx.findings.len();
+    let before = cx.diagnostics.len();
     let ty = expr::common_type(cx, left, right, "both sides must have the same type");
     if report::has_error_since(cx, before) && hint_comparison_precedence(cx, binary) {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
-    cx.add(Kind::Each(each, [left, right].into()), ty, span)
+    cx.add(TypedExprKind::Each(each, [left, right].into()), ty, span)
 }
 
 /// Adds the missing parentheses to the reported diagnostic about `a ?? b = c`; returns `false` for any other
@@ -37,13 +37,13 @@ fn hint_comparison_precedence(cx: &mut Body<'_, '_>, binary: &Binary) -> bool {
     };
     let is_open = compared.lhs.span.start == binary.rhs.span.start;
     let is_test =
-        matches!(compared.op, BinaryOp::Eq | BinaryOp::Ne) || TESTS.contains(&compared.op);
+        matches!(compared.op, BinaryOp::Eq | BinaryOp::Ne) || ORDERINGS.contains(&compared.op);
     if !is_test || !is_open {
         return false;
     }
     let (op, test) = (binary.op.spelling(), compared.op.spelling());
     // The caller has just reported the type mismatch, so that it is the last diagnostic.
-    if let Some(told) = cx.findings.last_mut() {
+    if let Some(told) = cx.diagnostics.last_mut() {
         told.help = vec![format!(
             "`{test}` binds tighter than `{op}`: write `(a {op} b) {test} c`"
         )];

@@ -1,24 +1,25 @@
 //! Predeclared names, listed for editors and documentation.
 
-use crate::check::exprs::names::PREDECLARED;
+use crate::check::exprs::names::PREDECLARED_FLOWS;
 use crate::check::exprs::spatial_parts::SPATIAL_PARTS;
 use crate::ty::Ty;
 use rpi_image::Scalar;
 
 /// Returns the predeclared flows: name, registered name of the primitive, type.
-pub(crate) fn predeclared() -> impl Iterator<Item = (&'static str, &'static str, &'static Ty)> {
-    PREDECLARED
+pub(crate) fn resolve_predeclared()
+-> impl Iterator<Item = (&'static str, &'static str, &'static Ty)> {
+    PREDECLARED_FLOWS
         .iter()
         .map(|flow| (flow.name, flow.prim.desc().name, &flow.ty))
 }
 
 /// Returns the names of the predeclared operators in call syntax.
 #[cfg(test)]
-pub(crate) fn operator_names() -> impl Iterator<Item = &'static str> {
-    let specials = crate::check::calls::intrinsics::SPECIALS
+pub(crate) fn intrinsic_names() -> impl Iterator<Item = &'static str> {
+    let specials = crate::check::calls::intrinsics::INTRINSICS
         .iter()
         .map(|special| special.name());
-    specials.chain(crate::check::calls::iterate::NAMES.iter().copied())
+    specials.chain(crate::check::calls::iterate::ITERATORS.iter().copied())
 }
 
 /// Returns the names of the parts of a spatial type.

@@ -2,8 +2,8 @@
 
 use crate::check::bodies::body::Body;
 use crate::facts::literal;
-use crate::typed::{Activation, Call, Kind};
-use crate::typed::{ClockOn, ExprId};
+use crate::typed::{Activation, Call, TypedExprKind};
+use crate::typed::{DeclaredClock, ExprId};
 
 /// Gives a call in a case of a `merge` and its arguments the clock of the case, if the call is activated by the
 /// same condition. Returns any other case as it is.
@@ -33,7 +33,7 @@ pub(crate) fn sample_activated_case(
         activation,
     };
     let (ty, span) = (cx.ty_of(case).clone(), cx.span_of(case));
-    cx.add(Kind::Call(Box::new(call)), ty, span)
+    cx.add(TypedExprKind::Call(Box::new(call)), ty, span)
 }
 
 /// Returns the clock of a case, its call, and the restart condition of the call.
@@ -42,8 +42,9 @@ fn case_activation(
     on: ExprId,
     value: u32,
     case: ExprId,
-) -> Option<(ClockOn, Call, Option<ExprId>)> {
-    let (Kind::Flow(flow), Kind::Call(call)) = (&cx.unit.expr(on).kind, &cx.unit.expr(case).kind)
+) -> Option<(DeclaredClock, Call, Option<ExprId>)> {
+    let (TypedExprKind::Flow(flow), TypedExprKind::Call(call)) =
+        (&cx.unit.expr(on).kind, &cx.unit.expr(case).kind)
     else {
         return None;
     };
@@ -56,11 +57,11 @@ fn case_activation(
         return None;
     };
     let decides = literal(&cx.unit, every, true) == Some((flow.0, value == 1));
-    let clock = ClockOn { flow: *flow, value };
+    let clock = DeclaredClock { flow: *flow, value };
     decides.then(|| (clock, (**call).clone(), restart))
 }
 
-fn add_when(cx: &mut Body<'_, '_>, value: ExprId, clock: ClockOn) -> ExprId {
+fn add_when(cx: &mut Body<'_, '_>, value: ExprId, clock: DeclaredClock) -> ExprId {
     let (ty, span) = (cx.ty_of(value).clone(), cx.span_of(value));
-    cx.add(Kind::When { value, clock }, ty, span)
+    cx.add(TypedExprKind::When { value, clock }, ty, span)
 }

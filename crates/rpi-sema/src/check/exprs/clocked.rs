@@ -7,49 +7,53 @@ use crate::check::bodies::locals::Local;
 use crate::check::bodies::statement;
 use crate::check::bodies::type_inference;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::listed;
-use crate::check::diagnostics::report::not_a;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::undefined_name;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::exprs::access;
 use crate::check::exprs::case;
 use crate::check::exprs::expr;
 use crate::check::exprs::names;
 use crate::check::signatures::unit;
-use crate::hash::{Map, Set};
+use crate::hash::{FastMap, FastSet};
 use crate::ty::{EnumTy, Ty, join};
-use crate::typed::{ClockOn, ExprId, FlowId};
-use crate::typed::{Each, Kind};
-use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{self, Clock, Ident, Merge, Tick, When};
+use crate::typed::{DeclaredClock, ExprId, FlowId};
+use crate::typed::{ElementwiseOp, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_syntax::ast::{self, Clock, ClockValue, Ident, Merge, WhenExpr};
 use std::rc::Rc;
 
 /// Checks `x when c`.
-pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a When, span: Span) -> ExprId {
+pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a WhenExpr, span: Span) -> ExprId {
     let value = expr::check_expr(cx, &when.value);
     let ty = cx.ty_of(value).clone();
     match resolve_clock(cx, &when.clock) {
-        Some(clock) => cx.add(Kind::When { value, clock }, ty, span),
-        None => cx.add(Kind::Fault, ty, span),
+        Some(clock) => cx.add(TypedExprKind::When { value, clock }, ty, span),
+        None => cx.add(TypedExprKind::Error, ty, span),
     }
 }
 
 /// Resolves a clock: the flow that decides, and the value for which the clock is present.
-pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<ClockOn> {
+pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<DeclaredClock> {
     cx.unit.has_clocks = true;
     let flow = resolve_clock_flow(cx, &clock.flow)?;
-    let value = match &clock.tick {
-        Tick::True => 1,
-        Tick::False => 0,
-        Tick::Value(value) => return resolve_clock_value(cx, flow, value),
+    let value = match &clock.value {
+        ClockValue::True => 1,
+        ClockValue::False => 0,
+        ClockValue::Value(value) => return resolve_clock_value(cx, flow, value),
     };
     let ty = cx.unit.flow(flow).ty.clone();
     if !matches!(ty, Ty::Bool | Ty::Unknown) {
-        if !cx.reported.invalid_clocks.tell(&flow, cx.findings.len()) {
+        if !cx
+            .reported
+            .invalid_clocks
+            .record(&flow, cx.diagnostics.len())
+        {
             return None;
         }
-        let finding = Finding::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
-            .at(
+        let diagnostic = Diagnostic::new(Code::RPI2001, format!("expected `bool`, found `{ty}`"))
+            .primary(
                 clock.flow.span,
                 "a clock must be a Boolean or one value of an enum",
             )
@@ -57,10 +61,10 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Cloc
                 Ty::Enum(_) => format!("give the enum value: `A({})`", clock.flow.name),
                 _ => "define a Boolean flow first: `c = x > 0; y = e when c;`".to_owned(),
             });
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return None;
     }
-    Some(ClockOn { flow, value })
+    Some(DeclaredClock { flow, value })
 }
 
 /// Resolves the flow of a clock.
@@ -73,14 +77,15 @@ fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
             Some(flow)
         }
         Some(_) => {
-            let finding = not_a("a flow", &name.name, "a constant", name.span, name.span);
-            report::report_diagnostic(cx, finding);
+            let diagnostic =
+                wrong_kind_of_name("a flow", &name.name, "a constant", name.span, name.span);
+            report::report_diagnostic(cx, diagnostic);
             None
         }
         None => {
-            if cx.is_new_unknown(&name.name) {
+            if cx.record_undefined(&name.name) {
                 let near = cx.checker.suggest(&name.name, locals::local_names(cx));
-                report::report_diagnostic(cx, unknown("flow", &name.name, name.span, near));
+                report::report_diagnostic(cx, undefined_name("flow", &name.name, name.span, near));
             }
             None
         }
@@ -88,10 +93,14 @@ fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
 }
 
 /// Resolves a clock that is present for one value of an enum or Boolean.
-fn resolve_clock_value(cx: &mut Body<'_, '_>, flow: FlowId, value: &Ident) -> Option<ClockOn> {
+fn resolve_clock_value(
+    cx: &mut Body<'_, '_>,
+    flow: FlowId,
+    value: &Ident,
+) -> Option<DeclaredClock> {
     let ty = cx.unit.flow(flow).ty.clone();
     let value = value_number(cx, &ty, value)?;
-    Some(ClockOn { flow, value })
+    Some(DeclaredClock { flow, value })
 }
 
 /// Returns the number of a Boolean or enum value.
@@ -103,12 +112,13 @@ fn value_number(cx: &mut Body<'_, '_>, ty: &Ty, value: &Ident) -> Option<u32> {
         Ty::Enum(e) => enum_value_number(cx, e, value),
         Ty::Unknown => None,
         _ => {
-            let finding = Finding::new(Code::RPI2006, format!("`{name}` is not a value of `{ty}`"))
-                .at(
-                    value.span,
-                    "a clock must be a Boolean or one value of an enum",
-                );
-            report::report_diagnostic(cx, finding);
+            let diagnostic =
+                Diagnostic::new(Code::RPI2006, format!("`{name}` is not a value of `{ty}`"))
+                    .primary(
+                        value.span,
+                        "a clock must be a Boolean or one value of an enum",
+                    );
+            report::report_diagnostic(cx, diagnostic);
             None
         }
     }
@@ -116,12 +126,12 @@ fn value_number(cx: &mut Body<'_, '_>, ty: &Ty, value: &Ident) -> Option<u32> {
 
 fn enum_value_number(cx: &mut Body<'_, '_>, e: &Rc<EnumTy>, value: &Ident) -> Option<u32> {
     let last = value.name.rsplit("::").next().unwrap_or_default();
-    let index = e.place_of(last);
+    let index = e.index_of(last);
     if index.is_none() {
         let near = rpi_diag::suggest(last, e.values.iter().map(|v| v.as_str()));
         let of = format!("the enum `{}`", e.name);
-        let finding = crate::check::diagnostics::report::no_member(&of, last, value.span, near);
-        report::report_diagnostic(cx, finding);
+        let diagnostic = crate::check::diagnostics::report::no_member(&of, last, value.span, near);
+        report::report_diagnostic(cx, diagnostic);
     }
     index
 }
@@ -129,10 +139,10 @@ fn enum_value_number(cx: &mut Body<'_, '_>, e: &Rc<EnumTy>, value: &Ident) -> Op
 /// Checks `merge c (A -> x) (B -> y)`.
 pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span) -> ExprId {
     cx.unit.has_clocks = true;
-    let on = expr::check_expr(cx, &merge.on);
+    let on = expr::check_expr(cx, &merge.selector);
     let of = merge_condition_type(cx, on);
     let mut cases: Vec<(u32, ExprId)> = Vec::new();
-    let mut first: Map<u32, Span> = Map::default();
+    let mut first: FastMap<u32, Span> = FastMap::default();
     let (mut ty, mut known) = (Ty::Unknown, true);
     for case in &merge.cases {
         let mut then = expr::check_expr(cx, &case.then);
@@ -142,7 +152,7 @@ pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span
         if let Some(value) = value {
             then = case::sample_activated_case(cx, on, value, then);
             match first.get(&value) {
-                Some(first) => report::report_diagnostic(cx, case_twice(&case.value, *first)),
+                Some(first) => report::report_diagnostic(cx, duplicate_case(&case.value, *first)),
                 None => {
                     first.insert(value, cx.span_of(then));
                     cases.push((value, then));
@@ -155,7 +165,7 @@ pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span
         check_exhaustive_merge(cx, &of, &cases, span);
     }
     let cases = cases.into();
-    cx.add(Kind::Merge { on, cases }, ty, span)
+    cx.add(TypedExprKind::Merge { on, cases }, ty, span)
 }
 
 /// Returns the type of the condition of a `merge`; `Unknown` after the error about an unsuitable type.
@@ -164,15 +174,17 @@ fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
     if matches!(ty, Ty::Bool | Ty::Enum(_) | Ty::Unknown) {
         return ty;
     }
-    if let Kind::Flow(flow) = cx.unit.expr(on).kind {
-        cx.reported.invalid_clocks.tell(&flow, cx.findings.len());
+    if let TypedExprKind::Flow(flow) = cx.unit.expr(on).kind {
+        cx.reported
+            .invalid_clocks
+            .record(&flow, cx.diagnostics.len());
     }
     let message = format!("expected a Boolean or an enum in `merge`, found `{ty}`");
-    let finding =
-        Finding::new(Code::RPI2006, message).at(cx.span_of(on), format!("this is `{ty}`"));
+    let diagnostic =
+        Diagnostic::new(Code::RPI2006, message).primary(cx.span_of(on), format!("this is `{ty}`"));
     report::report_diagnostic(
         cx,
-        finding.help("choose by a number with `if n = 0 then a else b`"),
+        diagnostic.help("choose by a number with `if n = 0 then a else b`"),
     );
     Ty::Unknown
 }
@@ -193,7 +205,7 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
         Ty::Enum(e) => e.values.iter().map(|v| v.as_str()).collect(),
         _ => return,
     };
-    let there: Set<usize> = cases.iter().map(|(value, _)| *value as usize).collect();
+    let there: FastSet<usize> = cases.iter().map(|(value, _)| *value as usize).collect();
     let is_there = |k: usize| there.contains(&k);
     let missing: Vec<&str> = names
         .iter()
@@ -202,12 +214,15 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
         .map(|(_, n)| *n)
         .collect();
     if !missing.is_empty() {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2011,
-            format!("non-exhaustive `merge`: {} not covered", listed(missing)),
+            format!(
+                "non-exhaustive `merge`: {} not covered",
+                join_names(missing)
+            ),
         )
-        .at(span, "a `merge` needs a case for every value");
-        report::report_diagnostic(cx, finding);
+        .primary(span, "a `merge` needs a case for every value");
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
@@ -217,33 +232,37 @@ pub(crate) fn current_expr<'a>(
     operand: &'a ast::Expr,
     span: Span,
 ) -> ExprId {
-    cx.has_state(span);
+    cx.record_state(span);
     cx.unit.has_clocks = true;
     let operand = expr::check_expr(cx, operand);
     let ty = cx.ty_of(operand).clone();
     if let (Ty::Tuple(_), true) = (&ty, unit::reads_rpi_syntax(cx)) {
-        let finding = Finding::new(Code::RPI2006, format!("`current` cannot take `{ty}`"))
-            .at(cx.span_of(operand), "it takes one flow")
+        let diagnostic = Diagnostic::new(Code::RPI2006, format!("`current` cannot take `{ty}`"))
+            .primary(cx.span_of(operand), "it takes one flow")
             .help("use `hold(x, 0)` for an initial value: the latest value of `x`, 0 before the first one");
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     }
-    cx.add(Kind::Current(operand), ty, span)
+    cx.add(TypedExprKind::Current(operand), ty, span)
 }
 
 /// Checks `last x`. For a flow shared by states, it is the value of the previous cycle in whichever state that was.
 pub(crate) fn last_expr<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
-    cx.has_state(span);
+    cx.record_state(span);
     if !is_name_or_field(operand) {
-        let finding = Finding::new(Code::RPI2006, "`last` takes a flow or a field of one")
-            .at(operand.span, "not a flow")
+        let diagnostic = Diagnostic::new(Code::RPI2006, "`last` takes a flow or a field of one")
+            .primary(operand.span, "not a flow")
             .help("write `last` before each flow of the expression");
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     }
     cx.bindings.pre_depth += 1;
     let operand = last_operand(cx, operand);
     cx.bindings.pre_depth -= 1;
     let ty = cx.ty_of(operand).clone();
-    cx.add(Kind::Each(Each::Last, [operand].into()), ty, span)
+    cx.add(
+        TypedExprKind::Each(ElementwiseOp::Last, [operand].into()),
+        ty,
+        span,
+    )
 }
 
 /// Checks the operand of `last`. A flow of a state is replaced by the shared flow outside the automaton.
@@ -253,13 +272,13 @@ fn last_operand<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> ExprId {
         return access::member_access(cx, base, &field.field);
     }
     let id = expr::check_expr(cx, operand);
-    if let Kind::Flow(flow) = cx.unit.expr(id).kind
+    if let TypedExprKind::Flow(flow) = cx.unit.expr(id).kind
         && let Some(outer) = outermost_total_flow(cx, flow)
     {
         return names::flow_expr(cx, outer, operand.span);
     }
     if !cx.ty_of(id).is_unknown() {
-        statement::expect_type(cx, id, &Ty::Unknown, &Wanted::Here);
+        statement::expect_type(cx, id, &Ty::Unknown, &ExpectationReason::Unexplained);
     }
     id
 }
@@ -281,7 +300,7 @@ fn is_partially_defined(cx: &Body<'_, '_>, flow: FlowId) -> bool {
         .automata
         .iter()
         .flat_map(|automaton| &automaton.shared);
-    shared.any(|shared| shared.flow == flow && shared.is_left_open())
+    shared.any(|shared| shared.flow == flow && shared.is_partially_defined())
 }
 
 /// Whether an expression reads a flow or a part of one.
@@ -295,11 +314,11 @@ fn is_name_or_field(operand: &ast::Expr) -> bool {
 }
 
 /// Returns the diagnostic for a duplicate case.
-pub(crate) fn case_twice(name: &Ident, first: rpi_diag::Span) -> Finding {
-    Finding::new(
+pub(crate) fn duplicate_case(name: &Ident, first: rpi_diag::Span) -> Diagnostic {
+    Diagnostic::new(
         Code::RPI2011,
         format!("the case `{}` is given twice", name.name),
     )
-    .at(name.span, "given again here")
-    .also(first, "first given here")
+    .primary(name.span, "given again here")
+    .secondary(first, "first given here")
 }

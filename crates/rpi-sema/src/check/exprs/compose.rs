@@ -3,24 +3,24 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::diagnostics::undefined_names;
-use crate::check::exprs::access::leaves;
-use crate::check::exprs::access::no_part;
+use crate::check::exprs::access::leaf_count;
+use crate::check::exprs::access::unknown_member;
 use crate::check::exprs::expr;
 use crate::check::exprs::spatial_parts;
 use crate::check::types::consts;
 use crate::check::types::data;
 use crate::check::types::{MAX_LEAVES, too_large};
-use crate::program::{DeclKind, Lookup, Space};
+use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::StructTy;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
+use crate::ty::check_assignable;
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::TypedExprKind;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{self, Binary, FieldValue, Ident, StaticArg, StructExpr};
 use std::rc::Rc;
 
@@ -35,9 +35,9 @@ pub(crate) fn array_literal<'a>(
 ) -> ExprId {
     let ids: Vec<ExprId> = elements.iter().map(|e| expr::check_expr(cx, e)).collect();
     let Some((first, rest)) = ids.split_first() else {
-        let finding = Finding::new(Code::RPI2007, "cannot infer the type of an empty array")
-            .at(span, "no elements");
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI2007, "cannot infer the type of an empty array")
+            .primary(span, "no elements");
+        return cx.report_error_expr(diagnostic, span);
     };
     let mut element = cx.ty_of(*first).clone();
     for id in rest {
@@ -52,20 +52,26 @@ pub(crate) fn array_literal<'a>(
         }
     }
     let n = u32::try_from(ids.len()).unwrap_or(u32::MAX);
-    add_array(cx, Kind::Build(ids.into()), Rc::new(element), n, span)
+    add_array(
+        cx,
+        TypedExprKind::Build(ids.into()),
+        Rc::new(element),
+        n,
+        span,
+    )
 }
 
 /// Adds an expression of an array type; reports an array with too many leaves.
 pub(crate) fn add_array(
     cx: &mut Body<'_, '_>,
-    kind: Kind,
+    kind: TypedExprKind,
     element: Rc<Ty>,
     n: u32,
     span: Span,
 ) -> ExprId {
     let ty = Ty::Array(element, n);
     match ty.leaf_count() > MAX_LEAVES {
-        true => cx.fault_with(too_large(span), span),
+        true => cx.report_error_expr(too_large(span), span),
         false => cx.add(kind, ty, span),
     }
 }
@@ -74,10 +80,10 @@ pub(crate) fn add_array(
 pub(crate) fn array_repeat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     let element = expr::check_expr(cx, &binary.lhs);
     let Some(n) = const_size(cx, &binary.rhs) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let ty = Rc::new(cx.ty_of(element).clone());
-    add_array(cx, Kind::Repeat(element), ty, n, span)
+    add_array(cx, TypedExprKind::Repeat(element), ty, n, span)
 }
 
 /// Checks the concatenation of arrays, `x | y`.
@@ -89,33 +95,39 @@ pub(crate) fn array_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     let (Ty::Array(a, n), Ty::Array(b, m)) = (&a, &b) else {
         if a.is_unknown() || b.is_unknown() {
-            return cx.fault(span);
+            return cx.error_expr(span);
         }
-        let finding = Finding::new(Code::RPI2006, format!("`|` cannot take `{a}` and `{b}`"))
-            .at(cx.span_of(right), format!("this is `{b}`"))
-            .also(cx.span_of(left), format!("this is `{a}`"))
+        let diagnostic = Diagnostic::new(Code::RPI2006, format!("`|` cannot take `{a}` and `{b}`"))
+            .primary(cx.span_of(right), format!("this is `{b}`"))
+            .secondary(cx.span_of(left), format!("this is `{a}`"))
             .help("`|` concatenates arrays; for Booleans write `or`");
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     };
-    if let Err(misfit) = fit(a, b, &mut Subst::default()) {
-        let wanted = Wanted::By(cx.span_of(left), format!("this is `{a}^{n}`"));
+    if let Err(misfit) = check_assignable(a, b, &mut Substitution::default()) {
+        let wanted = ExpectationReason::Because(cx.span_of(left), format!("this is `{a}^{n}`"));
         let expected = (**a).clone();
         report::type_mismatch(cx, right, &expected, &misfit, &wanted);
     }
     let n = n.saturating_add(*m);
-    add_array(cx, Kind::Build([left, right].into()), a.clone(), n, span)
+    add_array(
+        cx,
+        TypedExprKind::Build([left, right].into()),
+        a.clone(),
+        n,
+        span,
+    )
 }
 
 /// Returns the value of a size, a constant non-negative integer; reports any other expression.
 pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Option<u32> {
-    let told = cx.findings.len();
+    let told = cx.diagnostics.len();
     let Some(value) = consts::const_integer(cx, size) else {
         // A conversion cannot be applied to a size, so that the fixes are replaced by a hint.
-        for finding in cx.findings.iter_mut().skip(told) {
-            if finding.code == Code::RPI2001 && finding.span() == size.span {
-                finding.fixes.clear();
+        for diagnostic in cx.diagnostics.iter_mut().skip(told) {
+            if diagnostic.code == Code::RPI2001 && diagnostic.span() == size.span {
+                diagnostic.fixes.clear();
                 // Depends on the wording "expected X, found Y" of type mismatches.
-                finding.help = vec![match finding.message.ends_with("found `bool`") {
+                diagnostic.help = vec![match diagnostic.message.ends_with("found `bool`") {
                     true => {
                         "exclusive or is `a xor b`; `x^3` is an array of 3 times `x`".to_owned()
                     }
@@ -131,9 +143,9 @@ pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Opti
     if (0..=MAX_LENGTH).contains(&value) {
         return u32::try_from(value).ok();
     }
-    let finding = Finding::new(Code::RPI2009, format!("invalid array size {value}"))
-        .at(size.span, format!("expected a size from 0 to {MAX_LENGTH}"));
-    report::report_diagnostic(cx, finding);
+    let diagnostic = Diagnostic::new(Code::RPI2009, format!("invalid array size {value}"))
+        .primary(size.span, format!("expected a size from 0 to {MAX_LENGTH}"));
+    report::report_diagnostic(cx, diagnostic);
     None
 }
 
@@ -153,17 +165,22 @@ pub(crate) fn struct_literal<'a>(
         for field in &value.fields {
             expr::check_expr(cx, &field.value);
         }
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let base = value.base.as_ref().map(|base| expr::check_expr(cx, base));
     if let Some(base) = base {
-        statement::expect_type(cx, base, &Ty::Struct(ty.clone()), &Wanted::Here);
+        statement::expect_type(
+            cx,
+            base,
+            &Ty::Struct(ty.clone()),
+            &ExpectationReason::Unexplained,
+        );
     }
     let given = check_field_values(cx, &ty, &value.fields);
     let parts = given.and_then(|given| fill_fields(cx, &ty, &given, base, span));
     match parts {
-        Some(parts) => cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
-        None => cx.add(Kind::Fault, Ty::Struct(ty), span),
+        Some(parts) => cx.add(TypedExprKind::Build(parts.into()), Ty::Struct(ty), span),
+        None => cx.add(TypedExprKind::Error, Ty::Struct(ty), span),
     }
 }
 
@@ -176,11 +193,11 @@ fn resolve_struct_type<'a>(
     let Lookup::Found(id) = cx
         .checker
         .program
-        .lookup_in(Space::Type, cx.module, &name.name)
+        .lookup_in(NameSpace::Type, cx.module, &name.name)
     else {
         let near = {
             let is_type = |id| matches!(cx.checker.program.decl(id).kind, DeclKind::Type(_));
-            let names = cx.checker.program.visible(cx.module, is_type);
+            let names = cx.checker.program.visible_names(cx.module, is_type);
             cx.checker.suggest(&name.name, names)
         };
         undefined_names::report_undefined(cx, "type", &name.name, name.span, near);
@@ -194,14 +211,14 @@ fn resolve_struct_type<'a>(
             _ => {}
         }
     }
-    let finding = not_a(
+    let diagnostic = wrong_kind_of_name(
         "a struct",
         &name.name,
-        decl.kind.what(),
+        decl.kind.description(),
         name.span,
         decl.span,
     );
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
     None
 }
 
@@ -231,14 +248,18 @@ pub(crate) fn match_fields<'a>(
         let name = &value.field.name;
         let Some(k) = ty.fields.iter().position(|f| f.name.as_ref() == Some(name)) else {
             let of = format!("the struct `{}`", ty.name);
-            report::report_diagnostic(cx, no_part(&Ty::Struct(ty.clone()), &of, &value.field));
+            report::report_diagnostic(
+                cx,
+                unknown_member(&Ty::Struct(ty.clone()), &of, &value.field),
+            );
             sound = false;
             continue;
         };
-        statement::expect_type(cx, id, &ty.fields[k].ty, &Wanted::Here);
+        statement::expect_type(cx, id, &ty.fields[k].ty, &ExpectationReason::Unexplained);
         if let Some(first) = given[k].replace(id) {
-            let finding = crate::program::twice(name, value.field.span, cx.span_of(first));
-            report::report_diagnostic(cx, finding);
+            let diagnostic =
+                crate::program::duplicate_name_error(name, value.field.span, cx.span_of(first));
+            report::report_diagnostic(cx, diagnostic);
         }
     }
     sound.then_some(given)
@@ -259,33 +280,37 @@ pub(crate) fn fill_fields(
     for (k, field) in ty.fields.iter().enumerate() {
         let part = match (given[k], base, ty.defaults.get(k)) {
             (Some(id), ..) => Some(id),
-            (None, Some(base), _) => Some(cx.add(Kind::Part { base, at }, field.ty.clone(), span)),
+            (None, Some(base), _) => {
+                Some(cx.add(TypedExprKind::Part { base, at }, field.ty.clone(), span))
+            }
             (None, None, Some(Some(default))) if default.is_empty() => {
-                Some(cx.add(Kind::Fault, field.ty.clone(), span))
+                Some(cx.add(TypedExprKind::Error, field.ty.clone(), span))
             }
-            (None, None, Some(Some(default))) => {
-                Some(cx.add(Kind::Const(default.clone()), field.ty.clone(), span))
-            }
+            (None, None, Some(Some(default))) => Some(cx.add(
+                TypedExprKind::Const(default.clone()),
+                field.ty.clone(),
+                span,
+            )),
             _ => None,
         };
         match part {
             Some(part) => parts.push(part),
             None => left_out.extend(field.name.as_deref()),
         }
-        at += leaves(&field.ty);
+        at += leaf_count(&field.ty);
     }
     if left_out.is_empty() {
         return Some(parts);
     }
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
         format!(
             "missing {} of `{}`",
-            crate::check::diagnostics::report::listed(left_out),
+            crate::check::diagnostics::report::join_names(left_out),
             ty.name
         ),
     )
-    .at(span, "all fields without a default are required");
-    report::report_diagnostic(cx, finding);
+    .primary(span, "all fields without a default are required");
+    report::report_diagnostic(cx, diagnostic);
     None
 }

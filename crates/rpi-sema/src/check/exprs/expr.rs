@@ -5,7 +5,7 @@ use crate::check::bodies::elements;
 use crate::check::bodies::statement;
 use crate::check::calls::call;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::access;
 use crate::check::exprs::bindings;
 use crate::check::exprs::clocked;
@@ -22,14 +22,14 @@ use crate::check::types::consts;
 use crate::check::types::data;
 use crate::check::types::exact_time;
 use crate::check::types::machine_int;
-use crate::check::types::quantity::plain_angle;
+use crate::check::types::quantity::angle_without_unit;
 use crate::ty::{Ty, join};
-use crate::typed::{Each, Kind};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 use crate::typed::{ExprId, Leaf};
-use crate::units::Base;
-use rpi_diag::{Applicability, Code, Finding, Span};
+use crate::units::BaseDim;
+use rpi_diag::{Applicability, Code, Diagnostic, Span};
 use rpi_net::prim;
-use rpi_syntax::ast::{self, Among, ExprKind, Number, Quantity};
+use rpi_syntax::ast::{self, BoolListOp, ExprKind, Number, Quantity};
 
 /// Checks an expression and returns its entry in the table of typed expressions.
 pub(crate) fn check_expr<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
@@ -42,24 +42,28 @@ pub(crate) fn check_expr<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> Expr
 fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
     let span = expr.span;
     match &expr.kind {
-        ExprKind::Bool(value) => cx.add(Kind::Literal(Leaf::bool(*value)), Ty::Bool, span),
+        ExprKind::Bool(value) => cx.add(TypedExprKind::Literal(Leaf::bool(*value)), Ty::Bool, span),
         ExprKind::Number(number) => {
             cx.inference.number_literals.insert(span);
             number_literal(cx, number, false, span)
         }
         ExprKind::Quantity(quantity) => quantity_literal(cx, quantity, span),
-        ExprKind::Str(text) => cx.add(Kind::Literal(Leaf::Str(text.to_string())), Ty::Text, span),
+        ExprKind::Str(text) => cx.add(
+            TypedExprKind::Literal(Leaf::Str(text.to_string())),
+            Ty::Text,
+            span,
+        ),
         ExprKind::Name(name) => names::resolve_name(cx, name, span),
         ExprKind::Field(field) => access::field_access(cx, field, span),
         ExprKind::Index(index) => indexing::index_access(cx, index, span),
         ExprKind::Slice(slice) => indexing::slice_access(cx, slice, span),
-        ExprKind::Bits(of) => machine_int::bit_slice(cx, of, span),
+        ExprKind::BitRange(of) => machine_int::bit_slice(cx, of, span),
         ExprKind::Unary(op, operand) => ops::unary(cx, *op, operand, span),
         ExprKind::Binary(binary) => ops::check_binary(cx, binary, span),
         ExprKind::When(when) => clocked::when_expr(cx, when, span),
         ExprKind::If(choice) => if_expr(cx, choice, span),
         ExprKind::Call(call) => call::check_call(cx, call, span),
-        ExprKind::Among(among, operands) => at_most_one_or_nor(cx, *among, operands, span),
+        ExprKind::BoolList(among, operands) => at_most_one_or_nor(cx, *among, operands, span),
         ExprKind::Merge(merge) => clocked::merge_expr(cx, merge, span),
         ExprKind::Paren(inner) => check_expr(cx, inner),
         ExprKind::Tuple(elements) => tuple_expr(cx, elements, span),
@@ -67,8 +71,8 @@ fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
         ExprKind::Struct(value) => compose::struct_literal(cx, value, span),
         ExprKind::Update(update) => update::check_update(cx, update, span),
         ExprKind::Quantified(of) => proof_only::check_quantifier(cx, of, span),
-        ExprKind::Ascribed(of) => proof_only::ascription(cx, of),
-        ExprKind::IsA(of) => data::constructor_test(cx, of, span),
+        ExprKind::Ascription(of) => proof_only::ascription(cx, of),
+        ExprKind::ConstructorTest(of) => data::constructor_test(cx, of, span),
         ExprKind::Match(of) => match_expr::match_expr(cx, of, span),
         ExprKind::EmptySet(types) => proof_only::empty_set(cx, types, span),
     }
@@ -83,38 +87,38 @@ pub(crate) fn number_literal(
 ) -> ExprId {
     if !number.is_int() {
         let value = if negative {
-            -number.real()
+            -number.real_value()
         } else {
-            number.real()
+            number.real_value()
         };
-        return cx.add(Kind::Literal(Leaf::real(value)), Ty::REAL, span);
+        return cx.add(TypedExprKind::Literal(Leaf::real(value)), Ty::REAL, span);
     }
-    let Some(value) = number.int() else {
+    let Some(value) = number.int_value() else {
         // The parser has reported it, except after a sign that may be the end of `uint@<64>`.
-        if number.bits().is_some() && !unit::reads_rpi_syntax(cx) {
-            return cx.fault_with(too_large(span), span);
+        if number.u64_value().is_some() && !unit::reads_rpi_syntax(cx) {
+            return cx.report_error_expr(integer_too_large(span), span);
         }
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    match signed(value, negative) {
-        Some(value) => cx.add(Kind::Literal(Leaf::int(value)), Ty::Int, span),
-        None => cx.fault_with(too_large(span), span),
+    match signed_literal(value, negative) {
+        Some(value) => cx.add(TypedExprKind::Literal(Leaf::int(value)), Ty::Int, span),
+        None => cx.report_error_expr(integer_too_large(span), span),
     }
 }
 
 /// Checks a number with a unit.
 fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> ExprId {
     match types::resolve_unit(cx, &quantity.unit) {
-        Ok(None) => cx.fault(span),
+        Ok(None) => cx.error_expr(span),
         Ok(Some(measure)) => {
-            let value = measure.factor.apply(quantity.number.real());
+            let value = measure.factor.apply(quantity.number.real_value());
             cx.add(
-                Kind::Literal(Leaf::real(value)),
+                TypedExprKind::Literal(Leaf::real(value)),
                 Ty::Real(measure.dim),
                 span,
             )
         }
-        Err(finding) => cx.fault_with(*finding, span),
+        Err(diagnostic) => cx.report_error_expr(*diagnostic, span),
     }
 }
 
@@ -122,39 +126,47 @@ fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> E
 /// checking alone would accept it.
 pub(crate) fn check_angle_unit(cx: &mut Body<'_, '_>, id: ExprId, expected: &Ty) -> bool {
     let expr = cx.unit.expr(id);
-    let (Kind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
+    let (TypedExprKind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
         (&expr.kind, &expr.ty, expected)
     else {
         return true;
     };
-    let angle = !wanted.exponent(Base::Angle).is_zero() && found.exponent(Base::Angle).is_zero();
+    let angle =
+        !wanted.exponent(BaseDim::Angle).is_zero() && found.exponent(BaseDim::Angle).is_zero();
     if !angle || value.as_real() == Some(0.0) {
         return true;
     }
-    let finding = plain_angle(*wanted, report::measured_value(cx, id));
-    report::report_diagnostic(cx, finding);
+    let diagnostic = angle_without_unit(*wanted, report::measured_value(cx, id));
+    report::report_diagnostic(cx, diagnostic);
     false
 }
 
 /// Checks `if c then x else y`.
-fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::If, span: Span) -> ExprId {
+fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> ExprId {
     if choice.is_static {
         return static_if_expr(cx, choice, span);
     }
     let before = cx.static_read_count;
     let condition = statement::check_condition(cx, &choice.condition, "the expression after `if`");
     if cx.static_read_count > before {
-        cx.unit.chosen.push(condition);
+        cx.unit.static_conditions.push(condition);
     }
     if let Some(taken) = elements::const_condition(cx, &choice.condition, condition) {
-        return check_expr(cx, if taken { &choice.yes } else { &choice.no });
+        return check_expr(
+            cx,
+            if taken {
+                &choice.then_value
+            } else {
+                &choice.else_value
+            },
+        );
     }
     let guarded = cx.bindings.in_guarded_branch;
     cx.bindings.in_guarded_branch |= bindings::reads_binding(cx, &choice.condition);
-    let before = cx.findings.len();
-    let yes = check_expr(cx, &choice.yes);
-    let between = cx.findings.len();
-    let no = check_expr(cx, &choice.no);
+    let before = cx.diagnostics.len();
+    let yes = check_expr(cx, &choice.then_value);
+    let between = cx.diagnostics.len();
+    let no = check_expr(cx, &choice.else_value);
     cx.bindings.in_guarded_branch = guarded;
     suppress_untaken_branch(cx, condition, [before, between]);
     let ty = common_type(
@@ -163,7 +175,11 @@ fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::If, span: Span) -> ExprId
         no,
         "both branches of an `if` must have the same type",
     );
-    cx.add(Kind::Each(Each::If, [condition, yes, no].into()), ty, span)
+    cx.add(
+        TypedExprKind::Each(ElementwiseOp::If, [condition, yes, no].into()),
+        ty,
+        span,
+    )
 }
 
 /// Removes errors about a division by zero in a branch that a constant condition never takes: `if n = 0 then 0 else
@@ -173,8 +189,8 @@ fn suppress_untaken_branch(
     condition: ExprId,
     [before, between]: [usize; 2],
 ) {
-    let is_of_zero = |finding: &Finding| finding.code == Code::RPI2012;
-    if !cx.findings[before..].iter().any(is_of_zero) {
+    let is_of_zero = |diagnostic: &Diagnostic| diagnostic.code == Code::RPI2012;
+    if !cx.diagnostics[before..].iter().any(is_of_zero) {
         return;
     }
     let taken = consts::fold_silently(cx, condition);
@@ -182,24 +198,25 @@ fn suppress_untaken_branch(
         return;
     };
     let untaken = if taken {
-        between..cx.findings.len()
+        between..cx.diagnostics.len()
     } else {
         before..between
     };
-    let mut at = 0..cx.findings.len();
-    cx.findings
-        .retain(|finding| at.next().is_none_or(|k| !untaken.contains(&k)) || !is_of_zero(finding));
+    let mut at = 0..cx.diagnostics.len();
+    cx.diagnostics.retain(|diagnostic| {
+        at.next().is_none_or(|k| !untaken.contains(&k)) || !is_of_zero(diagnostic)
+    });
     cx.inference.real_fix_index = cx.inference.real_fix_index.filter(|at| *at < before);
 }
 
 /// Checks `with c then x else y`: only the branch that is taken is checked.
-fn static_if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::If, span: Span) -> ExprId {
+fn static_if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> ExprId {
     let Some(taken) = consts::const_value(cx, &choice.condition, &Ty::Bool) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     match taken.first().and_then(Leaf::as_bool) {
-        Some(true) => check_expr(cx, &choice.yes),
-        _ => check_expr(cx, &choice.no),
+        Some(true) => check_expr(cx, &choice.then_value),
+        _ => check_expr(cx, &choice.else_value),
     }
 }
 
@@ -215,11 +232,14 @@ pub(crate) fn common_type(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId, why: &str
             let (model, odd, misfit) = match report::is_number_literal(cx, a)
                 && (!report::is_number_literal(cx, b) || lacks_point)
             {
-                true => (b, a, misfit.turned()),
+                true => (b, a, misfit.swapped()),
                 false => (a, b, misfit),
             };
             let expected = cx.ty_of(model).clone();
-            let wanted = Wanted::By(cx.span_of(model), format!("this is `{expected}`; {why}"));
+            let wanted = ExpectationReason::Because(
+                cx.span_of(model),
+                format!("this is `{expected}`; {why}"),
+            );
             report::type_mismatch(cx, odd, &expected, &misfit, &wanted);
             let both = report::is_number_literal(cx, a) && report::is_number_literal(cx, b);
             if both && let (Ty::Real(_), Ty::Int) = (&expected, cx.ty_of(odd)) {
@@ -237,19 +257,19 @@ pub(crate) fn common_type(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId, why: &str
 
 /// Adds to the last diagnostic that either `1` or `1.0` may be the wrong literal.
 fn soften_number_fix(cx: &mut Body<'_, '_>) {
-    if let Some(finding) = cx.findings.last_mut() {
-        for fix in &mut finding.fixes {
+    if let Some(diagnostic) = cx.diagnostics.last_mut() {
+        for fix in &mut diagnostic.fixes {
             fix.applicability = Applicability::Maybe;
         }
         let other = "to use integers, write the other number without a decimal point";
-        finding.help.push(other.to_owned());
+        diagnostic.help.push(other.to_owned());
     }
 }
 
 /// Checks `#(a, b, c)`, at most one operand is true, and `nor(a, b, c)`, none is.
 fn at_most_one_or_nor<'a>(
     cx: &mut Body<'_, 'a>,
-    among: Among,
+    among: BoolListOp,
     operands: &'a [ast::Expr],
     span: Span,
 ) -> ExprId {
@@ -258,8 +278,8 @@ fn at_most_one_or_nor<'a>(
         .flat_map(|operand| boolean_operands(cx, operand))
         .collect();
     match among {
-        Among::Nor => none_of(cx, &operands, span),
-        Among::AtMostOne => at_most_one(cx, &operands, span),
+        BoolListOp::Nor => none_of(cx, &operands, span),
+        BoolListOp::AtMostOne => at_most_one(cx, &operands, span),
     }
 }
 
@@ -269,18 +289,18 @@ pub(crate) fn boolean_operands<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr
     if let Ty::Array(element, n) = cx.ty_of(id).clone() {
         let parts = (0..n).map(|k| {
             cx.add(
-                Kind::Part { base: id, at: k },
+                TypedExprKind::Part { base: id, at: k },
                 (*element).clone(),
                 operand.span,
             )
         });
         let parts: Vec<ExprId> = parts.collect();
         for part in &parts {
-            statement::expect_type(cx, *part, &Ty::Bool, &Wanted::Here);
+            statement::expect_type(cx, *part, &Ty::Bool, &ExpectationReason::Unexplained);
         }
         return parts;
     }
-    statement::expect_type(cx, id, &Ty::Bool, &Wanted::Here);
+    statement::expect_type(cx, id, &Ty::Bool, &ExpectationReason::Unexplained);
     vec![id]
 }
 
@@ -292,7 +312,7 @@ fn none_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
 
 /// Adds the disjunction of the operands.
 fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
-    let first = cx.add(Kind::Literal(Leaf::bool(false)), Ty::Bool, span);
+    let first = cx.add(TypedExprKind::Literal(Leaf::bool(false)), Ty::Bool, span);
     let or = |any: ExprId, next: &ExprId| {
         ops::logical_prim(cx, prim!("Core::BooleanOr"), &[any, *next], span)
     };
@@ -302,7 +322,7 @@ fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
 /// Adds an expression that is true if at most one operand is true. Its size is linear in the number of operands.
 pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
     let [first, rest @ ..] = operands else {
-        return cx.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span);
+        return cx.add(TypedExprKind::Literal(Leaf::bool(true)), Ty::Bool, span);
     };
     let (mut any, mut two) = (*first, None);
     for next in rest {
@@ -315,7 +335,7 @@ pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span
     }
     match two {
         Some(two) => ops::logical_prim(cx, prim!("Core::BooleanNot"), &[two], span),
-        None => cx.add(Kind::Literal(Leaf::bool(true)), Ty::Bool, span),
+        None => cx.add(TypedExprKind::Literal(Leaf::bool(true)), Ty::Bool, span),
     }
 }
 
@@ -323,17 +343,17 @@ pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span
 fn tuple_expr<'a>(cx: &mut Body<'_, 'a>, elements: &'a [ast::Expr], span: Span) -> ExprId {
     let elements: Vec<ExprId> = elements.iter().map(|e| check_expr(cx, e)).collect();
     let ty = Ty::tuple(elements.iter().map(|id| cx.ty_of(*id).clone()));
-    cx.add(Kind::Build(elements.into()), ty, span)
+    cx.add(TypedExprKind::Build(elements.into()), ty, span)
 }
 
 /// Returns the diagnostic for an integer literal that exceeds 64 bits.
-fn too_large(span: Span) -> Finding {
-    Finding::new(Code::RPI2010, "the integer does not fit in 64 bits")
-        .at(span, "the range is -2^63 to 2^63 - 1")
+fn integer_too_large(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI2010, "the integer does not fit in 64 bits")
+        .primary(span, "the range is -2^63 to 2^63 - 1")
 }
 
 /// Returns a literal with its sign; `None` on overflow.
-fn signed(value: u64, negative: bool) -> Option<i64> {
+fn signed_literal(value: u64, negative: bool) -> Option<i64> {
     match negative {
         true => 0i64.checked_sub_unsigned(value),
         false => i64::try_from(value).ok(),

@@ -4,21 +4,21 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::precedence_hints;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::access;
 use crate::check::exprs::expr;
 use crate::check::signatures::unit;
 use crate::check::types::consts;
-use crate::check::types::is_foreign;
+use crate::check::types::is_kind2_type;
 use crate::ty::Ty;
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, Leaf};
-use rpi_diag::{Code, Finding, Span};
-use rpi_syntax::ast::{Index, Slice, SliceOf};
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_syntax::ast::{Index, SliceBounds, SliceExpr};
 use std::rc::Rc;
 
 /// Slice of an array with bounds that are known at compile time.
-struct Range {
+struct ArrayRange {
     /// Index of the first element.
     from: u32,
     /// Distance between two elements; negative in a descending slice.
@@ -34,7 +34,7 @@ pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Sp
         return precedence_hints::unit_after_flow(cx, base, &index.index, span);
     }
     let at = expr::check_expr(cx, &index.index);
-    if is_foreign(cx.ty_of(base), &["map<"]) {
+    if is_kind2_type(cx.ty_of(base), &["map<"]) {
         check_map_key(cx, base, at);
         return report_not_an_array(cx, base, span);
     }
@@ -42,7 +42,7 @@ pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Sp
         cx,
         at,
         &Ty::Int,
-        &Wanted::By(Span::NONE, "an index must be an integer".into()),
+        &ExpectationReason::Because(Span::NONE, "an index must be an integer".into()),
     );
     if let Ty::Tuple(members) = cx.ty_of(base).clone()
         && !unit::reads_rpi_syntax(cx)
@@ -56,12 +56,16 @@ pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Sp
     match const_int(cx, at) {
         Some(k) => match checked_index(cx, k, n, cx.span_of(at)) {
             Some(k) => {
-                let at = k * access::leaves(&element);
-                cx.add(Kind::Part { base, at }, (*element).clone(), span)
+                let at = k * access::leaf_count(&element);
+                cx.add(TypedExprKind::Part { base, at }, (*element).clone(), span)
             }
-            None => cx.fault(span),
+            None => cx.error_expr(span),
         },
-        None => cx.add(Kind::Select { base, index: at }, (*element).clone(), span),
+        None => cx.add(
+            TypedExprKind::Select { base, index: at },
+            (*element).clone(),
+            span,
+        ),
     }
 }
 
@@ -74,23 +78,26 @@ fn tuple_index(
     span: Span,
 ) -> ExprId {
     let Some(k) = consts::fold(cx, at).and_then(|leaves| leaves.first()?.as_int()) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let count = u32::try_from(members.len()).unwrap_or(u32::MAX);
     let Some(k) = checked_index(cx, k, count, cx.span_of(at)) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let before = &members[..k as usize];
-    let from = before.iter().map(|member| access::leaves(&member.ty)).sum();
+    let from = before
+        .iter()
+        .map(|member| access::leaf_count(&member.ty))
+        .sum();
     let ty = members[k as usize].ty.clone();
-    cx.add(Kind::Part { base, at: from }, ty, span)
+    cx.add(TypedExprKind::Part { base, at: from }, ty, span)
 }
 
 /// Returns the value of an integer expression if it is known at compile time.
 pub(crate) fn const_int(cx: &mut Body<'_, '_>, id: ExprId) -> Option<i64> {
     match &cx.unit.expr(id).kind {
-        Kind::Literal(value) => value.as_int(),
-        Kind::Flow(_) if cx.unit.kind != crate::typed::UnitKind::Constant => None,
+        TypedExprKind::Literal(value) => value.as_int(),
+        TypedExprKind::Flow(_) if cx.unit.kind != crate::typed::UnitKind::Constant => None,
         _ => consts::fold_silently(cx, id)?
             .first()
             .and_then(Leaf::as_int),
@@ -104,59 +111,65 @@ fn check_map_key(cx: &mut Body<'_, '_>, base: ExprId, at: ExprId) {
         return;
     };
     let args = map.name.strip_prefix("map<").unwrap_or_default();
-    let wanted = key_type(args).to_owned();
+    let wanted = map_key_type(args).to_owned();
     if !found.is_unknown() && found.to_string() != wanted {
         let message = format!("expected `{wanted}`, found `{found}`");
-        let finding = Finding::new(Code::RPI2001, message)
-            .at(cx.span_of(at), format!("this is `{found}`"))
-            .also(cx.span_of(base), "the map");
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI2001, message)
+            .primary(cx.span_of(at), format!("this is `{found}`"))
+            .secondary(cx.span_of(base), "the map");
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
 fn report_not_an_array(cx: &mut Body<'_, '_>, base: ExprId, span: Span) -> ExprId {
     let ty = cx.ty_of(base).clone();
     // No error for the element of a Kind 2 map: the map itself has been reported as not executable.
-    if ty.is_unknown() || is_foreign(&ty, &["map<"]) {
-        return cx.fault(span);
+    if ty.is_unknown() || is_kind2_type(&ty, &["map<"]) {
+        return cx.error_expr(span);
     }
-    let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
-        .at(cx.span_of(base), format!("this is `{ty}`"))
+    let diagnostic = Diagnostic::new(Code::RPI2006, "only arrays can be indexed")
+        .primary(cx.span_of(base), format!("this is `{ty}`"))
         .help("the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`");
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Returns an array index as `u32`; reports an index that is out of bounds.
 pub(crate) fn checked_index(cx: &mut Body<'_, '_>, k: i64, n: u32, span: Span) -> Option<u32> {
     let index = u32::try_from(k).ok().filter(|k| *k < n);
     if index.is_none() {
-        let finding = Finding::new(Code::RPI2009, format!("index {k} is out of bounds")).at(
-            span,
-            format!(
-                "the array has {}, counted from 0",
-                rpi_diag::counted(n, "element")
-            ),
-        );
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI2009, format!("index {k} is out of bounds"))
+            .primary(
+                span,
+                format!(
+                    "the array has {}, counted from 0",
+                    rpi_diag::with_noun(n, "element")
+                ),
+            );
+        report::report_diagnostic(cx, diagnostic);
     }
     index
 }
 
 /// Checks `base[from..to step s]`.
-pub(crate) fn slice_access<'a>(cx: &mut Body<'_, 'a>, slice: &'a SliceOf, span: Span) -> ExprId {
+pub(crate) fn slice_access<'a>(cx: &mut Body<'_, 'a>, slice: &'a SliceExpr, span: Span) -> ExprId {
     let base = expr::check_expr(cx, &slice.base);
     let Ty::Array(element, n) = cx.ty_of(base).clone() else {
         return report_not_an_array(cx, base, span);
     };
     let Some(range) = slice_range(cx, &slice.slice, n, span) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let ty = Ty::Array(element, range.len);
     let (from, step) = (range.from, range.step);
-    cx.add(Kind::Slice { base, from, step }, ty, span)
+    cx.add(TypedExprKind::Slice { base, from, step }, ty, span)
 }
 
-fn slice_range<'a>(cx: &mut Body<'_, 'a>, slice: &'a Slice, n: u32, span: Span) -> Option<Range> {
+fn slice_range<'a>(
+    cx: &mut Body<'_, 'a>,
+    slice: &'a SliceBounds,
+    n: u32,
+    span: Span,
+) -> Option<ArrayRange> {
     let (from, to) = (
         consts::const_integer(cx, &slice.from)?,
         consts::const_integer(cx, &slice.to)?,
@@ -171,12 +184,12 @@ fn slice_range<'a>(cx: &mut Body<'_, 'a>, slice: &'a Slice, n: u32, span: Span) 
     );
     let distance = i64::from(last) - i64::from(first);
     if step == 0 || (distance != 0 && distance.signum() != step.signum()) {
-        let finding = Finding::new(Code::RPI2009, "the slice never reaches its end")
-            .at(span, format!("from {from} to {to} in steps of {step}"));
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI2009, "the slice never reaches its end")
+            .primary(span, format!("from {from} to {to} in steps of {step}"));
+        report::report_diagnostic(cx, diagnostic);
         return None;
     }
-    Some(Range {
+    Some(ArrayRange {
         from: first,
         step: i32::try_from(step).ok()?,
         len: u32::try_from(distance / step + 1).ok()?,
@@ -187,34 +200,34 @@ pub(crate) fn resolve_slice<'a>(
     cx: &mut Body<'_, 'a>,
     element: &Rc<Ty>,
     n: u32,
-    slice: &'a Slice,
+    slice: &'a SliceBounds,
 ) -> Option<(u32, Ty)> {
     let span = slice.from.span.merge(slice.to.span);
     let range = slice_range(cx, slice, n, span)?;
     if range.step != 1 {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2009,
             "only adjacent elements can be defined together",
         )
-        .at(span, format!("a step of {}", range.step));
-        report::report_diagnostic(cx, finding);
+        .primary(span, format!("a step of {}", range.step));
+        report::report_diagnostic(cx, diagnostic);
         return None;
     }
     Some((
-        range.from * access::leaves(element),
+        range.from * access::leaf_count(element),
         Ty::Array(element.clone(), range.len),
     ))
 }
 
 pub(crate) fn not_indexable(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> Option<(u32, Ty)> {
-    let finding = Finding::new(Code::RPI2006, "only arrays can be indexed")
-        .at(span, format!("this indexes `{ty}`"));
-    report::report_diagnostic(cx, finding);
+    let diagnostic = Diagnostic::new(Code::RPI2006, "only arrays can be indexed")
+        .primary(span, format!("this indexes `{ty}`"));
+    report::report_diagnostic(cx, diagnostic);
     None
 }
 
 /// Returns the first of the types between `map<` and `>`. Commas inside brackets belong to a type.
-fn key_type(args: &str) -> &str {
+fn map_key_type(args: &str) -> &str {
     let mut depth = 0;
     let end = args.find(|c| {
         depth += match c {

@@ -5,17 +5,17 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::join_names;
 use crate::check::exprs::bindings;
-use crate::check::exprs::bindings::Means;
+use crate::check::exprs::bindings::BindingValue;
 use crate::check::exprs::expr;
 use crate::check::exprs::ops;
 use crate::check::types::data;
-use crate::program::{DeclKind, Lookup, Space};
+use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::{EnumTy, Ty};
 use crate::typed::ExprId;
-use crate::typed::{Each, Kind};
-use rpi_diag::{Code, Finding, Span};
+use crate::typed::{ElementwiseOp, TypedExprKind};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arm, Ident, Match, Pattern};
 use rpi_syntax::ops::BinaryOp;
@@ -23,15 +23,15 @@ use std::rc::Rc;
 
 /// A pattern, reduced to what the search for missing cases needs.
 #[derive(Clone)]
-enum Shape {
+enum PatternShape {
     /// Any value: a name or `_`.
-    Any,
+    Wildcard,
     /// The alternative of this index, with a pattern for each of its parts.
-    Of(usize, Vec<Shape>),
+    Alternative(usize, Vec<PatternShape>),
 }
 
 /// The wildcard pattern.
-const ANY: &Shape = &Shape::Any;
+const WILDCARD: &PatternShape = &PatternShape::Wildcard;
 
 /// Maximum number of pattern rows examined in the search for missing cases, and again in the search for unreachable
 /// ones. The search is exponential in the worst case.
@@ -39,24 +39,24 @@ const MAX_STEPS: usize = 100_000;
 
 /// A case of a `match`: its pattern, the conditions under which it is taken, and its value.
 struct Case {
-    shape: Shape,
+    shape: PatternShape,
     tests: Vec<ExprId>,
-    then: ExprId,
+    value: ExprId,
 }
 
 /// Checks `match x with A: 1 | B(n): n end`; the result is a chain of `if` expressions.
 pub(crate) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -> ExprId {
     let value = expr::check_expr(cx, &of.value);
     let known = data::alternatives(cx, value);
-    let before = cx.findings.len();
+    let before = cx.diagnostics.len();
     let mut cases: Vec<Case> = Vec::new();
     for arm in &of.arms {
         let case = check_match_case(cx, value, known.is_some(), arm);
         if let Some(first) = cases.first() {
             expr::common_type(
                 cx,
-                first.then,
-                case.then,
+                first.value,
+                case.value,
                 "all cases must have the same type",
             );
         }
@@ -65,27 +65,27 @@ pub(crate) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -
     let Some((all, _)) = known else {
         let ty = cases
             .first()
-            .map_or(Ty::Unknown, |case| cx.ty_of(case.then).clone());
-        return cx.add(Kind::Fault, ty, span);
+            .map_or(Ty::Unknown, |case| cx.ty_of(case.value).clone());
+        return cx.add(TypedExprKind::Error, ty, span);
     };
     if !report::has_error_since(cx, before) {
         check_exhaustiveness(cx, &all, value, of, &cases, span);
     }
     if report::has_error_since(cx, before) {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
     // Built from the end: the cases are exhaustive, so the last one is the final `else`.
     let mut cases = cases.into_iter().rev();
     let Some(last) = cases.next() else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    cases.fold(last.then, |rest, case| {
+    cases.fold(last.value, |rest, case| {
         let Some(test) = conjunction(cx, &case.tests, span) else {
-            return case.then;
+            return case.value;
         };
-        let ty = cx.ty_of(case.then).clone();
+        let ty = cx.ty_of(case.value).clone();
         cx.add(
-            Kind::Each(Each::If, [test, case.then, rest].into()),
+            TypedExprKind::Each(ElementwiseOp::If, [test, case.value, rest].into()),
             ty,
             span,
         )
@@ -112,15 +112,19 @@ fn check_match_case<'a>(
         // The error in the value has been reported; the names in the pattern get error expressions.
         false => {
             for name in arm.pattern.names() {
-                let nothing = cx.fault(name.span);
-                bindings::bind_name(cx, name, Means::Expr(nothing));
+                let nothing = cx.error_expr(name.span);
+                bindings::bind_name(cx, name, BindingValue::Expr(nothing));
             }
-            Shape::Any
+            PatternShape::Wildcard
         }
     };
     let then = expr::check_expr(cx, &arm.then);
     cx.bindings.bound_names.truncate(before);
-    Case { shape, tests, then }
+    Case {
+        shape,
+        tests,
+        value: then,
+    }
 }
 
 /// Returns the shape of a pattern, adds its conditions to `tests` and binds its names to parts of the value.
@@ -129,7 +133,7 @@ fn check_pattern<'a>(
     value: ExprId,
     pattern: &'a Pattern,
     tests: &mut Vec<ExprId>,
-) -> Shape {
+) -> PatternShape {
     let name = &pattern.name;
     let has_alternatives = alternatives_of(cx.ty_of(value)).is_some();
     let known = match has_alternatives || !pattern.parts.is_empty() {
@@ -143,17 +147,17 @@ fn check_pattern<'a>(
         (Some((all, tag)), Some(index)) => {
             let test = data::tag_test(cx, &all, tag, index, name.span);
             tests.push(test);
-            Shape::Of(index, check_part_patterns(cx, value, pattern, index, tests))
+            PatternShape::Alternative(index, check_part_patterns(cx, value, pattern, index, tests))
         }
         (Some((all, _)), None) if is_declared_value(cx, name) || !pattern.parts.is_empty() => {
             data::report_unknown_alternative(cx, &all, name);
-            Shape::Any
+            PatternShape::Wildcard
         }
         _ => {
             if name.name != "_" {
-                bindings::bind_name(cx, name, Means::Expr(value));
+                bindings::bind_name(cx, name, BindingValue::Expr(value));
             }
-            Shape::Any
+            PatternShape::Wildcard
         }
     }
 }
@@ -162,7 +166,7 @@ fn is_declared_value(cx: &Body<'_, '_>, name: &Ident) -> bool {
     let found = cx
         .checker
         .program
-        .lookup_in(Space::Value, cx.module, &name.name);
+        .lookup_in(NameSpace::Value, cx.module, &name.name);
     matches!(found, Lookup::Found(_))
 }
 
@@ -172,12 +176,12 @@ fn check_part_patterns<'a>(
     pattern: &'a Pattern,
     index: usize,
     tests: &mut Vec<ExprId>,
-) -> Vec<Shape> {
+) -> Vec<PatternShape> {
     let (from, count) = parts_of_alternative(cx, &pattern.name.name, index);
     if count != pattern.parts.len() {
         let span = pattern.name.span;
         data::report_part_count(cx, &pattern.name, count, pattern.parts.len(), span);
-        return vec![Shape::Any; count];
+        return vec![PatternShape::Wildcard; count];
     }
     let fields = cx.ty_of(value).members().to_vec();
     let mut shapes = Vec::with_capacity(count);
@@ -185,18 +189,21 @@ fn check_part_patterns<'a>(
     for (k, field) in fields.iter().enumerate() {
         if let Some(pattern) = k.checked_sub(from).and_then(|k| pattern.parts.get(k)) {
             let span = pattern.name.span;
-            let part = Kind::Part { base: value, at };
+            let part = TypedExprKind::Part { base: value, at };
             let part = cx.add(part, field.ty.clone(), span);
             shapes.push(check_pattern(cx, part, pattern, tests));
         }
-        at += crate::check::exprs::access::leaves(&field.ty);
+        at += crate::check::exprs::access::leaf_count(&field.ty);
     }
     shapes
 }
 
 /// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
 fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
-    let found = cx.checker.program.lookup_in(Space::Value, cx.module, name);
+    let found = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Value, cx.module, name);
     let Lookup::Found(id) = found else {
         return (0, 0);
     };
@@ -215,14 +222,17 @@ fn check_exhaustiveness(
     cases: &[Case],
     span: Span,
 ) {
-    let mut search = Search { body: cx, steps: 0 };
+    let mut search = UsefulnessSearch { body: cx, steps: 0 };
     let types = [search.body.ty_of(value).clone()];
-    let rows: Vec<Vec<&Shape>> = cases.iter().map(|case| vec![&case.shape]).collect();
+    let rows: Vec<Vec<&PatternShape>> = cases.iter().map(|case| vec![&case.shape]).collect();
     let without = |k: &usize| {
-        let is_it = |case: &Case| matches!(&case.shape, Shape::Of(index, _) if index == k);
+        let is_it =
+            |case: &Case| matches!(&case.shape, PatternShape::Alternative(index, _) if index == k);
         !cases.iter().any(is_it)
     };
-    let has_any = cases.iter().any(|case| matches!(case.shape, Shape::Any));
+    let has_any = cases
+        .iter()
+        .any(|case| matches!(case.shape, PatternShape::Wildcard));
     let mut missing: Vec<String> = match has_any {
         true => Vec::new(),
         false => (0..all.values.len())
@@ -233,7 +243,7 @@ fn check_exhaustiveness(
     if missing.is_empty() && !has_any {
         missing.extend(
             search
-                .fits_none(&types, &rows, &[ANY])
+                .find_unmatched(&types, &rows, &[WILDCARD])
                 .into_iter()
                 .flatten(),
         );
@@ -242,7 +252,10 @@ fn check_exhaustiveness(
     search.steps = 0;
     let mut needless = Vec::new();
     for k in 1..rows.len() {
-        if search.fits_none(&types, &rows[..k], &rows[k]).is_none() {
+        if search
+            .find_unmatched(&types, &rows[..k], &rows[k])
+            .is_none()
+        {
             needless.push(k);
         }
     }
@@ -250,51 +263,51 @@ fn check_exhaustiveness(
         needless.clear();
     }
     if !missing.is_empty() {
-        let missing = listed(missing.iter().map(String::as_str));
-        let finding = Finding::new(
+        let missing = join_names(missing.iter().map(String::as_str));
+        let diagnostic = Diagnostic::new(
             Code::RPI2011,
             format!("non-exhaustive match: {missing} not covered"),
         )
-        .at(span, "a `match` needs a case for every alternative");
-        report::report_diagnostic(cx, finding);
+        .primary(span, "a `match` needs a case for every alternative");
+        report::report_diagnostic(cx, diagnostic);
     }
     if unknown {
         report::report_diagnostic(cx, too_many_cases(span));
     }
     for k in needless {
-        report::report_diagnostic(cx, needless_case(&of.arms[..k], &of.arms[k].pattern));
+        report::report_diagnostic(cx, unreachable_case(&of.arms[..k], &of.arms[k].pattern));
     }
 }
 
 /// Returns the diagnostic for a case that no value reaches.
-fn needless_case(before: &[Arm], pattern: &Pattern) -> Finding {
-    let text = written(pattern);
+fn unreachable_case(before: &[Arm], pattern: &Pattern) -> Diagnostic {
+    let text = pattern_text(pattern);
     let mut before = before.iter().map(|arm| &arm.pattern);
-    let same = before.find(|first| written(first) == text);
+    let same = before.find(|first| pattern_text(first) == text);
     if let Some(first) = same {
         let again = Ident {
             name: text.as_str().into(),
             span: pattern.name.span,
         };
-        return crate::check::exprs::clocked::case_twice(&again, first.name.span);
+        return crate::check::exprs::clocked::duplicate_case(&again, first.name.span);
     }
-    Finding::new(Code::RPI2011, format!("unreachable case `{text}`")).at(
+    Diagnostic::new(Code::RPI2011, format!("unreachable case `{text}`")).primary(
         pattern.name.span,
         "the cases before it cover all its values",
     )
 }
 
 /// Returns the diagnostic for a `match` with too many cases to search for missing ones.
-fn too_many_cases(span: Span) -> Finding {
+fn too_many_cases(span: Span) -> Diagnostic {
     let message = "too many combinations of cases to check for exhaustiveness";
-    Finding::new(Code::RPI1011, message)
-        .at(span, "a case may be missing")
+    Diagnostic::new(Code::RPI1011, message)
+        .primary(span, "a case may be missing")
         .help("nest a `match` on one part in a case of another, or add a last case `_`")
 }
 
 /// Returns a pattern as source text.
-fn written(pattern: &Pattern) -> String {
-    let parts: Vec<String> = pattern.parts.iter().map(written).collect();
+fn pattern_text(pattern: &Pattern) -> String {
+    let parts: Vec<String> = pattern.parts.iter().map(pattern_text).collect();
     match &parts[..] {
         [] => pattern.name.name.to_string(),
         parts => format!("{}({})", pattern.name.name, parts.join(", ")),
@@ -316,24 +329,24 @@ fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
 }
 
 /// Search for values that no case matches, with its step count.
-struct Search<'s, 'c, 'a> {
+struct UsefulnessSearch<'s, 'c, 'a> {
     body: &'s Body<'c, 'a>,
     steps: usize,
 }
 
-impl Search<'_, '_, '_> {
+impl UsefulnessSearch<'_, '_, '_> {
     /// Returns values of these types, as source text, that match `wanted` and none of the rows; `None` if there are
     /// none, or at the step limit.
-    fn fits_none(
+    fn find_unmatched(
         &mut self,
         types: &[Ty],
-        rows: &[Vec<&Shape>],
-        wanted: &[&Shape],
+        rows: &[Vec<&PatternShape>],
+        wanted: &[&PatternShape],
     ) -> Option<Vec<String>> {
-        if rows
-            .iter()
-            .any(|row| row.iter().all(|shape| matches!(shape, Shape::Any)))
-        {
+        if rows.iter().any(|row| {
+            row.iter()
+                .all(|shape| matches!(shape, PatternShape::Wildcard))
+        }) {
             return None;
         }
         self.steps += rows.len().max(1);
@@ -344,21 +357,22 @@ impl Search<'_, '_, '_> {
         else {
             return Some(Vec::new());
         };
-        let is_of = |row: &Vec<&Shape>| matches!(row.first(), Some(Shape::Of(..)));
+        let is_of =
+            |row: &Vec<&PatternShape>| matches!(row.first(), Some(PatternShape::Alternative(..)));
         match (first, alternatives_of(ty)) {
-            (Shape::Of(index, parts), Some(all)) => {
-                let parts: Vec<&Shape> = parts.iter().collect();
-                self.fits_none_of((ty, all, *index), types, rows, (&parts, rest))
+            (PatternShape::Alternative(index, parts), Some(all)) => {
+                let parts: Vec<&PatternShape> = parts.iter().collect();
+                self.find_unmatched_alternative((ty, all, *index), types, rows, (&parts, rest))
             }
             (_, Some(all)) if rows.iter().any(is_of) => (0..all.values.len()).find_map(|index| {
                 let (_, count) = parts_of_alternative(self.body, &all.values[index], index);
-                let parts = vec![ANY; count];
-                self.fits_none_of((ty, all, index), types, rows, (&parts, rest))
+                let parts = vec![WILDCARD; count];
+                self.find_unmatched_alternative((ty, all, index), types, rows, (&parts, rest))
             }),
             _ => {
                 let rows = rows.iter().filter(|row| !is_of(row));
-                let rows: Vec<Vec<&Shape>> = rows.map(|row| row[1..].to_vec()).collect();
-                let mut found = self.fits_none(types, &rows, rest)?;
+                let rows: Vec<Vec<&PatternShape>> = rows.map(|row| row[1..].to_vec()).collect();
+                let mut found = self.find_unmatched(types, &rows, rest)?;
                 found.insert(0, "_".to_owned());
                 Some(found)
             }
@@ -366,28 +380,28 @@ impl Search<'_, '_, '_> {
     }
 
     /// Does the same as [`Self::fits_none`] for a first value that has the alternative `index`.
-    fn fits_none_of(
+    fn find_unmatched_alternative(
         &mut self,
         (ty, all, index): (&Ty, &Rc<EnumTy>, usize),
         types: &[Ty],
-        rows: &[Vec<&Shape>],
-        (parts, rest): (&[&Shape], &[&Shape]),
+        rows: &[Vec<&PatternShape>],
+        (parts, rest): (&[&PatternShape], &[&PatternShape]),
     ) -> Option<Vec<String>> {
         let name = &all.values[index];
         let (from, count) = parts_of_alternative(self.body, name, index);
         let fields = ty.members().iter().skip(from).take(count);
         let inner: Vec<Ty> = fields.map(|field| field.ty.clone()).collect();
         let opened = rows.iter().filter_map(|row| match row.split_first()? {
-            (Shape::Any, rest) => Some([&vec![ANY; count], rest].concat()),
-            (Shape::Of(k, parts), rest) if *k == index => {
-                let parts: Vec<&Shape> = parts.iter().collect();
+            (PatternShape::Wildcard, rest) => Some([&vec![WILDCARD; count], rest].concat()),
+            (PatternShape::Alternative(k, parts), rest) if *k == index => {
+                let parts: Vec<&PatternShape> = parts.iter().collect();
                 Some([&parts, rest].concat())
             }
             _ => None,
         });
-        let opened: Vec<Vec<&Shape>> = opened.collect();
+        let opened: Vec<Vec<&PatternShape>> = opened.collect();
         let types = [&inner, types].concat();
-        let mut found = self.fits_none(&types, &opened, &[parts, rest].concat())?;
+        let mut found = self.find_unmatched(&types, &opened, &[parts, rest].concat())?;
         let after = found.split_off(count.min(found.len()));
         let written = match &found[..] {
             [] => name.to_string(),

@@ -9,57 +9,62 @@ use crate::check::bodies::type_inference;
 use crate::check::calls::prim;
 use crate::check::diagnostics::foreign;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
-use crate::check::diagnostics::report::not_a;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::undefined_name;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::diagnostics::undefined_names;
 use crate::check::exprs::access;
 use crate::check::exprs::bindings;
-use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::StaticBinding;
 use crate::check::signatures::unit;
 use crate::check::types::consts;
 use crate::check::types::data;
 use crate::check::types::type_decls;
-use crate::program::{Decl, DeclId, DeclKind, Lookup, Space};
+use crate::program::{Decl, DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::Ty;
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{BlockId, ExprId, FlowId, Leaf, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 
 /// A predeclared flow: name, primitive, type, and whether only commands have it.
-pub(crate) struct Predeclared {
+pub(crate) struct PredeclaredFlow {
     pub(crate) name: &'static str,
     pub(crate) prim: PrimId,
     pub(crate) ty: Ty,
-    of_command: bool,
+    only_in_commands: bool,
 }
 
 /// All predeclared flows.
-pub(crate) const PREDECLARED: &[Predeclared] = &[
-    flow("cancel", prim!("Cancel"), Ty::Bool, true),
-    flow("takeover", prim!("Takeover"), Ty::Bool, true),
-    flow("predecessor", prim!("Rpi::Predecessor"), Ty::Result, true),
-    flow("first", prim!("Rpi::First"), Ty::Bool, false),
-    flow("time", prim!("Rpi::Elapsed"), Ty::Duration, false),
-    flow("dt", prim!("Rpi::PeriodTicks"), Ty::Duration, false),
+pub(crate) const PREDECLARED_FLOWS: &[PredeclaredFlow] = &[
+    predeclared_flow("cancel", prim!("Cancel"), Ty::Bool, true),
+    predeclared_flow("takeover", prim!("Takeover"), Ty::Bool, true),
+    predeclared_flow("predecessor", prim!("Rpi::Predecessor"), Ty::Result, true),
+    predeclared_flow("first", prim!("Rpi::First"), Ty::Bool, false),
+    predeclared_flow("time", prim!("Rpi::Elapsed"), Ty::Duration, false),
+    predeclared_flow("dt", prim!("Rpi::PeriodTicks"), Ty::Duration, false),
 ];
 
-const fn flow(name: &'static str, prim: PrimId, ty: Ty, of_command: bool) -> Predeclared {
-    Predeclared {
+const fn predeclared_flow(
+    name: &'static str,
+    prim: PrimId,
+    ty: Ty,
+    of_command: bool,
+) -> PredeclaredFlow {
+    PredeclaredFlow {
         name,
         prim,
         ty,
-        of_command,
+        only_in_commands: of_command,
     }
 }
 
 /// Returns the name of the predeclared flow that a primitive computes.
-pub(crate) fn predeclared_name(prim: &str) -> Option<&'static str> {
-    let flow = PREDECLARED
+pub(crate) fn predeclared_flow_of_prim(prim: &str) -> Option<&'static str> {
+    let flow = PREDECLARED_FLOWS
         .iter()
         .find(|flow| flow.prim.desc().name == prim);
     flow.map(|flow| flow.name)
@@ -77,7 +82,7 @@ pub(crate) fn resolve_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Ex
         return resolve_local(cx, name, &local, span);
     }
     match cx.statics.get(name) {
-        Some(Static::Value(constant)) => {
+        Some(StaticBinding::Value(constant)) => {
             cx.static_read_count += 1;
             let constant = constant.clone();
             return constant_expr(cx, &constant, span);
@@ -85,7 +90,11 @@ pub(crate) fn resolve_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Ex
         Some(_) => return not_a_flow(cx, name, "a static parameter", span, span),
         None => {}
     }
-    match cx.checker.program.lookup_in(Space::Value, cx.module, name) {
+    match cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Value, cx.module, name)
+    {
         Lookup::Found(id) => resolve_declared(cx, id, span),
         Lookup::Missing => resolve_predeclared(cx, name, span),
     }
@@ -100,7 +109,7 @@ fn resolve_local(cx: &mut Body<'_, '_>, name: &Name, local: &Local, span: Span) 
         _ if let Some(value) = value_named(cx, name) => resolve_declared(cx, value, span),
         Local::Block(block) => not_a_value(cx, name, "a fragment", *block, span),
         Local::State(block) => not_a_value(cx, name, "a state", *block, span),
-        Local::States(places, _) => ambiguous_state(cx, name, *places, span),
+        Local::AmbiguousState(places, _) => ambiguous_state(cx, name, *places, span),
     }
 }
 
@@ -112,9 +121,9 @@ fn not_a_value(
     span: Span,
 ) -> ExprId {
     let declared = cx.unit.block(block).span;
-    let finding = not_a("a flow", name, what, span, declared)
+    let diagnostic = wrong_kind_of_name("a flow", name, what, span, declared)
         .help(format!("read one of its flows: `{name}.x`"));
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Reports a name that is a state of several automata and is read outside of them.
@@ -125,17 +134,21 @@ pub(crate) fn ambiguous_state(
     span: Span,
 ) -> ExprId {
     let message = format!("`{name}` is a state of more than one automaton");
-    let finding = Finding::new(Code::RPI1002, message)
-        .at(span, "ambiguous name")
-        .also(first, "one candidate")
-        .also(second, "another candidate")
+    let diagnostic = Diagnostic::new(Code::RPI1002, message)
+        .primary(span, "ambiguous name")
+        .secondary(first, "one candidate")
+        .secondary(second, "another candidate")
         .help("give one of them another name");
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Returns the constant or enum value of this name.
 fn value_named(cx: &Body<'_, '_>, name: &Name) -> Option<DeclId> {
-    let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Value, cx.module, name) else {
+    let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Value, cx.module, name)
+    else {
         return None;
     };
     let kind = &cx.checker.program.decl(id).kind;
@@ -148,14 +161,14 @@ pub(crate) fn flow_expr(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) -> Expr
         type_inference::record_unknown_read(cx, flow, span);
     }
     let ty = cx.unit.flow(flow).ty.clone();
-    cx.add(Kind::Flow(flow), ty, span)
+    cx.add(TypedExprKind::Flow(flow), ty, span)
 }
 
 /// Adds an expression for a constant.
 pub(crate) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Span) -> ExprId {
     let kind = match &constant.leaves[..] {
-        [one] => Kind::Literal(one.clone()),
-        _ => Kind::Const(constant.leaves.clone()),
+        [one] => TypedExprKind::Literal(one.clone()),
+        _ => TypedExprKind::Const(constant.leaves.clone()),
     };
     // Constants are evaluated without a known tick length, so times are in seconds there.
     let ty = match &constant.ty {
@@ -172,23 +185,24 @@ fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
     match decl.kind {
         DeclKind::Const(_) => match consts::check_constant(cx.checker, id) {
             Some(constant) => constant_expr(cx, &constant, span),
-            None => cx.fault(span),
+            None => cx.error_expr(span),
         },
         DeclKind::EnumValue { ty, index } => {
             let ty = type_decls::type_decl(cx.checker, ty);
-            cx.add(Kind::Literal(Leaf::int(index.into())), ty, span)
+            cx.add(TypedExprKind::Literal(Leaf::int(index.into())), ty, span)
         }
         DeclKind::Constructor { ty, index } => {
             data::constructor_value(cx, (ty, index), &[], &[], span)
         }
-        DeclKind::Broken(_) => cx.fault(span),
+        DeclKind::Broken(_) => cx.error_expr(span),
         DeclKind::Frame(frame) => match consts::check_constant(cx.checker, id) {
             Some(constant) => constant_expr(cx, &constant, span),
-            None if frame.pose.is_some() => cx.fault(span),
+            None if frame.pose.is_some() => cx.error_expr(span),
             None => {
-                let finding = not_a("a flow", &decl.name, "a frame", span, decl.span);
-                cx.fault_with(
-                    finding.help(format!(
+                let diagnostic =
+                    wrong_kind_of_name("a flow", &decl.name, "a frame", span, decl.span);
+                cx.report_error_expr(
+                    diagnostic.help(format!(
                         "declare its pose: `frame {0} in world = pose(...);`",
                         decl.name
                     )),
@@ -196,26 +210,26 @@ fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
                 )
             }
         },
-        kind => not_a_flow(cx, &decl.name, kind.what(), span, decl.span),
+        kind => not_a_flow(cx, &decl.name, kind.description(), span, decl.span),
     }
 }
 
 fn not_a_flow(cx: &mut Body<'_, '_>, name: &str, is: &str, span: Span, declared: Span) -> ExprId {
-    cx.fault_with(not_a("a flow", name, is, span, declared), span)
+    cx.report_error_expr(wrong_kind_of_name("a flow", name, is, span, declared), span)
 }
 
 fn resolve_predeclared(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if name == "none" {
-        return cx.add(Kind::None, Ty::Unknown, span);
+        return cx.add(TypedExprKind::None, Ty::Unknown, span);
     }
-    let found = PREDECLARED.iter().find(|flow| name == flow.name);
+    let found = PREDECLARED_FLOWS.iter().find(|flow| name == flow.name);
     match found.filter(|_| unit::reads_rpi_syntax(cx)) {
-        Some(flow) if flow.of_command && cx.unit.kind == UnitKind::Function => {
+        Some(flow) if flow.only_in_commands && cx.unit.kind == UnitKind::Function => {
             command_flow_in_function(cx, flow.name, span)
         }
         Some(flow) => {
-            if !flow.of_command {
-                cx.has_state(span);
+            if !flow.only_in_commands {
+                cx.record_state(span);
             }
             prim::add_nullary_prim(cx, flow.prim, flow.ty.clone(), span)
         }
@@ -224,18 +238,18 @@ fn resolve_predeclared(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId
 }
 
 fn command_flow_in_function(cx: &mut Body<'_, '_>, name: &str, span: Span) -> ExprId {
-    let finding = Finding::new(Code::RPI3005, format!("a function cannot read `{name}`"))
-        .at(span, "it belongs to the running command")
+    let diagnostic = Diagnostic::new(Code::RPI3005, format!("a function cannot read `{name}`"))
+        .primary(span, "it belongs to the running command")
         .help("pass it to the function as an argument, or declare the function as a node");
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if let Some(value) = access::enum_value_by_path(cx, name, span) {
         return value;
     }
-    if !cx.is_new_unknown(name) {
-        return cx.fault(span);
+    if !cx.record_undefined(name) {
+        return cx.error_expr(span);
     }
     let near = cx.checker.suggest(name, locals::local_names(cx));
     let is_value = |id: DeclId| {
@@ -244,45 +258,45 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     };
     let near = near.or_else(|| {
         cx.checker
-            .suggest(name, cx.checker.program.visible(cx.module, is_value))
+            .suggest(name, cx.checker.program.visible_names(cx.module, is_value))
     });
     if cx.unit.kind == UnitKind::Task {
-        let finding = unknown("device or parameter", name, span, near);
+        let diagnostic = undefined_name("device or parameter", name, span, near);
         report::report_diagnostic(
             cx,
-            finding.help(format!(
+            diagnostic.help(format!(
                 "declare the devices of a task as its parameters: `task {} (arm: Arm)`",
                 cx.unit.name
             )),
         );
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
-    let predeclared = PREDECLARED.iter().map(|flow| flow.name);
+    let predeclared = PREDECLARED_FLOWS.iter().map(|flow| flow.name);
     let values = ["true", "false", "none"].into_iter();
     let is_near = near.is_some();
     let near = near.or_else(|| rpi_diag::suggest(name, predeclared.chain(values)));
-    if let Some(help) = foreign::no_value(name).filter(|_| !is_near) {
-        let finding = unknown(
-            crate::check::diagnostics::undefined_names::FLOW,
+    if let Some(help) = foreign::foreign_value_help(name).filter(|_| !is_near) {
+        let diagnostic = undefined_name(
+            crate::check::diagnostics::undefined_names::FLOW_KIND,
             name,
             span,
             None,
         );
-        report::report_diagnostic(cx, finding.help(help));
-        return cx.fault(span);
+        report::report_diagnostic(cx, diagnostic.help(help));
+        return cx.error_expr(span);
     }
-    let is_meant = |_: &&str| !is_near || !foreign::is_loose(name);
-    match foreign::value_here(name).filter(is_meant) {
+    let is_meant = |_: &&str| !is_near || !foreign::is_common_word(name);
+    match foreign::value_equivalent(name).filter(is_meant) {
         Some(here) => undefined_names::report_foreign_name(cx, "value", name, span, here),
         None => undefined_names::report_undefined(
             cx,
-            crate::check::diagnostics::undefined_names::FLOW,
+            crate::check::diagnostics::undefined_names::FLOW_KIND,
             name,
             span,
             near,
         ),
     }
-    cx.fault(span)
+    cx.error_expr(span)
 }
 
 /// Resolves `MoveToC.at_b`, the identity of a command's result; returns `None` if the name is not a command.
@@ -302,27 +316,31 @@ pub(crate) fn command_result(
     let DeclKind::Command(command) = *kind else {
         return None;
     };
-    let results = results_of(command);
+    let results = result_names(command);
     if !results.contains(&&field.name) {
         let near = rpi_diag::suggest(&field.name, results.iter().map(|name| name.as_str()));
         let of = format!("the command `{name}`");
-        let finding =
+        let diagnostic =
             crate::check::diagnostics::report::no_member(&of, &field.name, field.span, near).help(
                 format!(
                     "its results are {}",
-                    listed(results.iter().map(|n| n.as_str()))
+                    join_names(results.iter().map(|n| n.as_str()))
                 ),
             );
-        return Some(cx.fault_with(finding, span));
+        return Some(cx.report_error_expr(diagnostic, span));
     }
     let identity = result_identity(&format!("{name}.{}", field.name));
-    Some(cx.add(Kind::Literal(Leaf::int(identity)), Ty::Result, span))
+    Some(cx.add(
+        TypedExprKind::Literal(Leaf::int(identity)),
+        Ty::Result,
+        span,
+    ))
 }
 
 /// Resolves a name with parts, as in `export a.b`.
 pub(crate) fn resolve_dotted<'a>(cx: &mut Body<'_, 'a>, dotted: &'a ast::Dotted) -> ExprId {
     let [first, rest @ ..] = &dotted.parts[..] else {
-        return cx.fault(dotted.span);
+        return cx.error_expr(dotted.span);
     };
     if let (Some(Local::Block(block) | Local::State(block)), [field, after @ ..]) =
         (locals::find_local(cx, &first.name), rest)
@@ -338,16 +356,16 @@ pub(crate) fn resolve_dotted<'a>(cx: &mut Body<'_, 'a>, dotted: &'a ast::Dotted)
 }
 
 /// Returns the names of a command's results in text order.
-pub(crate) fn results_of(command: &CommandDecl) -> Vec<&Name> {
-    let ends = ends_of(command).into_iter();
+pub(crate) fn result_names(command: &CommandDecl) -> Vec<&Name> {
+    let ends = end_statements(command).into_iter();
     ends.map(|end| &end.result.name).collect()
 }
 
 /// Returns the statements that end a command, in text order.
-pub(crate) fn ends_of(command: &CommandDecl) -> Vec<&ast::End> {
+pub(crate) fn end_statements(command: &CommandDecl) -> Vec<&ast::CommandEnd> {
     let statements = command.body.statements.iter();
     let ends = statements.filter_map(|statement| match &statement.kind {
-        ast::StatementKind::End(end) => Some(end.as_ref()),
+        ast::StatementKind::CommandEnd(end) => Some(end.as_ref()),
         _ => None,
     });
     ends.collect()

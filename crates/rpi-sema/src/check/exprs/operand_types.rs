@@ -3,30 +3,30 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
-use crate::check::exprs::ops::Row;
-use crate::check::exprs::ops::Rule;
+use crate::check::exprs::ops::Overload;
+use crate::check::exprs::ops::ResultRule;
 use crate::check::types::consts;
 use crate::check::types::exact_time;
 use crate::check::types::frames;
 use crate::check::types::quantity;
 use crate::ty::{Geometry, Ty, join};
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, Leaf, Unit};
-use crate::units::{Dim, Ratio};
-use rpi_diag::{Code, Finding, Span};
+use crate::units::{Dimension, Ratio};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Scalar;
 use rpi_syntax::ast::{Binary, ExprKind};
-use rpi_syntax::ops::{BinaryOp, Grouping};
+use rpi_syntax::ops::{Associativity, BinaryOp};
 use std::rc::Rc;
 
 /// Whether an expression is the integer 0: a literal, or one operation on literals.
 pub(crate) fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
-    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, Kind::Literal(_));
+    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, TypedExprKind::Literal(_));
     let known = match &cx.unit.expr(id).kind {
-        Kind::Literal(_) => true,
-        Kind::Prim(call) => {
+        TypedExprKind::Literal(_) => true,
+        TypedExprKind::Prim(call) => {
             let mut inputs = call.inputs.iter().flatten();
             inputs.all(|input| literal(&cx.unit, *input))
         }
@@ -38,10 +38,10 @@ pub(crate) fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
 
 pub(crate) fn division_by_zero(cx: &mut Body<'_, '_>, op: BinaryOp, divisor: ExprId) {
     let message = format!("`{}` by zero is undefined", op.spelling());
-    let finding = Finding::new(Code::RPI2012, message)
-        .at(cx.span_of(divisor), "this is 0 in every cycle")
+    let diagnostic = Diagnostic::new(Code::RPI2012, message)
+        .primary(cx.span_of(divisor), "this is 0 in every cycle")
         .help("use a divisor other than 0");
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
@@ -53,37 +53,47 @@ pub(crate) fn extend_real_fix(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId
         (true, false) => (cx.span_of(right), cx.span_of(left)),
         _ => return,
     };
-    let Some(finding) = cx
+    let Some(diagnostic) = cx
         .inference
         .real_fix_index
-        .and_then(|at| cx.findings.get_mut(at))
+        .and_then(|at| cx.diagnostics.get_mut(at))
     else {
         return;
     };
-    let place = finding.span();
+    let place = diagnostic.span();
     let is_inside = place.start >= faulty.start && place.end <= faulty.end;
-    if let Some(fix) = finding.fixes.first_mut().filter(|_| is_inside) {
+    if let Some(fix) = diagnostic.fixes.first_mut().filter(|_| is_inside) {
         *fix = fix.clone().insert_after(int, ".0");
     }
 }
 
-pub(crate) fn result_type(cx: &mut Body<'_, '_>, row: &Row, left: ExprId, right: ExprId) -> Ty {
+pub(crate) fn result_type(
+    cx: &mut Body<'_, '_>,
+    row: &Overload,
+    left: ExprId,
+    right: ExprId,
+) -> Ty {
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     match row.rule {
-        Rule::Same => common_operand_type(cx, row.op, left, right),
-        Rule::Test => {
+        ResultRule::Same => common_operand_type(cx, row.op, left, right),
+        ResultRule::Boolean => {
             common_operand_type(cx, row.op, left, right);
             Ty::Bool
         }
-        Rule::Times => scaled_type(cx, &a, &b, Dim::times, left),
-        Rule::Over => scaled_type(cx, &a, &b, Dim::over, left),
-        Rule::Power => power_type(cx, &a, left, right),
-        Rule::Compose => frames::composed_pose_type(cx, left, right),
-        Rule::Moment => {
-            statement::expect_type(cx, right, &Ty::Real(Dim::TIME), &Wanted::Here);
+        ResultRule::Product => scaled_type(cx, &a, &b, Dimension::times, left),
+        ResultRule::Quotient => scaled_type(cx, &a, &b, Dimension::divided_by, left),
+        ResultRule::Power => power_type(cx, &a, left, right),
+        ResultRule::Compose => frames::composed_pose_type(cx, left, right),
+        ResultRule::TimePoint => {
+            statement::expect_type(
+                cx,
+                right,
+                &Ty::Real(Dimension::TIME),
+                &ExpectationReason::Unexplained,
+            );
             Ty::Time
         }
-        Rule::Seconds => Ty::Real(Dim::TIME),
+        ResultRule::Seconds => Ty::Real(Dimension::TIME),
     }
 }
 
@@ -101,11 +111,14 @@ fn common_operand_type(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right:
                 report::measured_value(cx, left),
                 report::measured_value(cx, right),
             );
-            report::report_diagnostic(cx, quantity::apart(op.spelling(), sides.0, sides.1));
+            report::report_diagnostic(
+                cx,
+                quantity::incompatible_dimensions(op.spelling(), sides.0, sides.1),
+            );
             Ty::Unknown
         }
         (Err(misfit), ..) => {
-            let wanted = Wanted::By(cx.span_of(left), format!("this is `{a}`"));
+            let wanted = ExpectationReason::Because(cx.span_of(left), format!("this is `{a}`"));
             report::type_mismatch(cx, right, &a, &misfit, &wanted);
             Ty::Unknown
         }
@@ -117,7 +130,7 @@ fn scaled_type(
     cx: &mut Body<'_, '_>,
     a: &Ty,
     b: &Ty,
-    combine: fn(Dim, Dim) -> Option<Dim>,
+    combine: fn(Dimension, Dimension) -> Option<Dimension>,
     at: ExprId,
 ) -> Ty {
     let dims = (dim_of(a), dim_of(b));
@@ -139,9 +152,9 @@ fn scaled_type(
         }
         (None, Some(dim)) => Ty::Real(dim),
         (None, None) => {
-            let finding = Finding::new(Code::RPI2002, "exponent of a dimension out of range")
-                .at(cx.span_of(at), "too many factors");
-            report::report_diagnostic(cx, finding);
+            let diagnostic = Diagnostic::new(Code::RPI2002, "exponent of a dimension out of range")
+                .primary(cx.span_of(at), "too many factors");
+            report::report_diagnostic(cx, diagnostic);
             Ty::Unknown
         }
     }
@@ -152,26 +165,28 @@ fn power_type(cx: &mut Body<'_, '_>, base: &Ty, left: ExprId, right: ExprId) -> 
         cx,
         right,
         &Ty::REAL,
-        &Wanted::By(Span::NONE, "an exponent has no unit".into()),
+        &ExpectationReason::Because(Span::NONE, "an exponent has no unit".into()),
     );
-    let dim = dim_of(base).unwrap_or(Dim::ONE);
-    if dim.is_plain() {
+    let dim = dim_of(base).unwrap_or(Dimension::ONE);
+    if dim.is_dimensionless() {
         return Ty::REAL;
     }
     let exponent = consts::fold_silently(cx, right).and_then(|leaves| leaves.first()?.as_real());
-    let power = exponent.and_then(Ratio::of_real).and_then(|e| dim.power(e));
+    let power = exponent
+        .and_then(Ratio::from_real)
+        .and_then(|e| dim.power(e));
     power.map_or_else(
         || {
-            let finding = Finding::new(
+            let diagnostic = Diagnostic::new(
                 Code::RPI2002,
                 format!("cannot infer the dimension of a power of `{dim}`"),
             )
-            .at(
+            .primary(
                 cx.span_of(right),
                 "the exponent must be a constant small fraction",
             )
-            .also(cx.span_of(left), format!("this is in `{dim}`"));
-            report::report_diagnostic(cx, finding);
+            .secondary(cx.span_of(left), format!("this is in `{dim}`"));
+            report::report_diagnostic(cx, diagnostic);
             Ty::Unknown
         },
         Ty::Real,
@@ -187,21 +202,21 @@ pub(crate) fn equality(
 ) -> ExprId {
     let ty = common_operand_type(cx, op, left, right);
     if matches!(ty, Ty::Device(_) | Ty::Text) {
-        let finding = Finding::new(
+        let diagnostic = Diagnostic::new(
             Code::RPI2006,
             format!("`{}` cannot take `{ty}`", op.spelling()),
         )
-        .at(cx.span_of(left), format!("this is `{ty}`"));
-        return cx.fault_with(finding, span);
+        .primary(cx.span_of(left), format!("this is `{ty}`"));
+        return cx.report_error_expr(diagnostic, span);
     }
     let negated = op == BinaryOp::Ne;
     let operands = [left, right];
-    cx.add(Kind::Equal { operands, negated }, Ty::Bool, span)
+    cx.add(TypedExprKind::Equal { operands, negated }, Ty::Bool, span)
 }
 
 /// Whether this is a chained comparison `a < b < c`, which the parser has reported.
-pub(crate) fn is_chained(binary: &Binary) -> bool {
-    let single = |op: BinaryOp| op.grouping() == Grouping::None;
+pub(crate) fn is_chained_comparison(binary: &Binary) -> bool {
+    let single = |op: BinaryOp| op.associativity() == Associativity::None;
     match &binary.lhs.kind {
         ExprKind::Binary(inner) => single(binary.op) && single(inner.op),
         _ => false,
@@ -209,7 +224,7 @@ pub(crate) fn is_chained(binary: &Binary) -> bool {
 }
 
 /// Returns the machine type for the lookup of operators; `None` for enums, results, machine integers and durations.
-pub(crate) fn operand_kind(ty: &Ty) -> Option<Scalar> {
+pub(crate) fn operand_scalar(ty: &Ty) -> Option<Scalar> {
     match ty {
         Ty::Enum(_) | Ty::Result | Ty::Machine(_) | Ty::Duration => None,
         other => other.scalar(),
@@ -217,11 +232,11 @@ pub(crate) fn operand_kind(ty: &Ty) -> Option<Scalar> {
 }
 
 /// Returns the dimension of a factor, dividend or divisor; `None` if its type has no single dimension.
-fn dim_of(ty: &Ty) -> Option<Dim> {
+fn dim_of(ty: &Ty) -> Option<Dimension> {
     match ty {
         Ty::Real(dim) => Some(*dim),
         Ty::Spatial(_, geometry) => geometry.dim,
-        Ty::Int => Some(Dim::ONE),
+        Ty::Int => Some(Dimension::ONE),
         _ => None,
     }
 }

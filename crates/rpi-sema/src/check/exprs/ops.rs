@@ -5,25 +5,25 @@ use crate::check::bodies::statement;
 use crate::check::calls::prim;
 use crate::check::diagnostics::precedence_hints;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::apart;
 use crate::check::exprs::bracketed;
 use crate::check::exprs::clocked;
 use crate::check::exprs::compose;
 use crate::check::exprs::expr;
 use crate::check::exprs::guess::binary_guess;
-use crate::check::exprs::guess::guess_by_number;
+use crate::check::exprs::guess::guess_from_number;
 use crate::check::exprs::guess::unary_guess;
 use crate::check::exprs::operand_types;
 use crate::check::exprs::proof_only;
 use crate::check::types::exact_time;
 use crate::check::types::machine_int;
 use crate::check::types::quantity;
-use crate::check::types::{FOREIGN, is_foreign};
+use crate::check::types::{UNCHECKED_TYPE_PREFIXES, is_kind2_type};
 use crate::ty::Ty;
-use crate::typed::{Each, Kind};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 use crate::typed::{ExprId, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Scalar;
 use rpi_net::prim;
 use rpi_prims::PrimId;
@@ -32,44 +32,44 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 /// Rule that derives the result type of an operator from its operand types.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Rule {
+pub(crate) enum ResultRule {
     /// Operands of the same type; the result has this type, too.
     Same,
     /// Operands of the same type; the result is a Boolean.
-    Test,
+    Boolean,
     /// Product: the dimensions are multiplied.
-    Times,
+    Product,
     /// Quotient: the dimensions are divided.
-    Over,
+    Quotient,
     /// Power with a constant exponent.
     Power,
     /// Composition of frames, `(b in a) * (c in b)`.
     Compose,
     /// Point in time plus seconds; the result is a point in time.
-    Moment,
+    TimePoint,
     /// Difference of two points in time; the result is in seconds.
     Seconds,
 }
 
 /// Overload of an operator: the primitive for operands of given machine types.
-pub(crate) struct Row {
+pub(crate) struct Overload {
     pub(crate) op: BinaryOp,
     pub(crate) left: Scalar,
     pub(crate) right: Scalar,
     pub(crate) prim: PrimId,
     /// Whether the primitive takes the right operand first.
     pub(crate) swapped: bool,
-    pub(crate) rule: Rule,
+    pub(crate) rule: ResultRule,
 }
 
-const fn row(
+const fn overload(
     op: BinaryOp,
     (left, right): (Scalar, Scalar),
     prim: PrimId,
     swapped: bool,
-    rule: Rule,
-) -> Row {
-    Row {
+    rule: ResultRule,
+) -> Overload {
+    Overload {
         op,
         left,
         right,
@@ -84,49 +84,49 @@ use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
 
 /// All binary operators that map to one primitive.
 #[rustfmt::skip]
-const BINARY: &[Row] = &[
-    row(And,     (Bool, Bool),         prim!("Core::BooleanAnd"),        false, Rule::Test),
-    row(Or,      (Bool, Bool),         prim!("Core::BooleanOr"),         false, Rule::Test),
-    row(Xor,     (Bool, Bool),         prim!("Rpi::BooleanXor"),         false, Rule::Test),
-    row(Implies, (Bool, Bool),         prim!("Rpi::BooleanImplies"),     false, Rule::Test),
-    row(Add,     (Int, Int),           prim!("Core::IntAdd"),            false, Rule::Same),
-    row(Sub,     (Int, Int),           prim!("Rpi::IntSubtract"),        false, Rule::Same),
-    row(Mul,     (Int, Int),           prim!("Core::IntMultiply"),       false, Rule::Same),
-    row(Div,     (Int, Int),           prim!("Core::IntDivide"),         false, Rule::Same),
-    row(IntDiv,  (Int, Int),           prim!("Core::IntDivide"),         false, Rule::Same),
-    row(Mod,     (Int, Int),           prim!("Rpi::IntModulo"),          false, Rule::Same),
-    row(Pow,     (Int, Int),           prim!("Rpi::IntPower"),           false, Rule::Same),
-    row(Add,     (Real, Real),         prim!("Core::DoubleAdd"),         false, Rule::Same),
-    row(Sub,     (Real, Real),         prim!("Rpi::DoubleSubtract"),     false, Rule::Same),
-    row(Mul,     (Real, Real),         prim!("Core::DoubleMultiply"),    false, Rule::Times),
-    row(Div,     (Real, Real),         prim!("Core::DoubleDivide"),      false, Rule::Over),
-    row(Mod,     (Real, Real),         prim!("Core::DoubleModulo"),      false, Rule::Same),
-    row(Pow,     (Real, Real),         prim!("Core::DoublePower"),       false, Rule::Power),
-    row(Lt,      (Int, Int),           prim!("Core::IntGreater"),        true,  Rule::Test),
-    row(Gt,      (Int, Int),           prim!("Core::IntGreater"),        false, Rule::Test),
-    row(Le,      (Int, Int),           prim!("Rpi::IntGreaterOrEqual"),  true,  Rule::Test),
-    row(Ge,      (Int, Int),           prim!("Rpi::IntGreaterOrEqual"),  false, Rule::Test),
-    row(Lt,      (Real, Real),         prim!("Core::DoubleGreater"),     true,  Rule::Test),
-    row(Gt,      (Real, Real),         prim!("Core::DoubleGreater"),     false, Rule::Test),
-    row(Le,      (Real, Real),         prim!("Rpi::DoubleGreaterOrEqual"), true,  Rule::Test),
-    row(Ge,      (Real, Real),         prim!("Rpi::DoubleGreaterOrEqual"), false, Rule::Test),
-    row(Add,     (Vector, Vector),     prim!("World::VectorAdd"),        false, Rule::Same),
-    row(Sub,     (Vector, Vector),     prim!("Rpi::VectorSubtract"),     false, Rule::Same),
-    row(Mul,     (Vector, Real),       prim!("World::VectorScale"),      false, Rule::Times),
-    row(Mul,     (Real, Vector),       prim!("World::VectorScale"),      true,  Rule::Times),
-    row(Add,     (Twist, Twist),       prim!("World::TwistAdd"),         false, Rule::Same),
-    row(Add,     (Wrench, Wrench),     prim!("Rpi::WrenchAdd"),          false, Rule::Same),
-    row(Mul,     (Rotation, Rotation), prim!("World::RotationTransform"), false, Rule::Compose),
-    row(Mul,     (Rotation, Vector),   prim!("World::VectorRotate"),     true,  Rule::Compose),
-    row(Mul,     (Pose, Pose),         prim!("World::FrameTransform"),   false, Rule::Compose),
-    row(Mul,     (Pose, Vector),       prim!("Rpi::FrameApply"),         false, Rule::Compose),
-    row(Mul,     (Rotation, Twist),    prim!("World::TwistRotate"),      true,  Rule::Compose),
-    row(Add,     (Time, Real),         prim!("Core::TimeAdd"),           false, Rule::Moment),
-    row(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, Rule::Seconds),
+const BINARY: &[Overload] = &[
+    overload(And,     (Bool, Bool),         prim!("Core::BooleanAnd"),        false, ResultRule::Boolean),
+    overload(Or,      (Bool, Bool),         prim!("Core::BooleanOr"),         false, ResultRule::Boolean),
+    overload(Xor,     (Bool, Bool),         prim!("Rpi::BooleanXor"),         false, ResultRule::Boolean),
+    overload(Implies, (Bool, Bool),         prim!("Rpi::BooleanImplies"),     false, ResultRule::Boolean),
+    overload(Add,     (Int, Int),           prim!("Core::IntAdd"),            false, ResultRule::Same),
+    overload(Sub,     (Int, Int),           prim!("Rpi::IntSubtract"),        false, ResultRule::Same),
+    overload(Mul,     (Int, Int),           prim!("Core::IntMultiply"),       false, ResultRule::Same),
+    overload(Div,     (Int, Int),           prim!("Core::IntDivide"),         false, ResultRule::Same),
+    overload(IntDiv,  (Int, Int),           prim!("Core::IntDivide"),         false, ResultRule::Same),
+    overload(Mod,     (Int, Int),           prim!("Rpi::IntModulo"),          false, ResultRule::Same),
+    overload(Pow,     (Int, Int),           prim!("Rpi::IntPower"),           false, ResultRule::Same),
+    overload(Add,     (Real, Real),         prim!("Core::DoubleAdd"),         false, ResultRule::Same),
+    overload(Sub,     (Real, Real),         prim!("Rpi::DoubleSubtract"),     false, ResultRule::Same),
+    overload(Mul,     (Real, Real),         prim!("Core::DoubleMultiply"),    false, ResultRule::Product),
+    overload(Div,     (Real, Real),         prim!("Core::DoubleDivide"),      false, ResultRule::Quotient),
+    overload(Mod,     (Real, Real),         prim!("Core::DoubleModulo"),      false, ResultRule::Same),
+    overload(Pow,     (Real, Real),         prim!("Core::DoublePower"),       false, ResultRule::Power),
+    overload(Lt,      (Int, Int),           prim!("Core::IntGreater"),        true,  ResultRule::Boolean),
+    overload(Gt,      (Int, Int),           prim!("Core::IntGreater"),        false, ResultRule::Boolean),
+    overload(Le,      (Int, Int),           prim!("Rpi::IntGreaterOrEqual"),  true,  ResultRule::Boolean),
+    overload(Ge,      (Int, Int),           prim!("Rpi::IntGreaterOrEqual"),  false, ResultRule::Boolean),
+    overload(Lt,      (Real, Real),         prim!("Core::DoubleGreater"),     true,  ResultRule::Boolean),
+    overload(Gt,      (Real, Real),         prim!("Core::DoubleGreater"),     false, ResultRule::Boolean),
+    overload(Le,      (Real, Real),         prim!("Rpi::DoubleGreaterOrEqual"), true,  ResultRule::Boolean),
+    overload(Ge,      (Real, Real),         prim!("Rpi::DoubleGreaterOrEqual"), false, ResultRule::Boolean),
+    overload(Add,     (Vector, Vector),     prim!("World::VectorAdd"),        false, ResultRule::Same),
+    overload(Sub,     (Vector, Vector),     prim!("Rpi::VectorSubtract"),     false, ResultRule::Same),
+    overload(Mul,     (Vector, Real),       prim!("World::VectorScale"),      false, ResultRule::Product),
+    overload(Mul,     (Real, Vector),       prim!("World::VectorScale"),      true,  ResultRule::Product),
+    overload(Add,     (Twist, Twist),       prim!("World::TwistAdd"),         false, ResultRule::Same),
+    overload(Add,     (Wrench, Wrench),     prim!("Rpi::WrenchAdd"),          false, ResultRule::Same),
+    overload(Mul,     (Rotation, Rotation), prim!("World::RotationTransform"), false, ResultRule::Compose),
+    overload(Mul,     (Rotation, Vector),   prim!("World::VectorRotate"),     true,  ResultRule::Compose),
+    overload(Mul,     (Pose, Pose),         prim!("World::FrameTransform"),   false, ResultRule::Compose),
+    overload(Mul,     (Pose, Vector),       prim!("Rpi::FrameApply"),         false, ResultRule::Compose),
+    overload(Mul,     (Rotation, Twist),    prim!("World::TwistRotate"),      true,  ResultRule::Compose),
+    overload(Add,     (Time, Real),         prim!("Core::TimeAdd"),           false, ResultRule::TimePoint),
+    overload(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, ResultRule::Seconds),
 ];
 
 /// Ordering operators; their result is a Boolean.
-pub(crate) const TESTS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
+pub(crate) const ORDERINGS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
 
 /// Division primitives, which are undefined for a right operand of 0.
 const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
@@ -176,7 +176,7 @@ pub(crate) fn unary_prim(
     }
     let ty = cx.ty_of(operand).clone();
     if ty.is_unknown() {
-        return cx.add(Kind::Fault, unary_guess(op), span);
+        return cx.add(TypedExprKind::Error, unary_guess(op), span);
     }
     if (op, &ty) == (UnaryOp::BitNot, &Ty::Bool) {
         return precedence_hints::bitwise_not_on_boolean(cx, operand, span);
@@ -188,7 +188,7 @@ pub(crate) fn unary_prim(
         return operand;
     }
     if op == UnaryOp::ToInt && matches!(ty, Ty::Real(_)) {
-        let wanted = Wanted::By(Span::NONE, "an integer has no unit".into());
+        let wanted = ExpectationReason::Because(Span::NONE, "an integer has no unit".into());
         statement::expect_type(cx, operand, &Ty::REAL, &wanted);
     }
     if let Ty::Machine(of) = ty
@@ -196,13 +196,15 @@ pub(crate) fn unary_prim(
     {
         return value;
     }
-    if is_foreign(&ty, FOREIGN) && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt) {
+    if is_kind2_type(&ty, UNCHECKED_TYPE_PREFIXES)
+        && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt)
+    {
         let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
-        return cx.add(Kind::Outside, ty, span);
+        return cx.add(TypedExprKind::Arbitrary, ty, span);
     }
     let kind = match &ty {
         Ty::Duration => Some(Int),
-        ty => operand_types::operand_kind(ty),
+        ty => operand_types::operand_scalar(ty),
     };
     let row = UNARY.iter().find(|row| row.0 == op && Some(row.1) == kind);
     match row {
@@ -214,24 +216,28 @@ pub(crate) fn unary_prim(
             prim::add_prim(cx, *prim, &[operand], ty, span)
         }
         None => {
-            let finding = Finding::new(
+            let diagnostic = Diagnostic::new(
                 Code::RPI2006,
                 format!("`{}` cannot take `{ty}`", op.spelling()),
             )
-            .at(cx.span_of(operand), format!("this is `{ty}`"));
-            let finding = quantity::operand_apart(finding, op, &ty);
-            cx.fault_with(finding, span)
+            .primary(cx.span_of(operand), format!("this is `{ty}`"));
+            let diagnostic = quantity::with_operand_hint(diagnostic, op, &ty);
+            cx.report_error_expr(diagnostic, span)
         }
     }
 }
 
 fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
-    cx.has_state(span);
+    cx.record_state(span);
     cx.bindings.pre_depth += 1;
     let operand = expr::check_expr(cx, operand);
     cx.bindings.pre_depth -= 1;
     let ty = cx.ty_of(operand).clone();
-    cx.add(Kind::Each(Each::Pre, [operand].into()), ty, span)
+    cx.add(
+        TypedExprKind::Each(ElementwiseOp::Pre, [operand].into()),
+        ty,
+        span,
+    )
 }
 
 /// Checks a binary operation `lhs op rhs`.
@@ -240,10 +246,12 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
         BinaryOp::Concat => compose::array_concat(cx, binary, span),
         BinaryOp::Append => machine_int::bit_concat(cx, binary, span),
         BinaryOp::Repeat => compose::array_repeat(cx, binary, span),
-        BinaryOp::Coalesce => bracketed::elementwise_binary(cx, Each::Coalesce, binary, span),
+        BinaryOp::Coalesce => {
+            bracketed::elementwise_binary(cx, ElementwiseOp::Coalesce, binary, span)
+        }
         BinaryOp::Arrow => {
-            cx.has_state(span);
-            bracketed::elementwise_binary(cx, Each::Arrow, binary, span)
+            cx.record_state(span);
+            bracketed::elementwise_binary(cx, ElementwiseOp::Arrow, binary, span)
         }
         BinaryOp::Fby => fby(cx, binary, span),
         BinaryOp::In => proof_only::membership(cx, &binary.lhs, &binary.rhs, span),
@@ -252,11 +260,11 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
                 expr::check_expr(cx, &binary.lhs),
                 expr::check_expr(cx, &binary.rhs),
             );
-            if TESTS.contains(&op) && is_invalid_sample(cx, &binary.lhs, left) {
-                return cx.fault(span);
+            if ORDERINGS.contains(&op) && is_invalid_sample(cx, &binary.lhs, left) {
+                return cx.error_expr(span);
             }
-            if operand_types::is_chained(binary) {
-                return cx.add(Kind::Fault, Ty::Bool, span);
+            if operand_types::is_chained_comparison(binary) {
+                return cx.add(TypedExprKind::Error, Ty::Bool, span);
             }
             if let Some(meant) =
                 precedence_hints::reinterpret_operator(cx, binary, [left, right], span)
@@ -271,7 +279,7 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
 /// Whether the left side is an invalid sampled flow, as in `x when x > 0.0`. The comparison then reports no further
 /// error.
 fn is_invalid_sample(cx: &Body<'_, '_>, lhs: &ast::Expr, left: ExprId) -> bool {
-    matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, Kind::Fault)
+    matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, TypedExprKind::Error)
 }
 
 /// Checks a binary operator on checked operands.
@@ -288,30 +296,30 @@ pub(crate) fn binary_prim(
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     if a.is_unknown() || b.is_unknown() {
         operand_types::extend_real_fix(cx, left, right);
-        let guess = guess_by_number(cx.inference.guess_policy, op, &a, &b);
+        let guess = guess_from_number(cx.inference.guess_policy, op, &a, &b);
         let guess = guess.unwrap_or_else(|| binary_guess(op, &a, &b));
         // After errors on both sides, of arrays for instance, the result type cannot be guessed.
         let faulty = !cx.inference.is_running && a.is_unknown() && b.is_unknown();
         let guess = if faulty { Ty::Unknown } else { guess };
-        return cx.add(Kind::Fault, guess, span);
+        return cx.add(TypedExprKind::Error, guess, span);
     }
     if let Some(value) = machine_int::machine_binary(cx, op, [left, right], span) {
         return value;
     }
     let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
-    if is_foreign(&a, FOREIGN) && (a == b || shifts) {
-        let ty = if TESTS.contains(&op) { Ty::Bool } else { a };
-        return cx.add(Kind::Outside, ty, span);
+    if is_kind2_type(&a, UNCHECKED_TYPE_PREFIXES) && (a == b || shifts) {
+        let ty = if ORDERINGS.contains(&op) { Ty::Bool } else { a };
+        return cx.add(TypedExprKind::Arbitrary, ty, span);
     }
     if let Some(of_times) = exact_time::time_operator(cx, op, left, right, span) {
         return of_times;
     }
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     let kinds = (
-        operand_types::operand_kind(&a),
-        operand_types::operand_kind(&b),
+        operand_types::operand_scalar(&a),
+        operand_types::operand_scalar(&b),
     );
-    let fits = |row: &&Row| row.op == op && (Some(row.left), Some(row.right)) == kinds;
+    let fits = |row: &&Overload| row.op == op && (Some(row.left), Some(row.right)) == kinds;
     let Some(row) = BINARY.iter().find(fits) else {
         return unsupported_operands(cx, op, left, right, span);
     };
@@ -322,7 +330,7 @@ pub(crate) fn binary_prim(
     }
     let ty = operand_types::result_type(cx, row, left, right);
     if ty.is_unknown() {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
     let operands = if row.swapped {
         [right, left]
@@ -344,14 +352,22 @@ pub(crate) fn logical_prim(
 
 /// Checks `a fby b`, which is `a -> pre b`.
 fn fby<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
-    cx.has_state(span);
+    cx.record_state(span);
     let left = expr::check_expr(cx, &binary.lhs);
     cx.bindings.pre_depth += 1;
     let right = expr::check_expr(cx, &binary.rhs);
     cx.bindings.pre_depth -= 1;
     let ty = expr::common_type(cx, left, right, "both sides must have the same type");
-    let delayed = cx.add(Kind::Each(Each::Pre, [right].into()), ty.clone(), span);
-    cx.add(Kind::Each(Each::Arrow, [left, delayed].into()), ty, span)
+    let delayed = cx.add(
+        TypedExprKind::Each(ElementwiseOp::Pre, [right].into()),
+        ty.clone(),
+        span,
+    );
+    cx.add(
+        TypedExprKind::Each(ElementwiseOp::Arrow, [left, delayed].into()),
+        ty,
+        span,
+    )
 }
 
 pub(crate) fn unsupported_operands(
@@ -363,16 +379,16 @@ pub(crate) fn unsupported_operands(
 ) -> ExprId {
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     let text = op.spelling();
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI2006,
         format!("`{text}` cannot take `{a}` and `{b}`"),
     )
-    .at(cx.span_of(right), format!("this is `{b}`"))
-    .also(cx.span_of(left), format!("this is `{a}`"));
-    let finding = apart::with_operand_hints(cx, finding, op, (left, &a), (right, &b));
+    .primary(cx.span_of(right), format!("this is `{b}`"))
+    .secondary(cx.span_of(left), format!("this is `{a}`"));
+    let diagnostic = apart::with_operand_hints(cx, diagnostic, op, (left, &a), (right, &b));
     let is_int_number = |id| report::is_number_literal(cx, id) && *cx.ty_of(id) == Ty::Int;
     let with_number = [left, right].into_iter().any(is_int_number);
     cx.inference.real_fix_index =
-        (with_number && finding.fixes.len() == 1).then_some(cx.findings.len());
-    cx.fault_with(finding, span)
+        (with_number && diagnostic.fixes.len() == 1).then_some(cx.diagnostics.len());
+    cx.report_error_expr(diagnostic, span)
 }

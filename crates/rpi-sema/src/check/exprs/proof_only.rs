@@ -3,20 +3,21 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::bindings;
-use crate::check::exprs::bindings::Means;
+use crate::check::exprs::bindings::BindingValue;
 use crate::check::exprs::expr;
 use crate::check::signatures::static_args;
 use crate::check::types;
-use crate::check::types::is_foreign;
-use crate::program::{DeclKind, Lookup, Space};
+use crate::check::types::is_kind2_type;
+use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{
-    self, Ascribed, Call, Expr, NodeDef, NodeKind, Quantified, Refined, StaticArg, TypeKind,
+    self, Ascription, Call, Expr, NodeDef, NodeKind, Quantified, RefinementType, StaticArg,
+    TypeKind,
 };
 use std::rc::Rc;
 
@@ -33,11 +34,11 @@ pub(crate) fn check_quantifier<'a>(
         cx.bindings.forbidden = fixed;
         check_quantifiable(cx, &ty, &var.ty);
         for name in &var.names {
-            bindings::bind_name(cx, name, Means::Any(ty.clone()));
+            bindings::bind_name(cx, name, BindingValue::Quantified(ty.clone()));
         }
     }
     let condition = expr::check_expr(cx, &of.condition);
-    statement::expect_type(cx, condition, &Ty::Bool, &Wanted::Here);
+    statement::expect_type(cx, condition, &Ty::Bool, &ExpectationReason::Unexplained);
     cx.bindings.bound_names.truncate(before);
     match &mut cx.contract.claim_check {
         Some(claim) => claim.0 = claim.0.or(Some(span)),
@@ -48,38 +49,41 @@ pub(crate) fn check_quantifier<'a>(
             span,
         ),
     }
-    cx.add(Kind::Outside, Ty::Bool, span)
+    cx.add(TypedExprKind::Arbitrary, Ty::Bool, span)
 }
 
 /// Reports a quantifier over arrays, sets or maps.
 fn check_quantifiable(cx: &mut Body<'_, '_>, ty: &Ty, written: &ast::Type) {
-    let has_elements = matches!(ty, Ty::Array(..)) || is_foreign(ty, &["set<", "map<"]);
+    let has_elements = matches!(ty, Ty::Array(..)) || is_kind2_type(ty, &["set<", "map<"]);
     if has_elements {
         let message = format!("cannot quantify over `{ty}`");
-        let finding = Finding::new(Code::RPI2014, message)
-            .at(written.span, "not a quantifiable type")
+        let diagnostic = Diagnostic::new(Code::RPI2014, message)
+            .primary(written.span, "not a quantifiable type")
             .help("quantify over an index: `forall (i: int) a[i] > 0`");
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
 /// Reports a construct of Kind 2 that is checked but not executed.
 pub(crate) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span: Span) {
     let message = format!("{what} cannot be executed");
-    report::report_diagnostic(cx, Finding::new(Code::RPI0017, message).at(span, why));
+    report::report_diagnostic(
+        cx,
+        Diagnostic::new(Code::RPI0017, message).primary(span, why),
+    );
 }
 
 /// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
-pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a Refined) -> Ty {
+pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a RefinementType) -> Ty {
     let base = types::resolve_type(cx, &refined.base);
     let in_quantifier = cx.bindings.forbidden.is_some() || check_in_quantifier(cx);
     let means = match in_quantifier {
-        true => Means::Any(base.clone()),
-        false => Means::Value(base.clone()),
+        true => BindingValue::Quantified(base.clone()),
+        false => BindingValue::Refined(base.clone()),
     };
     bindings::with_binding(cx, &refined.name, means, |body| {
         let condition = expr::check_expr(body, &refined.condition);
-        statement::expect_type(body, condition, &Ty::Bool, &Wanted::Here);
+        statement::expect_type(body, condition, &Ty::Bool, &ExpectationReason::Unexplained);
     });
     base
 }
@@ -89,27 +93,28 @@ pub(crate) fn check_in_quantifier(cx: &Body<'_, '_>) -> bool {
     cx.bindings
         .bound_names
         .iter()
-        .any(crate::check::exprs::bindings::Bound::is_quantified)
+        .any(crate::check::exprs::bindings::Binding::is_quantified)
 }
 
 /// Checks a type ascription `(x: T)`.
-pub(crate) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascribed) -> ExprId {
+pub(crate) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascription) -> ExprId {
     let value = expr::check_expr(cx, &of.value);
     let ty = types::resolve_type(cx, &of.ty);
     statement::expect_type(
         cx,
         value,
         &ty,
-        &Wanted::By(of.ty.span, "expected because of this type".into()),
+        &ExpectationReason::Because(of.ty.span, "expected because of this type".into()),
     );
     if is_temporal_type(cx, &of.ty) && bindings::reads_binding(cx, &of.value) {
-        let finding = Finding::new(Code::RPI2014, "a quantified variable has no earlier cycles")
-            .at(of.value.span, "this depends on a quantified variable")
-            .also(
-                of.ty.span,
-                "the condition of the type refers to earlier cycles",
-            );
-        report::report_diagnostic(cx, finding);
+        let diagnostic =
+            Diagnostic::new(Code::RPI2014, "a quantified variable has no earlier cycles")
+                .primary(of.value.span, "this depends on a quantified variable")
+                .secondary(
+                    of.ty.span,
+                    "the condition of the type refers to earlier cycles",
+                );
+        report::report_diagnostic(cx, diagnostic);
     }
     value
 }
@@ -121,7 +126,7 @@ fn is_temporal_type(cx: &Body<'_, '_>, ty: &ast::Type) -> bool {
             let found = cx
                 .checker
                 .program
-                .lookup_in(Space::Type, cx.module, &named.name.name);
+                .lookup_in(NameSpace::Type, cx.module, &named.name.name);
             matches!(found, Lookup::Found(id) if cx.checker.temporal_types.contains(&id))
         }
         TypeKind::Array(array) => is_temporal_type(cx, &array.element),
@@ -152,10 +157,10 @@ pub(crate) fn check_call_in_quantifier<'a>(
             "cannot call `{}` for a quantified variable",
             call.callee.name.name
         );
-        let finding = Finding::new(Code::RPI2014, message)
-            .at(span, "the call depends on a quantified variable")
+        let diagnostic = Diagnostic::new(Code::RPI2014, message)
+            .primary(span, "the call depends on a quantified variable")
             .help("only functions with a known body can be called here");
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
@@ -166,11 +171,11 @@ pub(crate) fn empty_set<'a>(cx: &mut Body<'_, 'a>, types: &'a [StaticArg], span:
         .filter_map(|ty| static_args::static_type(cx, ty))
         .collect();
     let ty = match &known[..] {
-        [one] => set_of(one),
+        [one] => set_type(one),
         _ => Ty::Unknown,
     };
-    not_executable(cx, "a set", SETS, span);
-    cx.add(Kind::Outside, ty, span)
+    not_executable(cx, "a set", WHY_NO_SETS, span);
+    cx.add(TypedExprKind::Arbitrary, ty, span)
 }
 
 /// Checks the membership `x in s`.
@@ -182,40 +187,40 @@ pub(crate) fn membership<'a>(
 ) -> ExprId {
     let (value, set) = (expr::check_expr(cx, lhs), expr::check_expr(cx, rhs));
     let (found, of) = (cx.ty_of(value).clone(), cx.ty_of(set).clone());
-    if !of.is_unknown() && !is_foreign(&of, &["set<", "map<"]) {
-        let finding = Finding::new(
+    if !of.is_unknown() && !is_kind2_type(&of, &["set<", "map<"]) {
+        let diagnostic = Diagnostic::new(
             Code::RPI2006,
             format!("`in` cannot take `{found}` and `{of}`"),
         )
-        .at(rhs.span, format!("this is `{of}`"))
+        .primary(rhs.span, format!("this is `{of}`"))
         .help(
             "compare with each value: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
         );
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
-    cx.add(Kind::Outside, Ty::Bool, span)
+    cx.add(TypedExprKind::Arbitrary, Ty::Bool, span)
 }
 
 /// Reports a nondeterministic value in a constant.
 pub(crate) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
     if cx.unit.kind == UnitKind::Constant {
-        let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-            .at(span, "this may change from cycle to cycle");
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
+            .primary(span, "this may change from cycle to cycle");
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
 /// Reason why sets and maps are not executed.
-pub(crate) const SETS: &str =
+pub(crate) const WHY_NO_SETS: &str =
     "its size is unbounded, and a control core does not allocate memory at run time";
 
 /// Returns the type of the sets of an element type.
-pub(crate) fn set_of(element: &Ty) -> Ty {
-    foreign_ty(format!("set<{element}>"))
+pub(crate) fn set_type(element: &Ty) -> Ty {
+    opaque_type(format!("set<{element}>"))
 }
 
 /// Returns a type of Kind 2 of which only the name is known.
-pub(crate) fn foreign_ty(name: String) -> Ty {
+pub(crate) fn opaque_type(name: String) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.into(),
         fields: Vec::new(),

@@ -6,12 +6,12 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::prim;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::signatures::static_args;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::ExprId;
-use crate::units::Dim;
-use rpi_diag::{Code, Finding, Span};
+use crate::units::Dimension;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Scalar;
 use rpi_net::prim;
 use rpi_prims::PrimId;
@@ -34,7 +34,7 @@ pub(crate) enum SpatialOp {
 }
 
 /// Operator, name, number of operands, and description for help texts.
-const ROWS: &[(SpatialOp, &str, usize, &str)] = &[
+const SPATIAL_OPS: &[(SpatialOp, &str, usize, &str)] = &[
     (
         SpatialOp::Vector,
         "vector",
@@ -53,21 +53,21 @@ const ROWS: &[(SpatialOp, &str, usize, &str)] = &[
 ];
 
 impl SpatialOp {
-    fn row(self) -> &'static (SpatialOp, &'static str, usize, &'static str) {
-        let row = ROWS.iter().find(|row| row.0 == self);
-        row.unwrap_or(&ROWS[0])
+    fn entry(self) -> &'static (SpatialOp, &'static str, usize, &'static str) {
+        let row = SPATIAL_OPS.iter().find(|row| row.0 == self);
+        row.unwrap_or(&SPATIAL_OPS[0])
     }
 
     pub(crate) fn name(self) -> &'static str {
-        self.row().1
+        self.entry().1
     }
 
-    pub(crate) fn operands(self) -> usize {
-        self.row().2
+    pub(crate) fn operand_count(self) -> usize {
+        self.entry().2
     }
 
-    pub(crate) fn form(self) -> &'static str {
-        self.row().3
+    pub(crate) fn usage(self) -> &'static str {
+        self.entry().3
     }
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn component_dim<'a>(
     cx: &mut Body<'_, 'a>,
     scalar: Scalar,
     statics: &'a [StaticArg],
-) -> Option<Dim> {
+) -> Option<Dimension> {
     let [of, more @ ..] = statics else {
         return None;
     };
@@ -91,10 +91,10 @@ pub(crate) fn component_dim<'a>(
         Scalar::Vector => "the components of a vector must be reals".to_owned(),
         _ => format!("`{scalar}` has no static arguments"),
     };
-    let finding = Finding::new(Code::RPI1010, message)
-        .at(of.span, "invalid static argument")
+    let diagnostic = Diagnostic::new(Code::RPI1010, message)
+        .primary(of.span, "invalid static argument")
         .help("write a velocity vector as `Vector<<real[m/s]>>`");
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
     None
 }
 
@@ -110,10 +110,10 @@ pub(crate) fn spatial_op(
         SpatialOp::Inverse => inverse(cx, operands[0], span),
         SpatialOp::Norm => match common_vector_geometry(cx, operands) {
             Some(of) => {
-                let ty = Ty::Real(of.dim.unwrap_or(Dim::ONE));
+                let ty = Ty::Real(of.dim.unwrap_or(Dimension::ONE));
                 prim::add_prim(cx, prim!("Rpi::VectorNorm"), operands, ty, span)
             }
-            None => cx.fault(span),
+            None => cx.error_expr(span),
         },
         SpatialOp::Dot => vector_product(cx, prim!("World::VectorDot"), operands, span),
         SpatialOp::Cross => vector_product(cx, prim!("World::VectorCross"), operands, span),
@@ -122,15 +122,17 @@ pub(crate) fn spatial_op(
 
 fn vector_op(cx: &mut Body<'_, '_>, parts: &[ExprId], span: Span) -> ExprId {
     let Ty::Real(dim) = *cx.ty_of(parts[0]) else {
-        statement::expect_type(cx, parts[0], &Ty::REAL, &Wanted::Here);
-        return cx.fault(span);
+        statement::expect_type(cx, parts[0], &Ty::REAL, &ExpectationReason::Unexplained);
+        return cx.error_expr(span);
     };
     let fits: Vec<bool> = parts[1..]
         .iter()
-        .map(|part| statement::expect_type(cx, *part, &Ty::Real(dim), &Wanted::Here))
+        .map(|part| {
+            statement::expect_type(cx, *part, &Ty::Real(dim), &ExpectationReason::Unexplained)
+        })
         .collect();
     if fits.contains(&false) {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
     let geometry = Geometry {
         dim: Some(dim),
@@ -145,12 +147,13 @@ fn inverse(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
     let (prim, scalar, geometry) = match cx.ty_of(operand).clone() {
         Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
         Ty::Spatial(Scalar::Rotation, of) => (prim!("World::RotationInvert"), Scalar::Rotation, of),
-        Ty::Unknown => return cx.fault(span),
+        Ty::Unknown => return cx.error_expr(span),
         ty => {
-            let finding = Finding::new(Code::RPI2006, format!("`inverse` cannot take `{ty}`"))
-                .at(cx.span_of(operand), format!("this is `{ty}`"))
-                .help("only poses and rotations have an inverse");
-            return cx.fault_with(finding, span);
+            let diagnostic =
+                Diagnostic::new(Code::RPI2006, format!("`inverse` cannot take `{ty}`"))
+                    .primary(cx.span_of(operand), format!("this is `{ty}`"))
+                    .help("only poses and rotations have an inverse");
+            return cx.report_error_expr(diagnostic, span);
         }
     };
     let turned = Geometry {
@@ -173,16 +176,16 @@ fn vector_product(cx: &mut Body<'_, '_>, prim: PrimId, operands: &[ExprId], span
         Ty::Spatial(_, geometry) => geometry.dim,
         _ => None,
     });
-    let dims: Vec<Option<Dim>> = dims.collect();
+    let dims: Vec<Option<Dimension>> = dims.collect();
     let Some(common) = common_vector_geometry(cx, operands) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let dim = match dims[..] {
         [Some(a), Some(b)] => a.times(b),
         _ => None,
     };
     let ty = match prim == prim!("World::VectorDot") {
-        true => Ty::Real(dim.unwrap_or(Dim::ONE)),
+        true => Ty::Real(dim.unwrap_or(Dimension::ONE)),
         false => Ty::Spatial(Scalar::Vector, Rc::new(Geometry { dim, ..common })),
     };
     prim::add_prim(cx, prim, operands, ty, span)
@@ -210,7 +213,13 @@ fn common_vector_geometry(cx: &mut Body<'_, '_>, operands: &[ExprId]) -> Option<
         match join(&common, &frames_only) {
             Ok(joined) => common = joined,
             Err(misfit) => {
-                report::type_mismatch(cx, *operand, &common, &misfit, &Wanted::Here);
+                report::type_mismatch(
+                    cx,
+                    *operand,
+                    &common,
+                    &misfit,
+                    &ExpectationReason::Unexplained,
+                );
                 return None;
             }
         }

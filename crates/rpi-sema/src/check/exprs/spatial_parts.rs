@@ -5,17 +5,17 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::prim;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::listed;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::join_names;
 use crate::check::diagnostics::report::no_member;
 use crate::check::exprs::expr;
 use crate::check::exprs::spatial_ops;
 use crate::check::types;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use crate::units::{Base, Dim};
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::typed::TypedExprKind;
+use crate::units::{BaseDim, Dimension};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_image::Scalar;
 use rpi_syntax::ast::{FieldValue, Ident, StructExpr};
 use std::rc::Rc;
@@ -34,7 +34,7 @@ pub(crate) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
 ];
 
 /// Primitives that compose a spatial value. Their in-ports are the parts in the order of [`SPATIAL_PARTS`].
-const WHOLES: &[(Scalar, &str)] = &[
+const COMPOSE_PRIMS: &[(Scalar, &str)] = &[
     (Scalar::Vector, "World::VectorFromXYZ"),
     (Scalar::Pose, "World::FrameFromPosRot"),
     (Scalar::Twist, "World::TwistFromVelocities"),
@@ -42,7 +42,7 @@ const WHOLES: &[(Scalar, &str)] = &[
 ];
 
 /// Returns the names of the parts of a spatial type; a rotation has none.
-fn names_of(scalar: Scalar) -> impl Iterator<Item = &'static str> {
+fn part_names(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     let rows = SPATIAL_PARTS.iter().filter(move |row| row.0 == scalar);
     rows.map(|row| row.1)
 }
@@ -55,21 +55,21 @@ pub(crate) fn spatial_part(
     span: Span,
 ) -> ExprId {
     let Ty::Spatial(scalar, geometry) = cx.ty_of(base).clone() else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let named = |row: &&(Scalar, &str, &str, u32)| row.0 == scalar && field.name == row.1;
     let Some((_, _, prim, port)) = SPATIAL_PARTS.iter().find(named) else {
-        return cx.fault_with(no_part(scalar, field, Use::Path), span);
+        return cx.report_error_expr(unknown_part(scalar, field, PartSyntax::Path), span);
     };
     let base = prim::prim_by_position(cx, prim, &[base], span);
     let ty = part_type(scalar, &geometry, &field.name);
-    cx.add(Kind::Part { base, at: *port }, ty, span)
+    cx.add(TypedExprKind::Part { base, at: *port }, ty, span)
 }
 
 /// Returns the spatial type of a struct expression, unless a declaration has its name.
 pub(crate) fn spatial_struct_type(cx: &Body<'_, '_>, value: &StructExpr) -> Option<Scalar> {
     let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
-    let (scalar, _) = WHOLES.iter().find(is_it)?;
+    let (scalar, _) = COMPOSE_PRIMS.iter().find(is_it)?;
     types::is_undeclared_type(cx, &value.ty.name).then_some(*scalar)
 }
 
@@ -94,12 +94,14 @@ pub(crate) fn spatial_value<'a>(
         .iter()
         .map(|field| (field, expr::check_expr(cx, &field.value)))
         .collect();
-    if base.is_some_and(|base| !statement::expect_type(cx, base, &wanted, &Wanted::Here)) {
-        return cx.fault(span);
+    if base.is_some_and(|base| {
+        !statement::expect_type(cx, base, &wanted, &ExpectationReason::Unexplained)
+    }) {
+        return cx.error_expr(span);
     }
     let known = base.map_or(wanted, |base| cx.ty_of(base).clone());
     let Some(parts) = given_parts(cx, scalar, &given, base, span) else {
-        return cx.add(Kind::Fault, known, span);
+        return cx.add(TypedExprKind::Error, known, span);
     };
     compose_spatial(cx, &known, &parts, span)
 }
@@ -112,16 +114,17 @@ fn given_parts(
     base: Option<ExprId>,
     span: Span,
 ) -> Option<Vec<ExprId>> {
-    let before = cx.findings.len();
+    let before = cx.diagnostics.len();
     let mut left_out = Vec::new();
     let mut parts = Vec::new();
-    for name in names_of(scalar) {
+    for name in part_names(scalar) {
         let mut named = given.iter().filter(|(field, _)| field.field.name == name);
         let part = named.next().map(|(_, id)| *id);
         if let (Some(first), Some((again, _))) = (part, named.next()) {
             let first = cx.span_of(first);
-            let finding = crate::program::twice(&again.field.name, again.field.span, first);
-            report::report_diagnostic(cx, finding);
+            let diagnostic =
+                crate::program::duplicate_name_error(&again.field.name, again.field.span, first);
+            report::report_diagnostic(cx, diagnostic);
         }
         match (part, base) {
             (Some(part), _) => parts.push(part),
@@ -130,15 +133,15 @@ fn given_parts(
         }
     }
     for (field, _) in given {
-        if names_of(scalar).all(|name| field.field.name != name) {
-            report::report_diagnostic(cx, no_part(scalar, &field.field, Use::Literal));
+        if part_names(scalar).all(|name| field.field.name != name) {
+            report::report_diagnostic(cx, unknown_part(scalar, &field.field, PartSyntax::Literal));
         }
     }
     if !left_out.is_empty() && !report::has_error_since(cx, before) {
-        let message = format!("missing {} of `{scalar}`", listed(left_out));
+        let message = format!("missing {} of `{scalar}`", join_names(left_out));
         report::report_diagnostic(
             cx,
-            Finding::new(Code::RPI1010, message).at(span, "all parts are required"),
+            Diagnostic::new(Code::RPI1010, message).primary(span, "all parts are required"),
         );
     }
     (!report::has_error_since(cx, before)).then_some(parts)
@@ -153,33 +156,34 @@ fn base_part(cx: &mut Body<'_, '_>, base: ExprId, name: &str, span: Span) -> Exp
 /// compatible; they complete the type of the whole.
 fn compose_spatial(cx: &mut Body<'_, '_>, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
     let Ty::Spatial(scalar, geometry) = known else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let mut geometry = (**geometry).clone();
-    let mut wanted = Wanted::Here;
-    for (part, name) in parts.iter().zip(names_of(*scalar)) {
+    let mut wanted = ExpectationReason::Unexplained;
+    for (part, name) in parts.iter().zip(part_names(*scalar)) {
         // The first component decides the unit of the others.
         if let (Ty::Real(dim), None) = (cx.ty_of(*part), geometry.dim) {
             geometry.dim = Some(*dim);
         }
         let expected = part_type(*scalar, &Rc::new(geometry.clone()), name);
         if !statement::expect_type(cx, *part, &expected, &wanted) {
-            return cx.add(Kind::Fault, known.clone(), span);
+            return cx.add(TypedExprKind::Error, known.clone(), span);
         }
-        wanted = Wanted::By(cx.span_of(*part), format!("this is `{}`", cx.ty_of(*part)));
+        wanted =
+            ExpectationReason::Because(cx.span_of(*part), format!("this is `{}`", cx.ty_of(*part)));
         if let Ok(Ty::Spatial(_, of)) = join(&expected, cx.ty_of(*part)) {
             geometry.of = geometry.of.or_else(|| of.of.clone());
             geometry.in_frame = geometry.in_frame.or_else(|| of.in_frame.clone());
         }
     }
-    let whole = WHOLES.iter().find(|row| row.0 == *scalar);
-    let whole = whole.and_then(|row| rpi_prims::PrimId::of(row.1));
+    let whole = COMPOSE_PRIMS.iter().find(|row| row.0 == *scalar);
+    let whole = whole.and_then(|row| rpi_prims::PrimId::from_name(row.1));
     match whole {
         Some(prim) => {
             let ty = Ty::Spatial(*scalar, Rc::new(geometry));
             prim::add_prim(cx, prim, parts, ty, span)
         }
-        None => cx.fault(span),
+        None => cx.error_expr(span),
     }
 }
 
@@ -193,10 +197,10 @@ pub(crate) fn replace_part(
 ) -> ExprId {
     let known = cx.ty_of(base).clone();
     let Ty::Spatial(scalar, _) = known else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     let mut parts = Vec::new();
-    for name in names_of(scalar) {
+    for name in part_names(scalar) {
         parts.push(match field.name == name {
             true => new,
             false => base_part(cx, base, name, span),
@@ -207,7 +211,7 @@ pub(crate) fn replace_part(
 
 /// Syntax in which a part is named.
 #[derive(Clone, Copy, PartialEq)]
-enum Use {
+enum PartSyntax {
     /// Path: `p.x`, `(p with .x = ..)`.
     Path,
     /// Literal: `Pose{x = ..}`.
@@ -215,22 +219,22 @@ enum Use {
 }
 
 /// Returns the diagnostic for a part that a spatial type does not have.
-fn no_part(scalar: Scalar, field: &Ident, at: Use) -> Finding {
-    let near = rpi_diag::suggest(&field.name, names_of(scalar));
+fn unknown_part(scalar: Scalar, field: &Ident, at: PartSyntax) -> Diagnostic {
+    let near = rpi_diag::suggest(&field.name, part_names(scalar));
     let unlike = near.is_none();
-    let finding = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
+    let diagnostic = no_member(&format!("a `{scalar}`"), &field.name, field.span, near);
     match (scalar, field.name.as_str(), at) {
-        (Scalar::Pose, "x" | "y" | "z", Use::Path) => {
+        (Scalar::Pose, "x" | "y" | "z", PartSyntax::Path) => {
             let meant = format!("position.{}", field.name);
-            finding.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
+            diagnostic.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
         }
-        (Scalar::Pose, "x" | "y" | "z", Use::Literal) => finding.help(format!(
+        (Scalar::Pose, "x" | "y" | "z", PartSyntax::Literal) => diagnostic.help(format!(
             "replace a single coordinate by `(p with .position.{} = ..)`",
             field.name
         )),
-        (Scalar::Rotation, ..) => finding.help("a rotation has no named parts"),
-        _ if unlike => finding.help(format!("its parts are {}", listed(names_of(scalar)))),
-        _ => finding,
+        (Scalar::Rotation, ..) => diagnostic.help("a rotation has no named parts"),
+        _ if unlike => diagnostic.help(format!("its parts are {}", join_names(part_names(scalar)))),
+        _ => diagnostic,
     }
 }
 
@@ -248,18 +252,20 @@ fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
             }),
         )
     };
-    let speed = |dim: Dim| dim.over(Dim::TIME);
+    let speed = |dim: Dimension| dim.divided_by(Dimension::TIME);
     let force = || {
-        let acceleration = Dim::LENGTH.over(Dim::TIME)?.over(Dim::TIME)?;
-        Dim::base(Base::Mass).times(acceleration)
+        let acceleration = Dimension::LENGTH
+            .divided_by(Dimension::TIME)?
+            .divided_by(Dimension::TIME)?;
+        Dimension::base(BaseDim::Mass).times(acceleration)
     };
     match (scalar, field) {
-        (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dim::ONE)),
+        (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dimension::ONE)),
         (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
-        (_, "linear") => vector(speed(Dim::LENGTH)),
-        (_, "angular") => vector(speed(Dim::ANGLE)),
+        (_, "linear") => vector(speed(Dimension::LENGTH)),
+        (_, "angular") => vector(speed(Dimension::ANGLE)),
         (_, "force") => vector(force()),
-        (_, "torque") => vector(force().and_then(|force| force.times(Dim::LENGTH))),
-        _ => vector(Some(Dim::LENGTH)),
+        (_, "torque") => vector(force().and_then(|force| force.times(Dimension::LENGTH))),
+        _ => vector(Some(Dimension::LENGTH)),
     }
 }

@@ -6,20 +6,20 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::statement;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::access;
-use crate::check::exprs::access::leaves;
+use crate::check::exprs::access::leaf_count;
 use crate::check::exprs::compose;
 use crate::check::exprs::expr;
 use crate::check::exprs::indexing;
 use crate::check::exprs::proof_only;
-use crate::check::exprs::proof_only::SETS;
+use crate::check::exprs::proof_only::WHY_NO_SETS;
 use crate::check::exprs::spatial_parts;
 use crate::check::limits::nesting;
 use crate::check::types::consts;
-use crate::check::types::{FOREIGN, is_foreign};
+use crate::check::types::{UNCHECKED_TYPE_PREFIXES, is_kind2_type};
 use crate::ty::Ty;
-use crate::typed::{Each, Kind};
+use crate::typed::{ElementwiseOp, TypedExprKind};
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::Span;
 use rpi_syntax::Name;
@@ -27,7 +27,7 @@ use rpi_syntax::ast::{Access, Change, Expr, Ident, Update};
 use std::rc::Rc;
 
 /// A change of a value: path of the part, new value, and location.
-struct Part<'a> {
+struct PartUpdate<'a> {
     path: &'a [Access],
     value: ExprId,
     span: Span,
@@ -64,15 +64,15 @@ fn map_literal<'a>(cx: &mut Body<'_, 'a>, update: &'a Update, span: Span) -> Exp
         }
         expr::check_expr(cx, &change.value);
     }
-    proof_only::not_executable(cx, "a map", SETS, update.base.span);
-    cx.fault(span)
+    proof_only::not_executable(cx, "a map", WHY_NO_SETS, update.base.span);
+    cx.error_expr(span)
 }
 
 /// Checks an update `base[key := value]` of Kind 2; in a struct the key is the name of a field.
 fn keyed_update<'a>(cx: &mut Body<'_, 'a>, base: ExprId, change: &'a Change, span: Span) -> ExprId {
     let ty = cx.ty_of(base).clone();
     let field = match (&change.path[..], &ty) {
-        ([Access::Index(key)], Ty::Struct(_)) if !is_foreign(&ty, FOREIGN) => {
+        ([Access::Index(key)], Ty::Struct(_)) if !is_kind2_type(&ty, UNCHECKED_TYPE_PREFIXES) => {
             key.as_name().map(|name| Ident {
                 name: name.clone(),
                 span: key.span,
@@ -83,55 +83,65 @@ fn keyed_update<'a>(cx: &mut Body<'_, 'a>, base: ExprId, change: &'a Change, spa
     match (&change.path[..], field) {
         (_, Some(field)) => {
             let value = expr::check_expr(cx, &change.value);
-            let inside = Part {
+            let inside = PartUpdate {
                 path: &[],
                 value,
                 span,
             };
             let place = access::resolve_field(cx, &ty, &field);
             let new = place.and_then(|(at, inner)| replace_at_leaf(cx, base, at, inner, &inside));
-            new.unwrap_or_else(|| cx.fault(span))
+            new.unwrap_or_else(|| cx.error_expr(span))
         }
-        ([Access::Index(key)], None) if is_foreign(&ty, &["map<"]) => {
+        ([Access::Index(key)], None) if is_kind2_type(&ty, &["map<"]) => {
             expr::check_expr(cx, key);
             expr::check_expr(cx, &change.value);
-            cx.add(Kind::Fault, ty, span)
+            cx.add(TypedExprKind::Error, ty, span)
         }
         _ => apply_change(cx, base, change, span),
     }
 }
 
 fn apply_change<'a>(cx: &mut Body<'_, 'a>, base: ExprId, change: &'a Change, span: Span) -> ExprId {
-    let part = Part {
+    let part = PartUpdate {
         path: &change.path,
         value: expr::check_expr(cx, &change.value),
         span,
     };
     match cx.ty_of(base).is_unknown() {
-        true => cx.fault(span),
-        false => replace_at_path(cx, base, &part).unwrap_or_else(|| cx.fault(span)),
+        true => cx.error_expr(span),
+        false => replace_at_path(cx, base, &part).unwrap_or_else(|| cx.error_expr(span)),
     }
 }
 
 /// Returns a value with the part at a path replaced; `None` after a reported error.
-fn replace_at_path<'a>(cx: &mut Body<'_, 'a>, base: ExprId, part: &Part<'a>) -> Option<ExprId> {
+fn replace_at_path<'a>(
+    cx: &mut Body<'_, 'a>,
+    base: ExprId,
+    part: &PartUpdate<'a>,
+) -> Option<ExprId> {
     let ty = cx.ty_of(base).clone();
     let Some((first, rest)) = part.path.split_first() else {
-        statement::expect_type(cx, part.value, &ty, &Wanted::Here);
+        statement::expect_type(cx, part.value, &ty, &ExpectationReason::Unexplained);
         return Some(part.value);
     };
-    let inside = Part {
+    let inside = PartUpdate {
         path: rest,
         ..*part
     };
     if let (Access::Index(index), Ty::Array(element, n)) = (first, &ty) {
         let at = expr::check_expr(cx, index);
-        let is_int = statement::expect_type(cx, at, &Ty::Int, &Wanted::Here);
+        let is_int = statement::expect_type(cx, at, &Ty::Int, &ExpectationReason::Unexplained);
         return match indexing::const_int(cx, at) {
             _ if !is_int => None,
             Some(k) => {
                 let k = indexing::checked_index(cx, k, *n, index.span)?;
-                replace_at_leaf(cx, base, k * leaves(element), (**element).clone(), &inside)
+                replace_at_leaf(
+                    cx,
+                    base,
+                    k * leaf_count(element),
+                    (**element).clone(),
+                    &inside,
+                )
             }
             None => replace_at_index(cx, base, at, &inside),
         };
@@ -141,7 +151,7 @@ fn replace_at_path<'a>(cx: &mut Body<'_, 'a>, base: ExprId, part: &Part<'a>) -> 
         let k = consts::const_integer(cx, index)?;
         let k = indexing::checked_index(cx, k, count, index.span)?;
         let (before, rest) = members.split_at(k as usize);
-        let at = before.iter().map(|member| leaves(&member.ty)).sum();
+        let at = before.iter().map(|member| leaf_count(&member.ty)).sum();
         return replace_at_leaf(cx, base, at, rest.first()?.ty.clone(), &inside);
     }
     if let (Access::Field(field), Ty::Spatial(..)) = (first, &ty) {
@@ -159,20 +169,20 @@ fn replace_at_leaf<'a>(
     base: ExprId,
     at: u32,
     inner: Ty,
-    inside: &Part<'a>,
+    inside: &PartUpdate<'a>,
 ) -> Option<ExprId> {
     let ty = cx.ty_of(base).clone();
     let value = match inside.path {
         [] => {
-            statement::expect_type(cx, inside.value, &inner, &Wanted::Here);
+            statement::expect_type(cx, inside.value, &inner, &ExpectationReason::Unexplained);
             inside.value
         }
         _ => {
-            let old = cx.add(Kind::Part { base, at }, inner, inside.span);
+            let old = cx.add(TypedExprKind::Part { base, at }, inner, inside.span);
             replace_at_path(cx, old, inside)?
         }
     };
-    Some(cx.add(Kind::Replace { base, at, value }, ty, inside.span))
+    Some(cx.add(TypedExprKind::Replace { base, at, value }, ty, inside.span))
 }
 
 /// Returns an array with the element at a run-time index replaced.
@@ -180,7 +190,7 @@ fn replace_at_index<'a>(
     cx: &mut Body<'_, 'a>,
     base: ExprId,
     at: ExprId,
-    inside: &Part<'a>,
+    inside: &PartUpdate<'a>,
 ) -> Option<ExprId> {
     let span = inside.span;
     let Ty::Array(element, n) = cx.ty_of(base).clone() else {
@@ -191,33 +201,37 @@ fn replace_at_index<'a>(
     let numbers: Vec<ExprId> = (0..n).map(|k| index_literal(cx, k, span)).collect();
     let all = compose::add_array(
         cx,
-        Kind::Build(numbers.clone().into()),
+        TypedExprKind::Build(numbers.clone().into()),
         Rc::new(Ty::Int),
         n,
         span,
     );
     let index = cx.add(
-        Kind::Select {
+        TypedExprKind::Select {
             base: all,
             index: at,
         },
         Ty::Int,
         span,
     );
-    let old = cx.add(Kind::Select { base, index }, (*element).clone(), span);
+    let old = cx.add(
+        TypedExprKind::Select { base, index },
+        (*element).clone(),
+        span,
+    );
     let new = replace_at_path(cx, old, inside)?;
     let mut elements = Vec::with_capacity(numbers.len());
     for (k, number) in (0..n).zip(numbers) {
         if !nesting::may_expand(cx, span) {
             return None;
         }
-        let at = k * leaves(&element);
-        let old = cx.add(Kind::Part { base, at }, (*element).clone(), span);
+        let at = k * leaf_count(&element);
+        let old = cx.add(TypedExprKind::Part { base, at }, (*element).clone(), span);
         elements.push(select_if_equal(cx, [index, number], [old, new], span));
     }
     Some(compose::add_array(
         cx,
-        Kind::Build(elements.into()),
+        TypedExprKind::Build(elements.into()),
         element,
         n,
         span,
@@ -233,15 +247,25 @@ fn select_if_equal(
     span: Span,
 ) -> ExprId {
     let negated = false;
-    let is_it = cx.add(Kind::Equal { operands, negated }, Ty::Bool, span);
+    let is_it = cx.add(TypedExprKind::Equal { operands, negated }, Ty::Bool, span);
     let [one, zero] = [1, 0].map(|k| index_literal(cx, k, span));
-    let which = Kind::Each(Each::If, [is_it, one, zero].into());
+    let which = TypedExprKind::Each(ElementwiseOp::If, [is_it, one, zero].into());
     let index = cx.add(which, Ty::Int, span);
     let ty = cx.ty_of(values[0]).clone();
-    let base = compose::add_array(cx, Kind::Build(values.into()), Rc::new(ty.clone()), 2, span);
-    cx.add(Kind::Select { base, index }, ty, span)
+    let base = compose::add_array(
+        cx,
+        TypedExprKind::Build(values.into()),
+        Rc::new(ty.clone()),
+        2,
+        span,
+    );
+    cx.add(TypedExprKind::Select { base, index }, ty, span)
 }
 
 fn index_literal(cx: &mut Body<'_, '_>, k: u32, span: Span) -> ExprId {
-    cx.add(Kind::Literal(Leaf::int(i64::from(k))), Ty::Int, span)
+    cx.add(
+        TypedExprKind::Literal(Leaf::int(i64::from(k))),
+        Ty::Int,
+        span,
+    )
 }

@@ -6,33 +6,33 @@ use crate::check::bodies::body::Body;
 use crate::program::Program;
 use crate::ty::{Member, Ty};
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 
 /// Maximum nesting of expressions and declarations at which another declaration is still checked. The parser limits the
 /// nesting within one expression.
 const MAX_NESTING: u32 = 420;
 
 /// Maximum length of a chain of aliases.
-const MAX_NAMES: usize = 64;
+const MAX_ALIAS_CHAIN: usize = 64;
 
 /// Maximum nesting of structs and arrays in a type.
-const MAX_LEVELS: u32 = 420;
+const MAX_TYPE_DEPTH: u32 = 420;
 
 /// Maximum number of parts of a struct, over all levels.
-const MAX_PARTS: usize = crate::check::types::MAX_LEAVES;
+const MAX_STRUCT_PARTS: usize = crate::check::types::MAX_LEAVES;
 
 /// Maximum number of expressions and flows of all units, in addition to the share that grows with the source text.
-const MAX_WRITTEN_OUT: usize = 320_000;
+const MAX_EXPANDED_SIZE: usize = 320_000;
 
 /// Number of expressions allowed for each byte of source text.
-const PER_BYTE: usize = 4;
+const EXPRS_PER_BYTE: usize = 4;
 
 /// Number of leaves of constants that count as one expression.
-const LEAVES: usize = 4;
+const LEAVES_PER_EXPR: usize = 4;
 
 /// Returns the maximum number of expressions and flows of all units of a program.
-pub(crate) fn most(program: &Program<'_>) -> usize {
-    MAX_WRITTEN_OUT + PER_BYTE * program.length()
+pub(crate) fn max_expanded_size(program: &Program<'_>) -> usize {
+    MAX_EXPANDED_SIZE + EXPRS_PER_BYTE * program.text_len()
 }
 
 /// Whether another element or instance may be expanded; reports the limit once if not.
@@ -47,7 +47,7 @@ pub(crate) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
 
 /// Whether a constant with these leaves may be stored; reports the limit once if not.
 pub(crate) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], span: Span) -> bool {
-    checker.limits.expanded_size += leaves.len() / LEAVES;
+    checker.limits.expanded_size += leaves.len() / LEAVES_PER_EXPR;
     let may = checker.limits.expanded_size < checker.limits.max_expanded_size;
     if !may {
         program_too_large(checker, span);
@@ -62,8 +62,8 @@ pub(crate) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
     }
     let most = checker.limits.max_expanded_size;
     let message = format!("program too large: more than {most} expressions after expansion");
-    let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
-    checker.findings.push(finding.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
+    let diagnostic = Diagnostic::new(Code::RPI1011, message).primary(span, "limit exceeded here");
+    checker.diagnostics.push(diagnostic.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
 }
 
 /// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
@@ -73,17 +73,22 @@ pub(crate) fn may_nest(checker: &mut Checker<'_>, what: &str, span: Span) -> boo
 
 /// Whether another alias may be resolved; reports the limit once if not.
 pub(crate) fn may_alias(checker: &mut Checker<'_>, span: Span) -> bool {
-    check_nesting_limit(checker, checker.aliases.len() < MAX_NAMES, "node", span)
+    check_nesting_limit(
+        checker,
+        checker.aliases.len() < MAX_ALIAS_CHAIN,
+        "node",
+        span,
+    )
 }
 
 fn check_nesting_limit(checker: &mut Checker<'_>, may: bool, what: &str, span: Span) -> bool {
     if !may && !std::mem::replace(&mut checker.limits.nesting_reported, true) {
-        checker.findings.push(
-            Finding::new(
+        checker.diagnostics.push(
+            Diagnostic::new(
                 Code::RPI1011,
                 format!("the chain of declarations that this {what} depends on is too long"),
             )
-            .at(span, "end of the chain")
+            .primary(span, "end of the chain")
             .help("declare each name before its use, or shorten the chain"),
         );
     }
@@ -102,24 +107,24 @@ pub(crate) fn check_nested<'a, T>(
 }
 
 /// Whether a struct with these fields is within the size limits.
-pub(crate) fn is_workable(fields: &[Member]) -> bool {
-    sum(fields, MAX_LEVELS, MAX_PARTS).is_some()
+pub(crate) fn is_within_size_limits(fields: &[Member]) -> bool {
+    total_part_count(fields, MAX_TYPE_DEPTH, MAX_STRUCT_PARTS).is_some()
 }
 
 /// Returns the number of parts of a type, itself included; `None` above `most` parts or `levels` levels. Counting stops
 /// at the limit.
-fn parts(ty: &Ty, levels: u32, most: usize) -> Option<usize> {
+fn part_count(ty: &Ty, levels: u32, most: usize) -> Option<usize> {
     let below = levels.checked_sub(1)?;
     let count = match ty {
-        Ty::Array(element, n) => parts(element, below, most)?.checked_mul(*n as usize)?,
-        Ty::Struct(_) | Ty::Tuple(_) => sum(ty.members(), below, most)?,
+        Ty::Array(element, n) => part_count(element, below, most)?.checked_mul(*n as usize)?,
+        Ty::Struct(_) | Ty::Tuple(_) => total_part_count(ty.members(), below, most)?,
         _ => 0,
     };
     Some(count + 1).filter(|count| *count <= most)
 }
 
-fn sum(members: &[Member], levels: u32, most: usize) -> Option<usize> {
+fn total_part_count(members: &[Member], levels: u32, most: usize) -> Option<usize> {
     members.iter().try_fold(0usize, |sum, member| {
-        Some(sum + parts(&member.ty, levels, most - sum)?)
+        Some(sum + part_count(&member.ty, levels, most - sum)?)
     })
 }

@@ -3,46 +3,46 @@
 //! A recursion over static parameters has a unit for each choice of static arguments, and so no dependency cycle of
 //! units.
 
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{Unit, UnitId, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 
 /// A call from one unit to another, or a step of a task.
 #[derive(Clone, Copy)]
-struct Step {
+struct CallEdge {
     to: UnitId,
     span: Span,
 }
 
 /// Returns a diagnostic for each unit that calls itself, and for each dependency cycle of calls.
-pub(crate) fn check(units: &[Unit]) -> Vec<Finding> {
-    let calls: Vec<Vec<Step>> = units.iter().map(steps).collect();
-    let mut findings = Vec::new();
+pub(crate) fn check(units: &[Unit]) -> Vec<Diagnostic> {
+    let calls: Vec<Vec<CallEdge>> = units.iter().map(call_edges).collect();
+    let mut diagnostics = Vec::new();
     let mut told = vec![false; units.len()];
-    for start in leftovers(&calls) {
+    for start in cyclic_units(&calls) {
         if told[start] {
             continue;
         }
-        let ring = ring_through(&calls, start);
+        let ring = shortest_cycle(&calls, start);
         for step in &ring {
             told[step.to.0 as usize] = true;
         }
         if !ring.is_empty() {
-            findings.push(finding(units, start, &ring));
+            diagnostics.push(recursion_diagnostic(units, start, &ring));
         }
     }
-    findings
+    diagnostics
 }
 
-fn steps(unit: &Unit) -> Vec<Step> {
+fn call_edges(unit: &Unit) -> Vec<CallEdge> {
     let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
-        Kind::Call(call) => Some(Step {
+        TypedExprKind::Call(call) => Some(CallEdge {
             to: call.unit,
             span: expr.span,
         }),
         _ => None,
     });
-    let run = unit.steps.iter().map(|step| Step {
+    let run = unit.steps.iter().map(|step| CallEdge {
         to: step.unit,
         span: step.span,
     });
@@ -51,7 +51,7 @@ fn steps(unit: &Unit) -> Vec<Step> {
 
 /// Returns the units on dependency cycles of calls and those that lead to one: units without calls to remaining units
 /// are removed repeatedly, as in Kahn's topological sort.
-fn leftovers(calls: &[Vec<Step>]) -> Vec<usize> {
+fn cyclic_units(calls: &[Vec<CallEdge>]) -> Vec<usize> {
     let mut open: Vec<usize> = calls.iter().map(Vec::len).collect();
     let mut callers: Vec<Vec<usize>> = vec![Vec::new(); calls.len()];
     for (from, steps) in calls.iter().enumerate() {
@@ -72,8 +72,8 @@ fn leftovers(calls: &[Vec<Step>]) -> Vec<usize> {
 }
 
 /// Returns the shortest path of calls from a unit back to itself, by breadth-first search; empty if there is none.
-fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
-    let mut reached: Vec<Option<(usize, Step)>> = vec![None; calls.len()];
+fn shortest_cycle(calls: &[Vec<CallEdge>], start: usize) -> Vec<CallEdge> {
+    let mut reached: Vec<Option<(usize, CallEdge)>> = vec![None; calls.len()];
     let mut queue = std::collections::VecDeque::from([start]);
     while let Some(from) = queue.pop_front() {
         for step in &calls[from] {
@@ -100,37 +100,37 @@ fn ring_through(calls: &[Vec<Step>], start: usize) -> Vec<Step> {
     ring
 }
 
-const CALLS: &str = "calls are inlined: use `pre` to iterate over cycles, or a recursion over static parameters that ends by `with` to iterate over sizes";
+const CALL_HELP: &str = "calls are inlined: use `pre` to iterate over cycles, or a recursion over static parameters that ends by `with` to iterate over sizes";
 
-const TASKS: &str = "tasks are inlined: use `repeat let ... tel` to repeat steps without end, or `on r then step` to go back to a step";
+const TASK_HELP: &str = "tasks are inlined: use `repeat let ... tel` to repeat steps without end, or `on r then step` to go back to a step";
 
 /// Maximum number of calls shown in a diagnostic.
-const SHOWN: usize = 20;
+const MAX_SHOWN_CALLS: usize = 20;
 
-fn finding(units: &[Unit], start: usize, ring: &[Step]) -> Finding {
-    let name = |step: &Step| units[step.to.0 as usize].name.clone();
+fn recursion_diagnostic(units: &[Unit], start: usize, ring: &[CallEdge]) -> Diagnostic {
+    let name = |step: &CallEdge| units[step.to.0 as usize].name.clone();
     let first = units[start].name.clone();
     let message = match ring {
         [_] => format!("`{first}` calls itself"),
         _ => {
             let way: Vec<String> = ring
                 .iter()
-                .take(SHOWN)
+                .take(MAX_SHOWN_CALLS)
                 .map(|step| format!("`{}`", name(step)))
                 .collect();
             format!("`{first}` calls itself: `{first}` -> {}", way.join(" -> "))
         }
     };
-    let mut finding = Finding::new(Code::RPI1011, message).help(match units[start].kind {
-        UnitKind::Task => TASKS,
-        _ => CALLS,
+    let mut diagnostic = Diagnostic::new(Code::RPI1011, message).help(match units[start].kind {
+        UnitKind::Task => TASK_HELP,
+        _ => CALL_HELP,
     });
-    for (k, step) in ring.iter().take(SHOWN).enumerate() {
+    for (k, step) in ring.iter().take(MAX_SHOWN_CALLS).enumerate() {
         let text = format!("`{}` is called here", name(step));
-        finding = match k {
-            0 => finding.at(step.span, text),
-            _ => finding.also(step.span, text),
+        diagnostic = match k {
+            0 => diagnostic.primary(step.span, text),
+            _ => diagnostic.secondary(step.span, text),
         };
     }
-    finding
+    diagnostic
 }

@@ -4,39 +4,39 @@
 use crate::check::Checker;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
-use crate::check::calls::callable::Fixed;
+use crate::check::calls::callable::FixedPortValue;
 use crate::check::calls::callee;
 use crate::check::exprs::names;
 use crate::check::signatures::header;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::header::Port;
-use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_args::missing;
+use crate::check::signatures::static_args::StaticBindings;
+use crate::check::signatures::static_args::missing_static_args;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::check::signatures::unit;
-use crate::check::types::PortTy;
+use crate::check::types::DeclaredType;
 use crate::check::types::type_decls;
 use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::typed::Activation;
-use crate::typed::{ClockOn, Equation, FlowId, FlowRole, Place, Target};
+use crate::typed::{DeclaredClock, Equation, FlowId, FlowRole, Target, TargetPlace};
 use rpi_diag::{Severity, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
 use std::rc::Rc;
 
 /// Ports of a callable.
-pub(crate) struct Ports {
-    pub(crate) inputs: Vec<Named>,
-    pub(crate) outputs: Vec<Named>,
+pub(crate) struct PortSignatures {
+    pub(crate) inputs: Vec<PortSignature>,
+    pub(crate) outputs: Vec<PortSignature>,
 }
 
 /// Port of a callable, without its role and default.
-pub(crate) struct Named {
+pub(crate) struct PortSignature {
     pub(crate) name: Name,
     pub(crate) ty: Ty,
     /// Port that decides the clock, and the value for which this port is present.
@@ -45,9 +45,9 @@ pub(crate) struct Named {
     span: Span,
 }
 
-impl Named {
-    fn new(name: String, ty: Ty, span: Span) -> Named {
-        Named {
+impl PortSignature {
+    fn new(name: String, ty: Ty, span: Span) -> PortSignature {
+        PortSignature {
             name: name.into(),
             ty,
             clock: None,
@@ -57,9 +57,9 @@ impl Named {
     }
 }
 
-impl From<&Port> for Named {
-    fn from(port: &Port) -> Named {
-        Named {
+impl From<&Port> for PortSignature {
+    fn from(port: &Port) -> PortSignature {
+        PortSignature {
             name: port.name.clone(),
             ty: port.ty.clone(),
             clock: port.clock.clone(),
@@ -74,19 +74,19 @@ impl From<&Port> for Named {
 pub(crate) fn header_with_open_statics(
     checker: &mut Checker<'_>,
     id: DeclId,
-    statics: Rc<Statics>,
+    statics: Rc<StaticBindings>,
     open: &[Name],
     span: Span,
 ) -> Option<Rc<Header>> {
-    let before = checker.findings.len();
+    let before = checker.diagnostics.len();
     let header = header::check_header(checker, id, statics);
     if open.is_empty() {
         return header;
     }
-    let sound = !checker.findings[before..]
+    let sound = !checker.diagnostics[before..]
         .iter()
-        .any(|finding| finding.severity() == Severity::Error);
-    checker.findings.truncate(before);
+        .any(|diagnostic| diagnostic.severity() == Severity::Error);
+    checker.diagnostics.truncate(before);
     let header = header.filter(|_| sound)?;
     let ports = header.inputs.iter().enumerate();
     let lacking = ports.filter(|(_, port)| open.contains(&port.name));
@@ -128,12 +128,12 @@ pub(crate) fn declare_alias_ports<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee)
     copy_clocks(cx, &ports);
 }
 
-fn declare_port_like(cx: &mut Body<'_, '_>, port: &Named, role: FlowRole) -> FlowId {
+fn declare_port_like(cx: &mut Body<'_, '_>, port: &PortSignature, role: FlowRole) -> FlowId {
     let name = Ident {
         name: port.name.clone(),
         span: port.span,
     };
-    let ty = PortTy {
+    let ty = DeclaredType {
         ty: port.ty.clone(),
         optional: port.optional,
     };
@@ -141,7 +141,7 @@ fn declare_port_like(cx: &mut Body<'_, '_>, port: &Named, role: FlowRole) -> Flo
 }
 
 /// Gives the declared flows the clocks of the target's ports.
-fn copy_clocks(cx: &mut Body<'_, '_>, ports: &Ports) {
+fn copy_clocks(cx: &mut Body<'_, '_>, ports: &PortSignatures) {
     let flows = cx.unit.inputs.iter().chain(&cx.unit.outputs);
     let flows: Vec<FlowId> = flows.copied().collect();
     for (flow, port) in flows.iter().zip(ports.inputs.iter().chain(&ports.outputs)) {
@@ -152,7 +152,7 @@ fn copy_clocks(cx: &mut Body<'_, '_>, ports: &Ports) {
         if let Some(deciding) = flows.iter().find(is_called).copied() {
             let value = *value;
             cx.unit.has_clocks = true;
-            cx.unit.flows[flow.0 as usize].clock = Some(ClockOn {
+            cx.unit.flows[flow.0 as usize].clock = Some(DeclaredClock {
                 flow: deciding,
                 value,
             });
@@ -165,20 +165,20 @@ pub(crate) fn callable_ports(
     cx: &mut Body<'_, '_>,
     callable: &Callable,
     span: Span,
-) -> Option<Ports> {
+) -> Option<PortSignatures> {
     match callable {
         Callable::Unit(id, statics, fixed) => unit_ports(cx, *id, statics, fixed, span),
-        Callable::Predef(predef) => {
+        Callable::Predefined(predef) => {
             let (takes, gives) = predef.signature()?;
             let inputs = takes.into_iter().zip(1..);
-            let inputs = inputs.map(|(ty, k)| Named::new(format!("i{k}"), ty, span));
-            Some(Ports {
+            let inputs = inputs.map(|(ty, k)| PortSignature::new(format!("i{k}"), ty, span));
+            Some(PortSignatures {
                 inputs: inputs.collect(),
-                outputs: vec![Named::new("out".to_owned(), gives, span)],
+                outputs: vec![PortSignature::new("out".to_owned(), gives, span)],
             })
         }
         Callable::Iteration(iteration) => {
-            let mut ports = callable_ports(cx, iteration.callee()?, span)?;
+            let mut ports = callable_ports(cx, iteration.resolve_callee()?, span)?;
             for ports in [&mut ports.inputs, &mut ports.outputs] {
                 for (place, port) in ports.iter_mut().enumerate() {
                     port.ty = iteration.port_type(place, &port.ty);
@@ -186,29 +186,29 @@ pub(crate) fn callable_ports(
             }
             Some(ports)
         }
-        Callable::Open(header) => Some(Ports {
-            inputs: header.inputs.iter().map(Named::from).collect(),
-            outputs: header.outputs.iter().map(Named::from).collect(),
+        Callable::NodeParam(header) => Some(PortSignatures {
+            inputs: header.inputs.iter().map(PortSignature::from).collect(),
+            outputs: header.outputs.iter().map(PortSignature::from).collect(),
         }),
-        Callable::Prim(_) | Callable::Op(_) | Callable::Special(_) => None,
+        Callable::Prim(_) | Callable::Op(_) | Callable::Intrinsic(_) => None,
     }
 }
 
 fn unit_ports(
     cx: &mut Body<'_, '_>,
     id: DeclId,
-    statics: &Statics,
-    fixed: &[(Name, Fixed)],
+    statics: &StaticBindings,
+    fixed: &[(Name, FixedPortValue)],
     span: Span,
-) -> Option<Ports> {
+) -> Option<PortSignatures> {
     let mut statics = statics.clone();
     let is_fixed = |name: &Name| fixed.iter().any(|(fixed, _)| fixed == name);
     let mut open = static_params::add_default_statics(cx.checker, id, &mut statics);
     open.retain(|name| !is_fixed(name));
-    let params = static_params::static_params_of(cx.checker, id);
+    let params = static_params::static_params_of_decl(cx.checker, id);
     let is_type = |name: &Name| {
         let mut params = params.iter();
-        params.any(|param| matches!(param, Param::Type(..)) && param.name().name == *name)
+        params.any(|param| matches!(param, StaticParamDecl::Type(..)) && param.name().name == *name)
     };
     if open.iter().any(is_type) {
         // The types are inferred from the arguments of a call.
@@ -217,19 +217,20 @@ fn unit_ports(
     let header = header_with_open_statics(cx.checker, id, Rc::new(statics), &open, span);
     let Some(header) = header else {
         let decl = cx.checker.program.decl(id);
-        let finding = missing(&decl.name, &open, span, decl.span);
-        cx.findings.extend((!open.is_empty()).then_some(finding));
+        let diagnostic = missing_static_args(&decl.name, &open, span, decl.span);
+        cx.diagnostics
+            .extend((!open.is_empty()).then_some(diagnostic));
         return None;
     };
     let is_given = |port: &&Port| !is_fixed(&port.name) && !open.contains(&port.name);
-    Some(Ports {
+    Some(PortSignatures {
         inputs: header
             .inputs
             .iter()
             .filter(is_given)
-            .map(Named::from)
+            .map(PortSignature::from)
             .collect(),
-        outputs: header.outputs.iter().map(Named::from).collect(),
+        outputs: header.outputs.iter().map(PortSignature::from).collect(),
     })
 }
 
@@ -241,11 +242,11 @@ pub(crate) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
         return;
     };
     let args = cx.unit.inputs.clone().into_iter();
-    let given = args.map(|flow| Given::plain(names::flow_expr(cx, flow, span)));
+    let given = args.map(|flow| CallArgument::positional(names::flow_expr(cx, flow, span)));
     let given = given.collect();
     let value = call::call_callable(cx, &callable, given, Activation::Always, span);
     let targets = cx.unit.outputs.iter().map(|id| Target {
-        place: Place::Flow { flow: *id, at: 0 },
+        place: TargetPlace::Flow { flow: *id, at: 0 },
         ty: cx.unit.flow(*id).ty.clone(),
         span,
     });
@@ -254,5 +255,5 @@ pub(crate) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
         value,
         span,
     };
-    cx.current().equations.push(equation);
+    cx.current_block().equations.push(equation);
 }

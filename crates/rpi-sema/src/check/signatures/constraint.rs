@@ -6,14 +6,14 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::program::DeclId;
 use crate::ty::{StructTy, Ty};
-use crate::units::Dim;
-use rpi_diag::{Code, Finding, Span};
+use crate::units::Dimension;
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
@@ -26,72 +26,75 @@ pub(crate) enum Constraint {
     /// `int`, `time` and `real` of any unit.
     Number,
     /// `int` and `real` without a unit. Unlike `Number`, this set is closed under products.
-    Plain,
+    Dimensionless,
     /// `real` of any unit.
     Real,
 }
 
 /// Constraints that can be written, largest set of types first.
-pub(crate) const CONSTRAINTS: [Constraint; 3] =
-    [Constraint::Number, Constraint::Real, Constraint::Plain];
+pub(crate) const CONSTRAINTS: [Constraint; 3] = [
+    Constraint::Number,
+    Constraint::Real,
+    Constraint::Dimensionless,
+];
 
 /// Returns the keyword of each constraint and a description of its types, for editors and documentation.
 pub(crate) fn constraints() -> impl Iterator<Item = (&'static str, &'static str)> {
     let all = CONSTRAINTS.into_iter();
-    all.map(|constraint| (constraint.word(), constraint.described()))
+    all.map(|constraint| (constraint.keyword(), constraint.description()))
 }
 
 impl Constraint {
-    fn of(word: &str) -> Option<Constraint> {
-        CONSTRAINTS.into_iter().find(|one| one.word() == word)
+    fn from_keyword(word: &str) -> Option<Constraint> {
+        CONSTRAINTS.into_iter().find(|one| one.keyword() == word)
     }
 
     /// Returns the keyword; empty for `Any`.
-    pub(crate) fn word(self) -> &'static str {
+    pub(crate) fn keyword(self) -> &'static str {
         match self {
             Constraint::Any => "",
             Constraint::Number => "number",
-            Constraint::Plain => "plain",
+            Constraint::Dimensionless => "plain",
             Constraint::Real => "real",
         }
     }
 
     /// Returns a description of the allowed types, for messages.
-    pub(crate) fn described(self) -> &'static str {
+    pub(crate) fn description(self) -> &'static str {
         match self {
             Constraint::Any => "any type",
             Constraint::Number => "`int`, `time`, or `real` of any unit",
-            Constraint::Plain => "`int`, or `real` without unit",
+            Constraint::Dimensionless => "`int`, or `real` without unit",
             Constraint::Real => "`real` of any unit",
         }
     }
 
     /// Whether the constraint allows a type.
-    pub(crate) fn admits(self, ty: &Ty) -> bool {
+    pub(crate) fn allows(self, ty: &Ty) -> bool {
         match (self, ty) {
             (Constraint::Any, _) | (_, Ty::Unknown | Ty::Generic(_)) => true,
-            (Constraint::Number | Constraint::Plain, Ty::Int) => true,
+            (Constraint::Number | Constraint::Dimensionless, Ty::Int) => true,
             (Constraint::Number, Ty::Duration) => true,
             (Constraint::Number | Constraint::Real, Ty::Real(_)) => true,
-            (Constraint::Plain, Ty::Real(dim)) => dim.is_plain(),
+            (Constraint::Dimensionless, Ty::Real(dim)) => dim.is_dimensionless(),
             _ => false,
         }
     }
 
     /// Returns sample types: a body that is correct for these is correct for all allowed types. Reals have the free
     /// unit `unit`.
-    pub(crate) fn samples(self, name: &Name, unit: Dim) -> Vec<Ty> {
+    pub(crate) fn sample_types(self, name: &Name, unit: Dimension) -> Vec<Ty> {
         match self {
-            Constraint::Any => vec![nothing_known(name)],
+            Constraint::Any => vec![opaque_type(name)],
             Constraint::Number => vec![Ty::Real(unit), Ty::Int],
-            Constraint::Plain => vec![Ty::REAL, Ty::Int],
+            Constraint::Dimensionless => vec![Ty::REAL, Ty::Int],
             Constraint::Real => vec![Ty::Real(unit)],
         }
     }
 }
 
 /// Returns an opaque type with this name.
-pub(crate) fn nothing_known(name: &Name) -> Ty {
+pub(crate) fn opaque_type(name: &Name) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.clone(),
         fields: Vec::new(),
@@ -100,49 +103,49 @@ pub(crate) fn nothing_known(name: &Name) -> Ty {
 }
 
 /// Returns the written constraint; `Any` without one or after an error.
-pub(crate) fn written(constraint: Option<&Ident>) -> Constraint {
-    let known = constraint.and_then(|ident| Constraint::of(&ident.name));
+pub(crate) fn parse_constraint(constraint: Option<&Ident>) -> Constraint {
+    let known = constraint.and_then(|ident| Constraint::from_keyword(&ident.name));
     known.unwrap_or(Constraint::Any)
 }
 
 /// Returns the diagnostic for an unknown constraint; `None` for a known one.
-pub(crate) fn unknown(constraint: &Ident) -> Option<Finding> {
+pub(crate) fn unknown_constraint(constraint: &Ident) -> Option<Diagnostic> {
     let word = &constraint.name;
-    if Constraint::of(word).is_some() {
+    if Constraint::from_keyword(word).is_some() {
         return None;
     }
-    let words = CONSTRAINTS.map(Constraint::word);
+    let words = CONSTRAINTS.map(Constraint::keyword);
     let near = rpi_diag::suggest(word, words.into_iter());
-    let finding = Finding::new(Code::RPI1001, format!("undefined constraint `{word}`"))
-        .at(constraint.span, "not a constraint");
-    let finding = match near.is_none() {
-        true => finding.help("use `number`, `real` or `plain`, or no constraint"),
-        false => finding,
+    let diagnostic = Diagnostic::new(Code::RPI1001, format!("undefined constraint `{word}`"))
+        .primary(constraint.span, "not a constraint");
+    let diagnostic = match near.is_none() {
+        true => diagnostic.help("use `number`, `real` or `plain`, or no constraint"),
+        false => diagnostic,
     };
-    Some(finding.did_you_mean(constraint.span, near))
+    Some(diagnostic.did_you_mean(constraint.span, near))
 }
 
 /// Whether the static arguments of a callable satisfy its constraints; reports the first violation.
 pub(crate) fn check_constraints(
     cx: &mut Body<'_, '_>,
     id: DeclId,
-    statics: &Statics,
+    statics: &StaticBindings,
     span: Span,
 ) -> bool {
-    for param in static_params::static_params_of(cx.checker, id) {
-        let Param::Type(name, Some(constraint)) = param else {
+    for param in static_params::static_params_of_decl(cx.checker, id) {
+        let StaticParamDecl::Type(name, Some(constraint)) = param else {
             continue;
         };
-        let wanted = written(Some(constraint));
-        let Some(Static::Ty(ty)) = statics.get(&name.name) else {
+        let wanted = parse_constraint(Some(constraint));
+        let Some(StaticBinding::Type(ty)) = statics.get(&name.name) else {
             continue;
         };
-        if !wanted.admits(ty) {
+        if !wanted.allows(ty) {
             let of = cx.checker.program.decl(id).name.clone();
-            let finding = violated(&of, name, wanted, ty);
-            let finding = finding.at(span, format!("`{}` is `{ty}` here", name.name));
-            let declared = format!("`{}` is {}", name.name, wanted.described());
-            report::report_diagnostic(cx, finding.also(constraint.span, declared));
+            let diagnostic = constraint_violation(&of, name, wanted, ty);
+            let diagnostic = diagnostic.primary(span, format!("`{}` is `{ty}` here", name.name));
+            let declared = format!("`{}` is {}", name.name, wanted.description());
+            report::report_diagnostic(cx, diagnostic.secondary(constraint.span, declared));
             return false;
         }
     }
@@ -150,18 +153,18 @@ pub(crate) fn check_constraints(
 }
 
 /// Returns the diagnostic for a type that violates a constraint.
-fn violated(of: &Name, name: &Ident, wanted: Constraint, ty: &Ty) -> Finding {
+fn constraint_violation(of: &Name, name: &Ident, wanted: Constraint, ty: &Ty) -> Diagnostic {
     let message = format!("`{of}` is not defined for values of type `{ty}`");
-    let finding = Finding::new(Code::RPI2019, message);
+    let diagnostic = Diagnostic::new(Code::RPI2019, message);
     match (wanted, ty) {
-        (Constraint::Real, Ty::Int) => finding.help("convert the arguments: `real n`"),
-        (Constraint::Plain, Ty::Real(dim)) => finding.help(format!(
+        (Constraint::Real, Ty::Int) => diagnostic.help("convert the arguments: `real n`"),
+        (Constraint::Dimensionless, Ty::Real(dim)) => diagnostic.help(format!(
             "divide by a quantity in `{dim}` to get a plain number"
         )),
-        _ => finding.help(format!(
+        _ => diagnostic.help(format!(
             "pass values for which `{}` is {}",
             name.name,
-            wanted.described()
+            wanted.description()
         )),
     }
 }

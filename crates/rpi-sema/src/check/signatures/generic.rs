@@ -8,25 +8,25 @@
 use crate::check::Checker;
 use crate::check::signatures::constraint::CONSTRAINTS;
 use crate::check::signatures::constraint::Constraint;
-use crate::check::signatures::constraint::unknown;
-use crate::check::signatures::constraint::written;
+use crate::check::signatures::constraint::parse_constraint;
+use crate::check::signatures::constraint::unknown_constraint;
 use crate::check::signatures::header;
 use crate::check::signatures::sample_check;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::check::signatures::unit;
-use crate::hash::Set;
+use crate::hash::FastSet;
 use crate::program::DeclId;
 use crate::ty::Ty;
-use crate::units::{Dim, FREE};
-use rpi_diag::{Edit, Finding, Fix, Severity, Span};
+use crate::units::{Dimension, FREE_COUNT};
+use rpi_diag::{Diagnostic, Edit, Fix, Severity, Span};
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
 /// Maximum number of combinations of sample types for one declaration.
-const MOST_ROUNDS: usize = 16;
+const MAX_COMBINATIONS: usize = 16;
 
 /// Type parameter with its constraint.
 #[derive(Clone, Copy)]
@@ -34,28 +34,30 @@ struct TypeParam<'a> {
     name: &'a Ident,
     constraint: Constraint,
     /// Constraint in the source text, if there is one.
-    written: Option<&'a Ident>,
+    constraint_ident: Option<&'a Ident>,
     /// Index of its free unit; `None` if the free units of this round are used by other parameters.
-    unit: Option<usize>,
+    free_unit: Option<usize>,
 }
 
 /// Errors in a body, at most one for each location.
-struct Found {
-    errors: Vec<Finding>,
-    places: Set<Span>,
+struct SampleErrors {
+    errors: Vec<Diagnostic>,
+    locations: FastSet<Span>,
 }
 
 /// Checks the generic declarations of the first module for all types allowed by their constraints.
 pub(crate) fn check_generics(checker: &mut Checker<'_>) {
     for id in checker.program.root().decls.clone() {
         let params = type_params_of(checker, id);
-        let unknown = params.iter().filter_map(|param| unknown(param.written?));
-        let unknown: Vec<Finding> = unknown.collect();
+        let unknown = params
+            .iter()
+            .filter_map(|param| unknown_constraint(param.constraint_ident?));
+        let unknown: Vec<Diagnostic> = unknown.collect();
         let is_checked = unknown.is_empty() && !params.is_empty() && !checker.is_lustre(id);
         if !unknown.is_empty() {
             checker.instances.erroneous_generics.insert(id);
         }
-        checker.findings.extend(unknown);
+        checker.diagnostics.extend(unknown);
         if !is_checked {
             continue;
         }
@@ -67,43 +69,45 @@ pub(crate) fn check_generics(checker: &mut Checker<'_>) {
         if !told.is_empty() {
             checker.instances.erroneous_generics.insert(id);
         }
-        checker.findings.extend(told);
+        checker.diagnostics.extend(told);
     }
 }
 
 /// Returns the type parameters of a declaration.
 fn type_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<TypeParam<'a>> {
-    let types = static_params::static_params_of(checker, id)
+    let types = static_params::static_params_of_decl(checker, id)
         .into_iter()
         .filter_map(|param| match param {
-            Param::Type(name, constraint) => Some((name, constraint)),
+            StaticParamDecl::Type(name, constraint) => Some((name, constraint)),
             _ => None,
         });
     let param = |(place, (name, constraint)): (usize, (&'a Ident, Option<&'a Ident>))| TypeParam {
         name,
-        constraint: written(constraint),
-        written: constraint,
-        unit: Some(place),
+        constraint: parse_constraint(constraint),
+        constraint_ident: constraint,
+        free_unit: Some(place),
     };
     types.enumerate().map(param).collect()
 }
 
 /// Returns the errors of a body for all combinations of sample types.
-fn errors_for<'a>(checker: &mut Checker<'a>, id: DeclId, params: &[TypeParam<'a>]) -> Found {
-    let mut found = Found {
+fn errors_for<'a>(checker: &mut Checker<'a>, id: DeclId, params: &[TypeParam<'a>]) -> SampleErrors {
+    let mut found = SampleErrors {
         errors: Vec::new(),
-        places: Set::default(),
+        locations: FastSet::default(),
     };
     // There are only `FREE` free units, so that more parameters take several rounds.
-    for first in (0..params.len()).step_by(FREE) {
+    for first in (0..params.len()).step_by(FREE_COUNT) {
         let mut params = params.to_vec();
         for param in &mut params {
-            let own = param.unit.filter(|at| (first..first + FREE).contains(at));
-            param.unit = own.map(|at| at - first);
+            let own = param
+                .free_unit
+                .filter(|at| (first..first + FREE_COUNT).contains(at));
+            param.free_unit = own.map(|at| at - first);
         }
-        for types in choices(&params) {
+        for types in sample_combinations(&params) {
             let errors = errors_for_types(checker, id, &params, &types);
-            let is_new = |error: &Finding| found.places.insert(error.span());
+            let is_new = |error: &Diagnostic| found.locations.insert(error.span());
             found.errors.extend(errors.into_iter().filter(is_new));
         }
     }
@@ -116,19 +120,19 @@ fn errors_for_types<'a>(
     id: DeclId,
     params: &[TypeParam<'a>],
     types: &[Ty],
-) -> Vec<Finding> {
+) -> Vec<Diagnostic> {
     let mut statics = sample_check::unknown_statics(checker, id);
     for (param, ty) in params.iter().zip(types) {
         let name = param.name.name.clone();
-        statics.insert(name, Static::Ty(ty.clone()));
+        statics.insert(name, StaticBinding::Type(ty.clone()));
     }
     let found = discarding_units(checker, |checker| check_instance(checker, id, statics));
     let errors = found.into_iter().filter(is_of_generic);
-    let named = errors.map(|error| with_names(error, params, types));
+    let named = errors.map(|error| name_free_units(error, params, types));
     named.collect()
 }
 
-fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: Statics) {
+fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: StaticBindings) {
     if let Some(header) = header::check_header(checker, id, Rc::new(statics)) {
         unit::instantiate(checker, &header, header.span);
         unit::check_queued(checker);
@@ -136,8 +140,11 @@ fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: Statics) {
 }
 
 /// Runs a check and returns its diagnostics; discards all units that it creates.
-fn discarding_units(checker: &mut Checker<'_>, check: impl FnOnce(&mut Checker)) -> Vec<Finding> {
-    let findings = std::mem::take(&mut checker.findings);
+fn discarding_units(
+    checker: &mut Checker<'_>,
+    check: impl FnOnce(&mut Checker),
+) -> Vec<Diagnostic> {
+    let diagnostics = std::mem::take(&mut checker.diagnostics);
     let queue = std::mem::take(&mut checker.instances.queue);
     let unit_ids = std::mem::take(&mut checker.instances.ids);
     let called = std::mem::take(&mut checker.instances.called);
@@ -151,7 +158,7 @@ fn discarding_units(checker: &mut Checker<'_>, check: impl FnOnce(&mut Checker))
     checker.instances.ids = unit_ids;
     checker.instances.called = called;
     checker.instances.reported = told;
-    std::mem::replace(&mut checker.findings, findings)
+    std::mem::replace(&mut checker.diagnostics, diagnostics)
 }
 
 /// Replaces errors that another constraint would remove by one error about the constraint.
@@ -159,11 +166,14 @@ fn attribute_to_constraint<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
     params: &[TypeParam<'a>],
-    found: Found,
-) -> Vec<Finding> {
-    let mut best: Option<(Constraint, Found)> = None;
+    found: SampleErrors,
+) -> Vec<Diagnostic> {
+    let mut best: Option<(Constraint, SampleErrors)> = None;
     for constraint in CONSTRAINTS {
-        let tried: Vec<TypeParam<'a>> = params.iter().map(|p| p.or(constraint)).collect();
+        let tried: Vec<TypeParam<'a>> = params
+            .iter()
+            .map(|p| p.with_constraint(constraint))
+            .collect();
         let left = errors_for(checker, id, &tried);
         let fewest = best
             .as_ref()
@@ -175,42 +185,44 @@ fn attribute_to_constraint<'a>(
     let Some((constraint, left)) = best else {
         let open = params.iter().find(|p| p.constraint == Constraint::Any);
         let errors = found.errors.into_iter();
-        return errors.map(|error| about_any_type(error, open)).collect();
+        return errors
+            .map(|error| with_constraint_help(error, open))
+            .collect();
     };
     let mended = found.errors.into_iter();
-    let mut mended = mended.filter(|error| !left.places.contains(&error.span()));
+    let mut mended = mended.filter(|error| !left.locations.contains(&error.span()));
     let changed: Vec<&TypeParam<'_>> = (params.iter())
-        .filter(|param| param.or(constraint).constraint != param.constraint)
+        .filter(|param| param.with_constraint(constraint).constraint != param.constraint)
         .collect();
     let lacking = mended
         .next()
-        .map(|error| lacks(error, constraint, &changed));
+        .map(|error| missing_constraint(error, constraint, &changed));
     lacking.into_iter().chain(left.errors).collect()
 }
 
 impl TypeParam<'_> {
     /// Returns the parameter with another constraint, if the written one allows more types.
-    fn or(self, constraint: Constraint) -> Self {
+    fn with_constraint(self, constraint: Constraint) -> Self {
         match self.constraint {
             Constraint::Any | Constraint::Number => TypeParam { constraint, ..self },
-            Constraint::Real | Constraint::Plain => self,
+            Constraint::Real | Constraint::Dimensionless => self,
         }
     }
 
     /// Returns the sample types of the parameter.
-    fn samples(&self) -> Vec<Ty> {
-        let unit = self.unit.map_or(Dim::ONE, Dim::free);
-        self.constraint.samples(&self.name.name, unit)
+    fn sample_types(&self) -> Vec<Ty> {
+        let unit = self.free_unit.map_or(Dimension::ONE, Dimension::free);
+        self.constraint.sample_types(&self.name.name, unit)
     }
 }
 
 /// Returns all combinations of sample types, up to `MOST_ROUNDS`. Above this limit a parameter has only its first
 /// sample.
-fn choices(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
+fn sample_combinations(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
     let mut all = vec![Vec::new()];
     for param in params {
-        let samples = param.samples();
-        let all_fit = all.len() * samples.len() <= MOST_ROUNDS;
+        let samples = param.sample_types();
+        let all_fit = all.len() * samples.len() <= MAX_COMBINATIONS;
         let samples = &samples[..if all_fit { samples.len() } else { 1 }];
         all = (all.iter())
             .flat_map(|types: &Vec<Ty>| {
@@ -223,27 +235,31 @@ fn choices(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
 }
 
 /// Whether a diagnostic about an instance applies to the declaration: an error that does not depend on sizes.
-fn is_of_generic(finding: &Finding) -> bool {
-    finding.severity() == Severity::Error && sample_check::is_its_fault(finding)
+fn is_of_generic(diagnostic: &Diagnostic) -> bool {
+    diagnostic.severity() == Severity::Error && sample_check::is_sample_independent(diagnostic)
 }
 
 /// Replaces free units in a diagnostic by the names of their parameters, and adds a note with the sample types where
 /// these matter.
-fn with_names(mut finding: Finding, params: &[TypeParam<'_>], types: &[Ty]) -> Finding {
-    without_unit(&mut finding, params);
+fn name_free_units(
+    mut diagnostic: Diagnostic,
+    params: &[TypeParam<'_>],
+    types: &[Ty],
+) -> Diagnostic {
+    remove_unit_fixes(&mut diagnostic, params);
     let named = |text: &str| {
         let units = params
             .iter()
-            .filter_map(|param| Some((param.unit?, param.name)));
+            .filter_map(|param| Some((param.free_unit?, param.name)));
         units.fold(text.to_owned(), |text, (place, name)| {
-            text.replace(Dim::free_sign(place), &name.name)
+            text.replace(Dimension::free_sign(place), &name.name)
         })
     };
-    finding.message = named(&finding.message);
-    let texts = finding.help.iter_mut().chain(&mut finding.notes);
-    let texts = texts.chain(finding.labels.iter_mut().map(|label| &mut label.text));
+    diagnostic.message = named(&diagnostic.message);
+    let texts = diagnostic.help.iter_mut().chain(&mut diagnostic.notes);
+    let texts = texts.chain(diagnostic.labels.iter_mut().map(|label| &mut label.text));
     texts.for_each(|text| *text = named(text));
-    for fix in &mut finding.fixes {
+    for fix in &mut diagnostic.fixes {
         fix.title = named(&fix.title);
         fix.edits
             .iter_mut()
@@ -253,35 +269,35 @@ fn with_names(mut finding: Finding, params: &[TypeParam<'_>], types: &[Ty]) -> F
         let is_free = matches!(ty, Ty::Real(dim) if dim.has_free());
         param.constraint != Constraint::Any && param.constraint != Constraint::Real && !is_free
     });
-    chosen.fold(finding, |finding, (param, ty)| {
-        let (name, word) = (&param.name.name, param.constraint.word());
-        finding.note(format!(
+    chosen.fold(diagnostic, |diagnostic, (param, ty)| {
+        let (name, word) = (&param.name.name, param.constraint.keyword());
+        diagnostic.note(format!(
             "`{name}` may be `{ty}`, as it is declared `{word}`"
         ))
     })
 }
 
 /// Removes fixes that write a unit of a type parameter after a number, as the parameter may also be `int`.
-fn without_unit(finding: &mut Finding, params: &[TypeParam<'_>]) {
+fn remove_unit_fixes(diagnostic: &mut Diagnostic, params: &[TypeParam<'_>]) {
     let numbers = params
         .iter()
         .filter(|param| param.constraint == Constraint::Number);
     let signs: Vec<&str> = numbers
-        .filter_map(|param| Some(Dim::free_sign(param.unit?)))
+        .filter_map(|param| Some(Dimension::free_sign(param.free_unit?)))
         .collect();
     let has_unit = |edit: &Edit| signs.iter().any(|sign| edit.text.contains(sign));
-    if finding
+    if diagnostic
         .fixes
         .iter()
         .any(|fix| fix.edits.iter().any(has_unit))
     {
-        finding.fixes.clear();
-        finding.help = vec!["write zero of a parametric type as `x - x`".to_owned()];
+        diagnostic.fixes.clear();
+        diagnostic.help = vec!["write zero of a parametric type as `x - x`".to_owned()];
     }
 }
 
 /// Adds a help text about a parameter without a constraint to an error without help.
-fn about_any_type(error: Finding, open: Option<&TypeParam<'_>>) -> Finding {
+fn with_constraint_help(error: Diagnostic, open: Option<&TypeParam<'_>>) -> Diagnostic {
     match open {
         Some(param) if error.help.is_empty() && error.fixes.is_empty() => {
             let name = &param.name.name;
@@ -294,27 +310,31 @@ fn about_any_type(error: Finding, open: Option<&TypeParam<'_>>) -> Finding {
 }
 
 /// Turns an error that another constraint would remove into one about that constraint.
-fn lacks(error: Finding, constraint: Constraint, params: &[&TypeParam<'_>]) -> Finding {
-    let word = constraint.word();
+fn missing_constraint(
+    error: Diagnostic,
+    constraint: Constraint,
+    params: &[&TypeParam<'_>],
+) -> Diagnostic {
+    let word = constraint.keyword();
     let declared = params
         .iter()
         .map(|p| format!("type {}: {word}", p.name.name));
     let declared = declared.collect::<Vec<_>>().join("; ");
-    let mut finding = error;
-    finding.help.clear();
+    let mut diagnostic = error;
+    diagnostic.help.clear();
     let mut fix = Fix::maybe(format!("declare `{declared}`"));
-    finding.fixes.clear();
+    diagnostic.fixes.clear();
     for param in params {
-        let admitted = format!("may be {}", param.constraint.described());
-        finding = finding.also(param.name.span, admitted);
-        fix = match param.written {
+        let admitted = format!("may be {}", param.constraint.description());
+        diagnostic = diagnostic.secondary(param.name.span, admitted);
+        fix = match param.constraint_ident {
             Some(at) => fix.replace(at.span, word),
             None => fix.insert_after(param.name.span, format!(": {word}")),
         };
     }
     let help = format!(
         "this is defined for {}: `{declared}`",
-        constraint.described()
+        constraint.description()
     );
-    finding.help(help).fix(fix)
+    diagnostic.help(help).fix(fix)
 }

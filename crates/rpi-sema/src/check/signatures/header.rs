@@ -8,21 +8,21 @@ use crate::check::diagnostics::report;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
 use crate::check::signatures::alias;
-use crate::check::signatures::instance::display;
-use crate::check::signatures::instance::key;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::instance::instance_key;
+use crate::check::signatures::instance::instance_name;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::types;
-use crate::check::types::PortTy;
+use crate::check::types::DeclaredType;
 use crate::check::types::time_sums;
-use crate::hash::Set;
-use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::hash::FastSet;
+use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::{Member, Ty};
-use crate::typed::{FlowId, FlowRole, Optional, Unit, UnitKind};
-use rpi_diag::{Code, Finding, Span};
-use rpi_image::{Role, State};
+use crate::typed::{FlowId, FlowPresence, FlowRole, Unit, UnitKind};
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_image::{Role, StateSize};
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
@@ -35,7 +35,7 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub(crate) struct Header {
     pub(crate) decl: DeclId,
-    pub(crate) statics: Rc<Statics>,
+    pub(crate) statics: Rc<StaticBindings>,
     /// Name with the static arguments.
     pub(crate) name: Name,
     pub(crate) kind: UnitKind,
@@ -51,7 +51,7 @@ impl Header {
     /// Whether this is an instance of a generic callable, chosen by types or values.
     pub(crate) fn is_instance(&self) -> bool {
         let mut statics = self.statics.values();
-        statics.any(|value| matches!(value, Static::Ty(_) | Static::Value(_)))
+        statics.any(|value| matches!(value, StaticBinding::Type(_) | StaticBinding::Value(_)))
     }
 
     /// Returns the type of the output, or the tuple type of several outputs.
@@ -77,7 +77,7 @@ pub(crate) struct Port {
     /// Whether the port is declared in `<<...>>`.
     pub(crate) is_static: bool,
     /// Whether the port decides the clock of another port.
-    pub(crate) decides: bool,
+    pub(crate) is_clock: bool,
     /// Port that decides the clock of this port, and the value for which this port is present.
     pub(crate) clock: Option<(Name, u32)>,
     /// Whether the port is declared optional (`?`).
@@ -90,9 +90,9 @@ pub(crate) struct Port {
 pub(crate) fn check_header(
     checker: &mut Checker<'_>,
     id: DeclId,
-    statics: Rc<Statics>,
+    statics: Rc<StaticBindings>,
 ) -> Option<Rc<Header>> {
-    let key = key(id, &statics);
+    let key = instance_key(id, &statics);
     if let Some(header) = checker.headers.get(&key) {
         return header.clone();
     }
@@ -112,7 +112,7 @@ pub(crate) fn check_header(
 pub(crate) fn node_param_header<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
-    statics: &Statics,
+    statics: &StaticBindings,
     signature: &'a Signature,
 ) -> Header {
     let mut ports = |decls: &'a Option<Vec<VarDecl>>, role| -> Vec<Port> {
@@ -124,7 +124,7 @@ pub(crate) fn node_param_header<'a>(
         });
         let ports = names.zip(types);
         ports
-            .map(|((name, has_default), ty)| wanted_port(name, ty, role, has_default))
+            .map(|((name, has_default), ty)| node_param_port(name, ty, role, has_default))
             .collect()
     };
     Header {
@@ -139,23 +139,27 @@ pub(crate) fn node_param_header<'a>(
     }
 }
 
-fn new_header(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Option<Header> {
+fn new_header(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    statics: Rc<StaticBindings>,
+) -> Option<Header> {
     let decl = checker.program.decl(id);
-    let (kind, span) = (kind_of(decl.kind)?, decl.span);
-    let params = static_params::static_params_of(checker, id);
-    let name = display(checker.program, &decl.name, &params, &statics);
+    let (kind, span) = (unit_kind(decl.kind)?, decl.span);
+    let params = static_params::static_params_of_decl(checker, id);
+    let name = instance_name(checker.program, &decl.name, &params, &statics);
     let unit = Unit::new(name.clone(), kind, span);
     let mut body = Body::new(checker, id, statics.clone(), unit);
     declare_ports(&mut body, id);
-    let unit = body.leave();
+    let unit = body.finish();
     let params = params.into_iter();
     let params: Vec<Name> = params.map(|param| param.name().name.clone()).collect();
     let clocks = unit.flows.iter().filter_map(|flow| flow.clock);
-    let deciding: Set<FlowId> = clocks.map(|on| on.flow).collect();
+    let deciding: FastSet<FlowId> = clocks.map(|on| on.flow).collect();
     let port = |id: &FlowId| Port {
         is_static: params.contains(&unit.flow(*id).name),
-        decides: deciding.contains(id),
-        ..port(&unit, *id)
+        is_clock: deciding.contains(id),
+        ..port_of_flow(&unit, *id)
     };
     let ports = |ids: &[FlowId]| ids.iter().map(port).collect();
     Some(Header {
@@ -171,14 +175,14 @@ fn new_header(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Op
 }
 
 /// Returns a port of a node parameter.
-fn wanted_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port {
+fn node_param_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port {
     Port {
         name: name.name.clone(),
         ty,
         role,
         has_default,
         is_static: false,
-        decides: false,
+        is_clock: false,
         clock: None,
         optional: false,
         span: name.span,
@@ -186,7 +190,7 @@ fn wanted_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port 
 }
 
 /// Returns the port of a flow.
-fn port(unit: &Unit, id: FlowId) -> Port {
+fn port_of_flow(unit: &Unit, id: FlowId) -> Port {
     let flow = unit.flow(id);
     Port {
         name: flow.name.clone(),
@@ -194,17 +198,17 @@ fn port(unit: &Unit, id: FlowId) -> Port {
         role: flow.role,
         has_default: flow.default.is_some(),
         is_static: false,
-        decides: false,
+        is_clock: false,
         clock: flow
             .clock
             .map(|on| (unit.flow(on.flow).name.clone(), on.value)),
-        optional: flow.optional == Optional::Declared(true),
+        optional: flow.optional == FlowPresence::Declared(true),
         span: flow.span,
     }
 }
 
 /// Returns the kind of unit that a declaration defines; `None` if it is not callable.
-pub(crate) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
+pub(crate) fn unit_kind(kind: DeclKind<'_>) -> Option<UnitKind> {
     Some(match kind {
         DeclKind::Node(node) => match node.kind {
             NodeKind::Node => UnitKind::Node,
@@ -223,9 +227,9 @@ pub(crate) fn kind_of(kind: DeclKind<'_>) -> Option<UnitKind> {
 fn primitive_kind(name: &str) -> UnitKind {
     let is_pure = |prim: PrimId| {
         let desc = prim.desc();
-        desc.role == Role::Compute && matches!(desc.state, State::None)
+        desc.role == Role::Compute && matches!(desc.state, StateSize::None)
     };
-    match PrimId::of(name).is_some_and(is_pure) {
+    match PrimId::from_name(name).is_some_and(is_pure) {
         true => UnitKind::Function,
         false => UnitKind::Node,
     }
@@ -249,31 +253,35 @@ pub(crate) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
 
 /// Reports a Lustre type parameter with the name of a type of the file.
 fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in static_params::static_params_of(cx.checker, id) {
-        let crate::check::signatures::static_params::Param::Type(name, _) = param else {
+    for param in static_params::static_params_of_decl(cx.checker, id) {
+        let crate::check::signatures::static_params::StaticParamDecl::Type(name, _) = param else {
             continue;
         };
         let found = cx
             .checker
             .program
-            .lookup_in(Space::Type, cx.module, &name.name);
+            .lookup_in(NameSpace::Type, cx.module, &name.name);
         if let Lookup::Found(first) = found
             && !unit::reads_rpi_syntax(cx)
             && matches!(cx.checker.program.decl(first).kind, DeclKind::Type(_))
         {
             let first = cx.checker.program.decl(first).span;
-            report::report_diagnostic(cx, crate::program::twice(&name.name, name.span, first));
+            report::report_diagnostic(
+                cx,
+                crate::program::duplicate_name_error(&name.name, name.span, first),
+            );
         }
     }
 }
 
 /// Declares static values that are only known at load time as flows.
 fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
-    for param in static_params::static_params_of(cx.checker, id) {
-        let crate::check::signatures::static_params::Param::Value(name, def) = param else {
+    for param in static_params::static_params_of_decl(cx.checker, id) {
+        let crate::check::signatures::static_params::StaticParamDecl::Value(name, def) = param
+        else {
             continue;
         };
-        if !matches!(cx.statics.get(&name.name), Some(Static::Opaque)) {
+        if !matches!(cx.statics.get(&name.name), Some(StaticBinding::LoadTime)) {
             continue;
         }
         let ty = match &def.ty {
@@ -281,7 +289,7 @@ fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
             None => static_params::static_param_type(cx.checker, id, def, &cx.statics.clone()),
         };
         let optional = false;
-        let flow = locals::declare_flow(cx, name, &PortTy { ty, optional }, FlowRole::Param);
+        let flow = locals::declare_flow(cx, name, &DeclaredType { ty, optional }, FlowRole::Param);
         cx.unit.inputs.push(flow);
         if let Some(default) = &def.value {
             check_port_default(cx, flow, default);
@@ -316,11 +324,11 @@ fn check_input_clocks(cx: &mut Body<'_, '_>) {
         };
         let clock = cx.unit.flow(on.flow);
         let message = format!("the clock of the in-port `{}` is an out-port", port.name);
-        let finding = Finding::new(Code::RPI3007, message)
-            .at(port.span, format!("sampled by `{}`", clock.name))
-            .also(clock.span, "an out-port, known only after the call")
+        let diagnostic = Diagnostic::new(Code::RPI3007, message)
+            .primary(port.span, format!("sampled by `{}`", clock.name))
+            .secondary(clock.span, "an out-port, known only after the call")
             .help("declare the clock as an in-port");
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
     }
 }
 
@@ -335,7 +343,7 @@ fn declare_fragment_ports<'a>(cx: &mut Body<'_, 'a>, fragment: &'a FragmentDecl)
     declare_signature_ports(cx, &fragment.signature);
     if fragment.when.is_some() {
         for id in cx.unit.outputs.clone() {
-            cx.unit.flows[id.0 as usize].optional = Optional::Declared(true);
+            cx.unit.flows[id.0 as usize].optional = FlowPresence::Declared(true);
         }
     }
 }
@@ -346,7 +354,7 @@ fn declare_primitive_ports<'a>(cx: &mut Body<'_, 'a>, primitive: &'a PrimitiveDe
 
 fn declare_command_ports<'a>(cx: &mut Body<'_, 'a>, command: &'a CommandDecl) {
     declare_inputs(cx, &command.params, FlowRole::Param);
-    declare_inputs(cx, &command.given, FlowRole::Given);
+    declare_inputs(cx, &command.given, FlowRole::TakenOver);
 }
 
 fn declare_inputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl], role: FlowRole) {
@@ -377,7 +385,7 @@ fn check_port_default<'a>(cx: &mut Body<'_, 'a>, flow: FlowId, default: &'a rpi_
         cx,
         value,
         &ty,
-        &crate::check::diagnostics::report::Wanted::By(span, text),
+        &crate::check::diagnostics::report::ExpectationReason::Because(span, text),
     );
     cx.unit.flows[flow.0 as usize].default = Some(value);
 }

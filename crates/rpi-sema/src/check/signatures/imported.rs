@@ -5,12 +5,12 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::expr;
 use crate::check::signatures::unit;
 use crate::ty::Ty;
-use crate::typed::Kind;
-use crate::typed::{BlockId, Equation, ExprId, FlowRole, Optional, Place, Target};
+use crate::typed::TypedExprKind;
+use crate::typed::{BlockId, Equation, ExprId, FlowPresence, FlowRole, Target, TargetPlace};
 use rpi_diag::Span;
 use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
 
@@ -19,22 +19,22 @@ const MAX_MODES: usize = 1000;
 
 /// Maximum length of a path to a mode, such as `::c::d::m`. Every contract passes on all paths that start at it, so
 /// that their number can grow exponentially.
-const MAX_PATH: usize = 16;
+const MAX_MODE_PATH: usize = 16;
 
 /// Import of a contract.
 #[derive(Clone, Copy)]
-pub(crate) struct Import<'a> {
-    text: &'a ContractImport,
+pub(crate) struct ContractInstance<'a> {
+    syntax: &'a ContractImport,
     /// Block of the importing contract.
-    by: BlockId,
+    importer: BlockId,
     /// Call of the instance; `None` until it is first needed.
     call: Option<ExprId>,
 }
 
-impl Import<'_> {
+impl ContractInstance<'_> {
     /// Returns the name of the imported contract.
     fn name(&self) -> Option<&Ident> {
-        match &self.text.call.kind {
+        match &self.syntax.call.kind {
             ast::ExprKind::Call(call) => Some(&call.callee.name),
             _ => None,
         }
@@ -45,18 +45,20 @@ impl Import<'_> {
 pub(crate) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     let by = cx.block;
     let imports = contract.imports.iter();
-    cx.contract.imports.extend(imports.map(|text| Import {
-        text,
-        by,
-        call: None,
-    }));
+    cx.contract
+        .imports
+        .extend(imports.map(|text| ContractInstance {
+            syntax: text,
+            importer: by,
+            call: None,
+        }));
 }
 
 /// Checks the imports of a contract and returns their arguments.
 pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId> {
     let mut given = Vec::new();
     for at in 0..cx.contract.imports.len() {
-        if cx.contract.imports[at].by == block {
+        if cx.contract.imports[at].importer == block {
             let call = import_instance(cx, at);
             given.extend(import_args(cx, call).unwrap_or_default());
         }
@@ -65,9 +67,9 @@ pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId
 }
 
 /// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
-pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &Kind) -> Option<Vec<ExprId>> {
+pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedExprKind) -> Option<Vec<ExprId>> {
     match kind {
-        Kind::Part { base, .. } => import_args(cx, *base),
+        TypedExprKind::Part { base, .. } => import_args(cx, *base),
         _ => None,
     }
 }
@@ -76,10 +78,10 @@ pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &Kind) -> Option<Vec<E
 fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
     let mut imports = cx.contract.imports.iter();
     let import = imports.find(|import| import.call == Some(instance))?;
-    let Kind::Call(call) = &cx.unit.expr(instance).kind else {
+    let TypedExprKind::Call(call) = &cx.unit.expr(instance).kind else {
         return None;
     };
-    let given = call.args.iter().take(import.text.inputs);
+    let given = call.args.iter().take(import.syntax.input_count);
     Some(given.flatten().copied().collect())
 }
 
@@ -95,7 +97,7 @@ fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
         cx.contract.claim_check.take(),
         std::mem::take(&mut cx.bindings.bound_names),
     );
-    let call = cx.within(import.by, |body| check_import(body, import.text));
+    let call = cx.in_block(import.importer, |body| check_import(body, import.syntax));
     (cx.contract.claim_check, cx.bindings.bound_names) = around;
     cx.contract.imports[at].call = Some(call);
     call
@@ -107,18 +109,18 @@ fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId
     cx.contract.resolving_contract = true;
     let value = expr::check_expr(cx, &import.call);
     let targets = Vec::new();
-    cx.current().equations.push(Equation {
+    cx.current_block().equations.push(Equation {
         targets,
         value,
         span,
     });
-    if let Kind::Call(call) = &cx.unit.expr(value).kind {
+    if let TypedExprKind::Call(call) = &cx.unit.expr(value).kind {
         let unit = call.unit;
         unit::check_unit_now(cx.checker, unit);
         let callee = &cx.checker.units[unit.0 as usize];
-        cx.unit.exprs[value.0 as usize].ty = callee.result().widened();
+        cx.unit.exprs[value.0 as usize].ty = callee.result_type().widened();
         if callee.has_state {
-            cx.has_state(span);
+            cx.record_state(span);
         }
     }
     value
@@ -131,28 +133,33 @@ pub(crate) fn imported_mode_condition(
     mode: &str,
     span: Span,
 ) -> ExprId {
-    let named = |import: &Import<'_>| import.name().is_some_and(|name| name.name == *contract);
+    let named =
+        |import: &ContractInstance<'_>| import.name().is_some_and(|name| name.name == *contract);
     let Some(at) = cx.contract.imports.iter().position(named) else {
-        let names = cx.contract.imports.iter().filter_map(Import::name);
+        let names = cx
+            .contract
+            .imports
+            .iter()
+            .filter_map(ContractInstance::name);
         let near = rpi_diag::suggest(contract, names.map(|name| name.name.as_str()));
         let near = near.map(|near| format!("::{near}::{mode}"));
-        let finding = unknown("imported contract", contract, span, near);
-        return cx.fault_with(finding, span);
+        let diagnostic = undefined_name("imported contract", contract, span, near);
+        return cx.report_error_expr(diagnostic, span);
     };
     let base = import_instance(cx, at);
-    let Kind::Call(call) = &cx.unit.expr(base).kind else {
-        return cx.fault(span);
+    let TypedExprKind::Call(call) = &cx.unit.expr(base).kind else {
+        return cx.error_expr(span);
     };
     let callee = &cx.checker.units[call.unit.0 as usize];
     let modes: Vec<_> = callee.outputs.iter().map(|id| callee.flow(*id)).collect();
     let Some(place) = modes.iter().position(|flow| flow.name == *mode) else {
         let near = rpi_diag::suggest(mode, modes.iter().map(|flow| flow.name.as_str()));
         let near = near.map(|near| format!("::{contract}::{near}"));
-        let finding = unknown("mode", &format!("{contract}::{mode}"), span, near);
-        return cx.fault_with(finding, span);
+        let diagnostic = undefined_name("mode", &format!("{contract}::{mode}"), span, near);
+        return cx.report_error_expr(diagnostic, span);
     };
     let at = u32::try_from(place).unwrap_or(u32::MAX);
-    cx.add(Kind::Part { base, at }, Ty::Bool, span)
+    cx.add(TypedExprKind::Part { base, at }, Ty::Bool, span)
 }
 
 /// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
@@ -163,14 +170,14 @@ pub(crate) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Cont
     let own: Vec<(Ident, ExprId)> = own.collect();
     for (name, value) in own.into_iter().chain(imported_modes(cx)) {
         let span = name.span;
-        let never_absent = Optional::Declared(false);
+        let never_absent = FlowPresence::Declared(false);
         let flow = locals::add_flow(cx, &name, Ty::Bool, never_absent, FlowRole::Output);
         let target = Target {
-            place: Place::Flow { flow, at: 0 },
+            place: TargetPlace::Flow { flow, at: 0 },
             ty: Ty::Bool,
             span,
         };
-        cx.current().equations.push(Equation {
+        cx.current_block().equations.push(Equation {
             targets: vec![target],
             value,
             span,
@@ -189,13 +196,13 @@ fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
         else {
             continue;
         };
-        let Kind::Call(call) = &cx.unit.expr(base).kind else {
+        let TypedExprKind::Call(call) = &cx.unit.expr(base).kind else {
             continue;
         };
         let callee = &cx.checker.units[call.unit.0 as usize];
         let outputs = callee.outputs.iter().map(|id| callee.flow(*id));
         let names = (0..).zip(outputs.map(|flow| flow.name.as_str()));
-        let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_PATH);
+        let names = names.filter(|(_, mode)| mode.matches("::").count() < MAX_MODE_PATH);
         let names: Vec<(u32, String)> = names
             .map(|(at, mode)| (at, format!("{}::{mode}", name.name)))
             .collect();
@@ -204,7 +211,7 @@ fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
             if modes.len() >= MAX_MODES {
                 return modes;
             }
-            let value = cx.add(Kind::Part { base, at }, Ty::Bool, span);
+            let value = cx.add(TypedExprKind::Part { base, at }, Ty::Bool, span);
             let name = name.as_str().into();
             modes.push((Ident { name, span }, value));
         }

@@ -5,12 +5,12 @@ use crate::check::diagnostics::report;
 use crate::check::signatures::constraint;
 use crate::check::signatures::header;
 use crate::check::signatures::header::Header;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_args::missing;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
+use crate::check::signatures::static_args::missing_static_args;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::program::{DeclId, Program};
-use crate::ty::{Subst, Ty};
+use crate::ty::{Substitution, Ty};
 use crate::typed::Leaf;
 use rpi_diag::Span;
 use rpi_syntax::Name;
@@ -18,7 +18,7 @@ use std::fmt::Write;
 use std::rc::Rc;
 
 /// Returns the key of an instance: the declaration and its static arguments.
-pub(crate) fn key(id: DeclId, statics: &Statics) -> String {
+pub(crate) fn instance_key(id: DeclId, statics: &StaticBindings) -> String {
     let mut key = format!("{}", id.0);
     for (name, value) in statics {
         key.push(';');
@@ -29,37 +29,37 @@ pub(crate) fn key(id: DeclId, statics: &Statics) -> String {
     key
 }
 
-fn write_key(value: &Static, key: &mut String) {
+fn write_key(value: &StaticBinding, key: &mut String) {
     match value {
         // The mark distinguishes a type parameter from a declared type of the same name. A generic Kind 2 node is
         // checked with such types.
-        Static::Ty(Ty::Generic(name)) => {
+        StaticBinding::Type(Ty::Generic(name)) => {
             key.push('?');
             key.push_str(name);
         }
-        Static::Ty(ty) => key.push_str(&ty.to_string()),
-        Static::Opaque => key.push('?'),
-        Static::Callee(callable, _) => callable.write_key(key),
-        Static::Value(constant) => {
+        StaticBinding::Type(ty) => key.push_str(&ty.to_string()),
+        StaticBinding::LoadTime => key.push('?'),
+        StaticBinding::Callable(callable, _) => callable.write_key(key),
+        StaticBinding::Value(constant) => {
             for leaf in &*constant.leaves {
-                let _ = write!(key, "{:x?},", leaf.cells());
+                let _ = write!(key, "{:x?},", leaf.slots());
             }
         }
     }
 }
 
 /// Returns the name of an instance with its static arguments in the order of the parameters: `Line`, `fill<<3>>`.
-pub(crate) fn display(
+pub(crate) fn instance_name(
     program: &Program<'_>,
     name: &Name,
-    params: &[Param<'_>],
-    statics: &Statics,
+    params: &[StaticParamDecl<'_>],
+    statics: &StaticBindings,
 ) -> Name {
-    let shown = |value: &Static| match value {
-        Static::Ty(ty) => Some(ty.to_string()),
-        Static::Value(constant) => Some(written(&constant.ty, &constant.leaves)),
-        Static::Callee(callable, _) => Some(callable.name(program)),
-        Static::Opaque => None,
+    let shown = |value: &StaticBinding| match value {
+        StaticBinding::Type(ty) => Some(ty.to_string()),
+        StaticBinding::Value(constant) => Some(value_text(&constant.ty, &constant.leaves)),
+        StaticBinding::Callable(callable, _) => Some(callable.name(program)),
+        StaticBinding::LoadTime => None,
     };
     let given = params
         .iter()
@@ -76,19 +76,19 @@ pub(crate) fn display(
 pub(crate) fn resolve_instance(
     cx: &mut Body<'_, '_>,
     header: &Rc<Header>,
-    mut statics: Statics,
+    mut statics: StaticBindings,
     open: &[Name],
-    subst: &Subst,
+    subst: &Substitution,
     (span, told_at): (Span, Option<Span>),
 ) -> Option<Rc<Header>> {
     let mut left = Vec::new();
     for name in open {
         match (statics.get(name), subst.types.get(name)) {
-            (Some(Static::Ty(_)), Some(ty)) if ty.has_unknown() => return None,
-            (Some(Static::Ty(_)), Some(ty)) => {
-                statics.insert(name.clone(), Static::Ty(ty.clone()));
+            (Some(StaticBinding::Type(_)), Some(ty)) if ty.has_unknown() => return None,
+            (Some(StaticBinding::Type(_)), Some(ty)) => {
+                statics.insert(name.clone(), StaticBinding::Type(ty.clone()));
             }
-            (Some(Static::Opaque), _) => {}
+            (Some(StaticBinding::LoadTime), _) => {}
             _ => left.push(name.clone()),
         }
     }
@@ -108,16 +108,18 @@ pub(crate) fn resolve_instance(
 /// Reports missing static arguments.
 pub(crate) fn report_missing(cx: &mut Body<'_, '_>, id: DeclId, left: &[Name], span: Span) {
     let decl = cx.checker.program.decl(id);
-    let finding = missing(&decl.name, left, span, decl.span);
-    report::report_diagnostic(cx, finding);
+    let diagnostic = missing_static_args(&decl.name, left, span, decl.span);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Returns the source text of a value that [distinguishes instances](tells_apart).
-fn written(ty: &Ty, leaves: &[Leaf]) -> String {
+fn value_text(ty: &Ty, leaves: &[Leaf]) -> String {
     match (ty, leaves) {
         (Ty::Array(element, n), _) => {
             let size = (leaves.len() / (*n).max(1) as usize).max(1);
-            let elements = leaves.chunks(size).map(|leaves| written(element, leaves));
+            let elements = leaves
+                .chunks(size)
+                .map(|leaves| value_text(element, leaves));
             format!("[{}]", elements.collect::<Vec<_>>().join(", "))
         }
         (Ty::Enum(known), [leaf]) => {

@@ -3,42 +3,42 @@
 //! text these are errors in names and in known types.
 
 use crate::check::calls::callable::Callable;
-use crate::check::signatures::constraint::nothing_known;
+use crate::check::signatures::constraint::opaque_type;
 use crate::check::signatures::header;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
-use crate::check::signatures::static_params::tells_apart;
+use crate::check::signatures::static_params::StaticParamDecl;
+use crate::check::signatures::static_params::distinguishes_instances;
 use crate::check::signatures::unit;
 use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding, Severity};
+use rpi_diag::{Code, Diagnostic, Severity};
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
 
 /// Sample value of a size.
-const SIZE: i64 = 4;
+const SAMPLE_SIZE: i64 = 4;
 
 /// Whether a diagnostic may be caused by the sample size alone.
-pub(crate) fn may_be_its_fault(finding: &Finding) -> bool {
+pub(crate) fn may_depend_on_sample(diagnostic: &Diagnostic) -> bool {
     matches!(
-        finding.code,
+        diagnostic.code,
         Code::RPI1011 | Code::RPI2009 | Code::RPI2010 | Code::RPI2012
     )
 }
 
 /// Whether a diagnostic about a sample applies to the declaration itself.
-pub(crate) fn is_its_fault(finding: &Finding) -> bool {
-    !may_be_its_fault(finding) && finding.code != Code::RPI1012
+pub(crate) fn is_sample_independent(diagnostic: &Diagnostic) -> bool {
+    !may_depend_on_sample(diagnostic) && diagnostic.code != Code::RPI1012
 }
 
 /// Whether a diagnostic is about names or known types, which do not depend on the arguments.
-fn is_about_text(finding: &Finding) -> bool {
+fn is_argument_independent(diagnostic: &Diagnostic) -> bool {
     matches!(
-        finding.code,
+        diagnostic.code,
         Code::RPI1001
             | Code::RPI1002
             | Code::RPI1003
@@ -55,33 +55,33 @@ fn is_about_text(finding: &Finding) -> bool {
 }
 
 /// Adds a note about the sample size if the message contains it.
-fn says_its_size(finding: Finding) -> Finding {
+fn with_sample_size_note(diagnostic: Diagnostic) -> Diagnostic {
     // Array types are printed as `int^4`. A message with this text for another reason only gets a needless note.
-    match finding.message.contains(&format!("^{SIZE}")) {
-        true => finding.note(format!("checked with {SIZE} for each unknown size")),
-        false => finding,
+    match diagnostic.message.contains(&format!("^{SAMPLE_SIZE}")) {
+        true => diagnostic.note(format!("checked with {SAMPLE_SIZE} for each unknown size")),
+        false => diagnostic,
     }
 }
 
 /// Turns an error in a Lustre V6 callable that is never called into a warning.
-fn weighs_less(finding: Finding) -> Finding {
-    let told = Finding {
+fn as_uncalled_warning(diagnostic: Diagnostic) -> Diagnostic {
+    let told = Diagnostic {
         code: Code::RPI1015,
-        ..finding
+        ..diagnostic
     };
     told.note("it is never called, so the program still runs; any call to it would be an error")
 }
 
 /// Returns a sample value of a type; `None` if there is none.
-pub(crate) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
+pub(crate) fn sample_value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     Some(match ty {
         Ty::Bool => [Leaf::bool(false)].into(),
         Ty::Machine(_) => [Leaf::int(0)].into(),
-        Ty::Subrange(range) => [Leaf::int(range.nearest(SIZE))].into(),
-        Ty::Int | Ty::Enum(_) => [Leaf::int(if *ty == Ty::Int { SIZE } else { 0 })].into(),
+        Ty::Subrange(range) => [Leaf::int(range.clamp(SAMPLE_SIZE))].into(),
+        Ty::Int | Ty::Enum(_) => [Leaf::int(if *ty == Ty::Int { SAMPLE_SIZE } else { 0 })].into(),
         Ty::Real(_) | Ty::Duration => [Leaf::real(1.0)].into(),
         Ty::Array(element, n) => {
-            let one = value(element)?;
+            let one = sample_value(element)?;
             let all = std::iter::repeat_n(one.iter().cloned(), *n as usize);
             all.flatten().collect()
         }
@@ -93,35 +93,36 @@ pub(crate) fn value(ty: &Ty) -> Option<Rc<[Leaf]>> {
 /// callables.
 pub(crate) fn check_samples(checker: &mut Checker<'_>) {
     for id in checker.program.root().decls.clone() {
-        if static_params::static_params_of(checker, id).is_empty() {
+        if static_params::static_params_of_decl(checker, id).is_empty() {
             continue;
         }
-        let before = checker.findings.len();
+        let before = checker.diagnostics.len();
         let is_of_kind2 = is_kind2_only(checker, id);
         let is_checked = !checker.is_lustre(id) && has_type_params(checker, id);
-        let (sample, is_told): (_, fn(&Finding) -> bool) = match (is_of_kind2, is_checked) {
-            (true, _) => (sample_statics(checker, id), is_its_fault),
+        let (sample, is_told): (_, fn(&Diagnostic) -> bool) = match (is_of_kind2, is_checked) {
+            (true, _) => (sample_statics(checker, id), is_sample_independent),
             // `generic.rs` checks these bodies for all types that satisfy the constraints.
             (_, true) => (Some(unknown_statics(checker, id)), |_| false),
-            _ => (Some(unknown_statics(checker, id)), is_about_text),
+            _ => (Some(unknown_statics(checker, id)), is_argument_independent),
         };
         if let Some(statics) = sample.map(Rc::new) {
             check_sample(checker, id, statics);
         }
         let is_text = checker.is_lustre(id) && !is_of_kind2;
-        let found = checker.findings.split_off(before).into_iter();
-        let found = found.filter(is_told).map(says_its_size);
-        let weighed = found.map(
-            |finding| match is_text && finding.severity() == Severity::Error {
-                true => weighs_less(finding),
-                false => finding,
-            },
-        );
-        checker.findings.extend(weighed);
+        let found = checker.diagnostics.split_off(before).into_iter();
+        let found = found.filter(is_told).map(with_sample_size_note);
+        let weighed =
+            found.map(
+                |diagnostic| match is_text && diagnostic.severity() == Severity::Error {
+                    true => as_uncalled_warning(diagnostic),
+                    false => diagnostic,
+                },
+            );
+        checker.diagnostics.extend(weighed);
     }
 }
 
-fn check_sample(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) {
+fn check_sample(checker: &mut Checker<'_>, id: DeclId, statics: Rc<StaticBindings>) {
     static_params::check_node_params(checker, id, &statics);
     if checker.instances.called.contains(&id) {
         return;
@@ -145,26 +146,28 @@ fn is_kind2_only(checker: &Checker<'_>, id: DeclId) -> bool {
 }
 
 fn has_type_params(checker: &Checker<'_>, id: DeclId) -> bool {
-    let params = static_params::static_params_of(checker, id);
-    params.iter().any(|param| matches!(param, Param::Type(..)))
+    let params = static_params::static_params_of_decl(checker, id);
+    params
+        .iter()
+        .any(|param| matches!(param, StaticParamDecl::Type(..)))
 }
 
 /// Returns static arguments of which as little as possible is known.
-pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> Statics {
-    let mut statics = Statics::new();
-    for param in static_params::static_params_of(checker, id) {
+pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> StaticBindings {
+    let mut statics = StaticBindings::new();
+    for param in static_params::static_params_of_decl(checker, id) {
         let unknown = match param {
-            Param::Type(..) => Static::Ty(Ty::Unknown),
-            Param::Value(_, def) => {
+            StaticParamDecl::Type(..) => StaticBinding::Type(Ty::Unknown),
+            StaticParamDecl::Value(_, def) => {
                 let ty = static_params::static_param_type(checker, id, def, &statics);
-                match value(&ty).filter(|_| tells_apart(&ty)) {
-                    Some(leaves) => Static::Value(Constant { ty, leaves }),
-                    None => Static::Opaque,
+                match sample_value(&ty).filter(|_| distinguishes_instances(&ty)) {
+                    Some(leaves) => StaticBinding::Value(Constant { ty, leaves }),
+                    None => StaticBinding::LoadTime,
                 }
             }
-            Param::Node(signature) => {
+            StaticParamDecl::Node(signature) => {
                 let header = header::node_param_header(checker, id, &statics, signature);
-                Static::Callee(Callable::Open(Rc::new(header)), None)
+                StaticBinding::Callable(Callable::NodeParam(Rc::new(header)), None)
             }
         };
         statics.insert(param.name().name.clone(), unknown);
@@ -174,18 +177,18 @@ pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> Statics 
 
 /// Returns opaque types and sample values as static arguments; `None` for node parameters and types without sample
 /// values.
-fn sample_statics(checker: &mut Checker<'_>, id: DeclId) -> Option<Statics> {
-    let mut statics = Statics::new();
-    for param in static_params::static_params_of(checker, id) {
+fn sample_statics(checker: &mut Checker<'_>, id: DeclId) -> Option<StaticBindings> {
+    let mut statics = StaticBindings::new();
+    for param in static_params::static_params_of_decl(checker, id) {
         let name = param.name().name.clone();
         let sample = match param {
-            Param::Type(..) => Static::Ty(nothing_known(&name)),
-            Param::Value(_, def) => {
+            StaticParamDecl::Type(..) => StaticBinding::Type(opaque_type(&name)),
+            StaticParamDecl::Value(_, def) => {
                 let ty = static_params::static_param_type(checker, id, def, &statics);
-                let leaves = value(&ty)?;
-                Static::Value(Constant { ty, leaves })
+                let leaves = sample_value(&ty)?;
+                StaticBinding::Value(Constant { ty, leaves })
             }
-            Param::Node(_) => return None,
+            StaticParamDecl::Node(_) => return None,
         };
         statics.insert(name, sample);
     }

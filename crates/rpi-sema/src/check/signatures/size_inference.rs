@@ -1,11 +1,11 @@
 //! Inference of array sizes: a size without a static argument follows from the types of the arguments.
 
 use crate::check::bodies::body::Body;
-use crate::check::calls::args::Given;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_params::Param;
-use crate::check::signatures::static_params::params;
+use crate::check::calls::args::CallArgument;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
+use crate::check::signatures::static_params::StaticParamDecl;
+use crate::check::signatures::static_params::static_params;
 use crate::check::signatures::unit;
 use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
@@ -19,31 +19,31 @@ use rpi_syntax::ast::{ExprKind, Ident, Signature, Type, TypeKind, VarDecl};
 pub(crate) fn infer_size_params<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    given: &[Given<'a>],
-    statics: &mut Statics,
+    given: &[CallArgument<'a>],
+    statics: &mut StaticBindings,
 ) -> bool {
     let Some(signature) = check_signature(cx.checker, id).filter(|_| unit::reads_rpi_syntax(cx))
     else {
         return true;
     };
     let mut known = true;
-    for param in params(&signature.statics) {
-        let Param::Value(name, _) = param else {
+    for param in static_params(&signature.statics) {
+        let StaticParamDecl::Value(name, _) = param else {
             continue;
         };
         if statics.contains_key(&name.name) || given.iter().any(|arg| is_named(arg, &name.name)) {
             continue;
         }
         match infer_size(cx, signature, &name.name, given) {
-            Told::Size(size) => {
+            InferredSize::Size(size) => {
                 let constant = Constant {
                     ty: Ty::Int,
                     leaves: [Value::int(i64::from(size))].into(),
                 };
-                statics.insert(name.name.clone(), Static::Value(constant));
+                statics.insert(name.name.clone(), StaticBinding::Value(constant));
             }
-            Told::Later => known = false,
-            Told::Nothing => {}
+            InferredSize::Pending => known = false,
+            InferredSize::Undetermined => {}
         }
     }
     known
@@ -53,21 +53,21 @@ fn infer_size<'a>(
     cx: &Body<'_, 'a>,
     signature: &'a Signature,
     name: &Name,
-    given: &[Given<'a>],
-) -> Told {
+    given: &[CallArgument<'a>],
+) -> InferredSize {
     let ports = signature.inputs.iter().flatten();
     let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
     let mut by_place = given.iter().filter(|arg| arg.name.is_none());
-    let mut told = Told::Nothing;
+    let mut told = InferredSize::Undetermined;
     for (port, ty) in ports {
         let named = given.iter().find(|arg| is_named(arg, &port.name));
         let Some(arg) = named.or_else(|| by_place.next()) else {
             continue;
         };
-        match size_in(ty, cx.ty_of(arg.value), name) {
-            Told::Nothing => {}
-            Told::Later => told = Told::Later,
-            size @ Told::Size(_) => return size,
+        match size_from_type(ty, cx.ty_of(arg.value), name) {
+            InferredSize::Undetermined => {}
+            InferredSize::Pending => told = InferredSize::Pending,
+            size @ InferredSize::Size(_) => return size,
         }
     }
     told
@@ -82,32 +82,32 @@ fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signatur
 }
 
 /// Result of inferring a size from the type of an argument.
-enum Told {
+enum InferredSize {
     /// The size.
     Size(u32),
     /// The type of the argument is not known yet.
-    Later,
+    Pending,
     /// The type does not determine the size.
-    Nothing,
+    Undetermined,
 }
 
-fn is_named(arg: &Given<'_>, name: &Name) -> bool {
+fn is_named(arg: &CallArgument<'_>, name: &Name) -> bool {
     arg.name.is_some_and(|given: &Ident| given.name == *name)
 }
 
 /// Returns the size `n` of a port type `T^n`, `T^n^3` or `T^n?`, given the type of its argument.
-fn size_in(mut declared: &Type, mut found: &Ty, name: &Name) -> Told {
+fn size_from_type(mut declared: &Type, mut found: &Ty, name: &Name) -> InferredSize {
     loop {
         match (&declared.kind, found) {
             (TypeKind::Optional(inner), _) => declared = inner,
             (TypeKind::Array(array), Ty::Array(element, size)) => {
                 if matches!(&array.size.kind, ExprKind::Name(size) if size == name) {
-                    return Told::Size(*size);
+                    return InferredSize::Size(*size);
                 }
                 (declared, found) = (&array.element, element);
             }
-            (TypeKind::Array(_), Ty::Unknown) => return Told::Later,
-            _ => return Told::Nothing,
+            (TypeKind::Array(_), Ty::Unknown) => return InferredSize::Pending,
+            _ => return InferredSize::Undetermined,
         }
     }
 }

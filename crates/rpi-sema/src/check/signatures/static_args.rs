@@ -4,26 +4,26 @@ use crate::check::Constant;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::args;
-use crate::check::calls::args::Given;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::callable::Callable;
 use crate::check::calls::callee;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::expr;
 use crate::check::signatures::alias;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::check::signatures::unit;
 use crate::check::types;
 use crate::check::types::consts;
 use crate::check::types::subrange;
 use crate::program::{DeclId, DeclKind};
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
+use crate::ty::check_assignable;
 use crate::typed::ExprId;
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticValue};
 use std::collections::BTreeMap;
@@ -31,37 +31,37 @@ use std::rc::Rc;
 
 /// Value of a static parameter.
 #[derive(Clone, Debug)]
-pub(crate) enum Static {
+pub(crate) enum StaticBinding {
     /// A type.
-    Ty(Ty),
+    Type(Ty),
     /// A value that is known at compile time.
     Value(Constant),
     /// A value that is known at load time: a flow in the body.
-    Opaque,
+    LoadTime,
     /// A callable, and the diagnostic for calling it although its ports differ from those of the parameter.
-    Callee(Callable, Option<Rc<Finding>>),
+    Callable(Callable, Option<Rc<Diagnostic>>),
 }
 
 /// Values of the static parameters of a callable, by name.
-pub(crate) type Statics = BTreeMap<Name, Static>;
+pub(crate) type StaticBindings = BTreeMap<Name, StaticBinding>;
 
-impl<'a> Param<'a> {
+impl<'a> StaticParamDecl<'a> {
     pub(crate) fn name(&self) -> &'a Ident {
         match self {
-            Param::Type(name, _) | Param::Value(name, _) => name,
-            Param::Node(signature) => &signature.name,
+            StaticParamDecl::Type(name, _) | StaticParamDecl::Value(name, _) => name,
+            StaticParamDecl::Node(signature) => &signature.name,
         }
     }
 }
 
 /// Static arguments of a call, sorted by the parameters that they are for.
-pub(crate) struct Bound<'a> {
+pub(crate) struct BoundStatics<'a> {
     /// Values of the static parameters that have an argument.
-    pub(crate) statics: Statics,
+    pub(crate) statics: StaticBindings,
     /// Arguments for ports and for values known at load time, by name.
-    pub(crate) ports: Vec<Given<'a>>,
+    pub(crate) ports: Vec<CallArgument<'a>>,
     /// Whether an error has been reported.
-    pub(crate) faulty: bool,
+    pub(crate) has_error: bool,
 }
 
 /// Binds static arguments to the parameters of a declaration. Arguments without a static parameter are left for its
@@ -70,12 +70,12 @@ pub(crate) fn bind_statics<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
     args: &'a [StaticArg],
-) -> Bound<'a> {
-    let params = static_params::static_params_of(cx.checker, id);
-    let mut bound = Bound {
-        statics: Statics::new(),
+) -> BoundStatics<'a> {
+    let params = static_params::static_params_of_decl(cx.checker, id);
+    let mut bound = BoundStatics {
+        statics: StaticBindings::new(),
         ports: Vec::new(),
-        faulty: false,
+        has_error: false,
     };
     let mut places = params.iter();
     for arg in args {
@@ -86,7 +86,7 @@ pub(crate) fn bind_statics<'a>(
         if let (None, StaticValue::Expr(value)) = (&arg.name, &arg.value)
             && args::report_arg_named_by_eq(cx, id, value)
         {
-            bound.faulty = true;
+            bound.has_error = true;
             continue;
         }
         match (param, &arg.name) {
@@ -97,7 +97,7 @@ pub(crate) fn bind_statics<'a>(
             }
             (None, None) => {
                 too_many_static_args(cx, id, params.len(), arg.span);
-                bound.faulty = true;
+                bound.has_error = true;
             }
         }
     }
@@ -109,7 +109,7 @@ pub(crate) fn bind_sizes<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
     args: &'a [Arg],
-    bound: &mut Bound<'a>,
+    bound: &mut BoundStatics<'a>,
 ) -> Vec<&'a Arg> {
     let DeclKind::Node(node) = cx.checker.program.decl(id).kind else {
         return args.iter().collect();
@@ -132,7 +132,7 @@ pub(crate) fn bind_sizes<'a>(
             .iter()
             .find(|size| port.is_some_and(|port| port.name == size.name().name));
         match size {
-            Some(Param::Value(name, def)) => bind_size(cx, id, name, def, arg, bound),
+            Some(StaticParamDecl::Value(name, def)) => bind_size(cx, id, name, def, arg, bound),
             _ => left.push(arg),
         }
     }
@@ -145,23 +145,31 @@ fn bind_size<'a>(
     name: &Ident,
     def: &'a ConstDef,
     arg: &'a Arg,
-    bound: &mut Bound<'a>,
+    bound: &mut BoundStatics<'a>,
 ) {
     let ty = static_params::static_param_type(cx.checker, id, def, &bound.statics);
     match consts::const_value(cx, &arg.value, &ty) {
         Some(leaves) => {
-            bound
-                .statics
-                .insert(name.name.clone(), Static::Value(Constant { ty, leaves }));
+            bound.statics.insert(
+                name.name.clone(),
+                StaticBinding::Value(Constant { ty, leaves }),
+            );
         }
-        None => bound.faulty = true,
+        None => bound.has_error = true,
     }
 }
 
 /// Whether a positional argument after those of the static parameters may be for an in-port:
 /// `on_delay<<500[ms]>>(x)`.
-fn may_be_for_port(cx: &Body<'_, '_>, id: DeclId, params: &[Param<'_>], arg: &StaticArg) -> bool {
-    let has_values = params.iter().any(|param| !matches!(param, Param::Type(..)));
+fn may_be_for_port(
+    cx: &Body<'_, '_>,
+    id: DeclId,
+    params: &[StaticParamDecl<'_>],
+    arg: &StaticArg,
+) -> bool {
+    let has_values = params
+        .iter()
+        .any(|param| !matches!(param, StaticParamDecl::Type(..)));
     let has_ports = static_params::in_port_names(cx.checker, id)
         .next()
         .is_some();
@@ -176,13 +184,13 @@ fn bind_port<'a>(
     cx: &mut Body<'_, 'a>,
     name: Option<&'a Ident>,
     arg: &'a StaticArg,
-    bound: &mut Bound<'a>,
+    bound: &mut BoundStatics<'a>,
 ) {
     let Some(value) = static_expr(cx, arg) else {
-        bound.faulty = true;
+        bound.has_error = true;
         return;
     };
-    bound.ports.push(Given {
+    bound.ports.push(CallArgument {
         name,
         value,
         is_static: true,
@@ -193,9 +201,9 @@ fn static_expr<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<ExprId> 
     match &arg.value {
         StaticValue::Expr(expr) => Some(expr::check_expr(cx, expr)),
         _ => {
-            let finding =
-                Finding::new(Code::RPI1010, "a value is expected here").at(arg.span, "not a value");
-            report::report_diagnostic(cx, finding);
+            let diagnostic = Diagnostic::new(Code::RPI1010, "a value is expected here")
+                .primary(arg.span, "not a value");
+            report::report_diagnostic(cx, diagnostic);
             None
         }
     }
@@ -210,51 +218,51 @@ fn expected_value_hint(cx: &mut Body<'_, '_>, id: DeclId, name: &Ident, arg: &St
         _ => "this is a callable",
     };
     let text = format!("`{}` of `{of}` is declared here", name.name);
-    if let Some(finding) = cx.findings.last_mut() {
-        if let Some(label) = finding.labels.first_mut() {
+    if let Some(diagnostic) = cx.diagnostics.last_mut() {
+        if let Some(label) = diagnostic.labels.first_mut() {
             label.text = what.to_owned();
         }
-        *finding = finding.clone().also(name.span, text);
+        *diagnostic = diagnostic.clone().secondary(name.span, text);
     }
 }
 
 fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: Span) {
     let decl = cx.checker.program.decl(id);
-    let finding = Finding::new(
+    let diagnostic = Diagnostic::new(
         Code::RPI1010,
         format!(
             "too many static arguments for `{}`: expected {count}",
             decl.name
         ),
     )
-    .at(span, "unexpected argument")
-    .also(decl.span, "declared here");
-    report::report_diagnostic(cx, finding);
+    .primary(span, "unexpected argument")
+    .secondary(decl.span, "declared here");
+    report::report_diagnostic(cx, diagnostic);
 }
 
 fn bind_param<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    param: Param<'a>,
+    param: StaticParamDecl<'a>,
     arg: &'a StaticArg,
-    bound: &mut Bound<'a>,
+    bound: &mut BoundStatics<'a>,
 ) {
     let name = param.name();
     let value = match param {
-        Param::Type(..) => static_type(cx, arg).map(Static::Ty),
-        Param::Node(signature) => {
+        StaticParamDecl::Type(..) => static_type(cx, arg).map(StaticBinding::Type),
+        StaticParamDecl::Node(signature) => {
             let known = bound.statics.clone();
             let callable = static_callable(cx, arg);
             let callable = callable.and_then(|callable| callee::require_portable(cx, callable));
             callable.map(|callable| {
                 let misfit = port_mismatch(cx, id, &known, signature, &callable, arg.span);
-                Static::Callee(callable, misfit.map(Rc::new))
+                StaticBinding::Callable(callable, misfit.map(Rc::new))
             })
         }
-        Param::Value(_, def) => {
+        StaticParamDecl::Value(_, def) => {
             let Some(value) = static_expr(cx, arg) else {
                 expected_value_hint(cx, id, name, arg);
-                bound.faulty = true;
+                bound.has_error = true;
                 return;
             };
             Some(bind_value(cx, id, def, name, value, bound))
@@ -264,7 +272,7 @@ fn bind_param<'a>(
         Some(value) => {
             bound.statics.insert(name.name.clone(), value);
         }
-        None => bound.faulty = true,
+        None => bound.has_error = true,
     }
 }
 
@@ -275,26 +283,26 @@ fn bind_value<'a>(
     def: &'a ConstDef,
     name: &'a Ident,
     value: ExprId,
-    bound: &mut Bound<'a>,
-) -> Static {
+    bound: &mut BoundStatics<'a>,
+) -> StaticBinding {
     let ty = static_params::static_param_type(cx.checker, id, def, &bound.statics);
-    let wanted = crate::check::diagnostics::report::Wanted::By(
+    let wanted = crate::check::diagnostics::report::ExpectationReason::Because(
         name.span,
         format!("`{}` is `{ty}`", name.name),
     );
     statement::expect_type(cx, value, &ty, &wanted);
-    if static_params::tells_apart(&ty)
+    if static_params::distinguishes_instances(&ty)
         && let Some(leaves) = consts::fold_silently(cx, value)
     {
-        bound.faulty |= !subrange::is_in_subranges(cx, &leaves, &ty, cx.span_of(value));
-        return Static::Value(Constant { ty, leaves });
+        bound.has_error |= !subrange::is_in_subranges(cx, &leaves, &ty, cx.span_of(value));
+        return StaticBinding::Value(Constant { ty, leaves });
     }
-    bound.ports.push(Given {
+    bound.ports.push(CallArgument {
         name: Some(name),
         value,
         is_static: true,
     });
-    Static::Opaque
+    StaticBinding::LoadTime
 }
 
 pub(crate) fn static_type<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Ty> {
@@ -302,9 +310,9 @@ pub(crate) fn static_type<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Opti
         StaticValue::Type(ty) => Some(types::resolve_type(cx, ty)),
         StaticValue::Expr(expr) => type_by_name(cx, expr),
         _ => {
-            let finding =
-                Finding::new(Code::RPI1010, "a type is expected here").at(arg.span, "not a type");
-            report::report_diagnostic(cx, finding);
+            let diagnostic = Diagnostic::new(Code::RPI1010, "a type is expected here")
+                .primary(arg.span, "not a type");
+            report::report_diagnostic(cx, diagnostic);
             None
         }
     }
@@ -313,10 +321,10 @@ pub(crate) fn static_type<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Opti
 /// Resolves a type whose name was parsed as an expression.
 fn type_by_name<'a>(cx: &mut Body<'_, 'a>, expr: &'a Expr) -> Option<Ty> {
     let ExprKind::Name(name) = &expr.kind else {
-        let finding = Finding::new(Code::RPI1010, "a type is expected here")
-            .at(expr.span, "this is a value")
+        let diagnostic = Diagnostic::new(Code::RPI1010, "a type is expected here")
+            .primary(expr.span, "this is a value")
             .fix(Fix::maybe("mark it as a type").insert_before(expr.span, "type "));
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return None;
     };
     types::type_by_plain_name(cx, name, expr.span)
@@ -333,9 +341,9 @@ fn static_callable<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Call
             span,
         }) => callee::resolve_callable(cx, name, &[], *span),
         _ => {
-            let finding =
-                Finding::new(Code::RPI1010, "a node is expected here").at(arg.span, "not a node");
-            report::report_diagnostic(cx, finding);
+            let diagnostic = Diagnostic::new(Code::RPI1010, "a node is expected here")
+                .primary(arg.span, "not a node");
+            report::report_diagnostic(cx, diagnostic);
             None
         }
     }
@@ -346,11 +354,11 @@ fn static_callable<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Call
 fn port_mismatch<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
-    statics: &Statics,
+    statics: &StaticBindings,
     signature: &'a Signature,
     callable: &Callable,
     span: Span,
-) -> Option<Finding> {
+) -> Option<Diagnostic> {
     let ports = alias::callable_ports(cx, callable, span)?;
     let wanted = [&signature.inputs, &signature.outputs];
     for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
@@ -362,11 +370,16 @@ fn port_mismatch<'a>(
         );
         if wanted.len() != given.len() {
             let counts = (wanted.len(), given.len());
-            return Some(wrong_node(signature, span, "number of ports", counts));
+            return Some(node_port_mismatch(
+                signature,
+                span,
+                "number of ports",
+                counts,
+            ));
         }
         for (wanted, given) in wanted.iter().zip(given) {
-            if fit(wanted, &given.ty, &mut Subst::default()).is_err() {
-                return Some(wrong_node(
+            if check_assignable(wanted, &given.ty, &mut Substitution::default()).is_err() {
+                return Some(node_port_mismatch(
                     signature,
                     span,
                     &given.name,
@@ -384,14 +397,19 @@ pub(crate) fn static_callee<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Op
 }
 
 /// Returns the diagnostic for missing static arguments.
-pub(crate) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) -> Finding {
-    let names = listed(open.iter().map(Name::as_str));
-    Finding::new(
+pub(crate) fn missing_static_args(
+    name: &Name,
+    open: &[Name],
+    span: Span,
+    declared: Span,
+) -> Diagnostic {
+    let names = join_names(open.iter().map(Name::as_str));
+    Diagnostic::new(
         Code::RPI1010,
         format!("missing static arguments of `{name}`: {names}"),
     )
-    .at(span, "required in `<<...>>`")
-    .also(declared, "declared here")
+    .primary(span, "required in `<<...>>`")
+    .secondary(declared, "declared here")
     .help(format!(
         "write them before the arguments: `{name}<<{}: ...>>(...)`",
         open.first().map_or("n", Name::as_str)
@@ -399,35 +417,35 @@ pub(crate) fn missing(name: &Name, open: &[Name], span: Span, declared: Span) ->
 }
 
 /// Returns the diagnostic for a static argument without a parameter.
-pub(crate) fn no_param(of: &Name, name: &Ident, near: Option<String>) -> Finding {
+pub(crate) fn unknown_static_param(of: &Name, name: &Ident, near: Option<String>) -> Diagnostic {
     // Without the static arguments in the name of an instance, which are not part of the error.
     let of = of.split("<<").next().unwrap_or(of);
-    let finding = unknown(
+    let diagnostic = undefined_name(
         &format!("static parameter of `{of}`:"),
         &name.name,
         name.span,
         near,
     );
-    finding.note(format!(
+    diagnostic.note(format!(
         "`<<...>>` takes the static parameters of `{of}`, and in-ports that are fixed at load time"
     ))
 }
 
 /// Returns the diagnostic for a node whose ports do not match a node parameter.
-fn wrong_node<T: std::fmt::Display>(
+fn node_port_mismatch<T: std::fmt::Display>(
     signature: &Signature,
     span: Span,
     what: &str,
     (wanted, given): (T, T),
-) -> Finding {
+) -> Diagnostic {
     let message = format!(
         "port mismatch: the node for `{}` has other ports",
         signature.name.name
     );
-    Finding::new(Code::RPI2001, message)
-        .at(
+    Diagnostic::new(Code::RPI2001, message)
+        .primary(
             span,
             format!("{what}: expected `{wanted}`, found `{given}`"),
         )
-        .also(signature.name.span, "the expected ports are declared here")
+        .secondary(signature.name.span, "the expected ports are declared here")
 }

@@ -3,8 +3,8 @@
 use crate::check::bodies::body::Body;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::types;
 use crate::check::types::consts;
 use crate::check::{Checker, Constant};
@@ -19,7 +19,7 @@ use std::rc::Rc;
 
 /// Declaration of a static parameter.
 #[derive(Clone, Copy)]
-pub(crate) enum Param<'a> {
+pub(crate) enum StaticParamDecl<'a> {
     /// Type parameter: `type t`, `type T: number`.
     Type(&'a Ident, Option<&'a Ident>),
     /// Value parameter: `n: int = 3`.
@@ -29,34 +29,42 @@ pub(crate) enum Param<'a> {
 }
 
 /// Returns the static parameters of a declaration, one for each name.
-pub(crate) fn params<'a>(statics: &'a [StaticParam]) -> Vec<Param<'a>> {
+pub(crate) fn static_params<'a>(statics: &'a [StaticParam]) -> Vec<StaticParamDecl<'a>> {
     let mut all = Vec::new();
     for param in statics {
         match &param.kind {
             StaticParamKind::Type(name, constraint) => {
-                all.push(Param::Type(name, constraint.as_ref()));
+                all.push(StaticParamDecl::Type(name, constraint.as_ref()));
             }
             StaticParamKind::Value(def) => {
-                all.extend(def.names.iter().map(|name| Param::Value(name, def)));
+                all.extend(
+                    def.names
+                        .iter()
+                        .map(|name| StaticParamDecl::Value(name, def)),
+                );
             }
-            StaticParamKind::Node(_, signature) => all.push(Param::Node(signature)),
+            StaticParamKind::Node(_, signature) => all.push(StaticParamDecl::Node(signature)),
         }
     }
     all
 }
 
 /// Returns the `const` in-ports of a node, which may determine sizes.
-pub(crate) fn size_params(node: &NodeDecl) -> Vec<Param<'_>> {
-    let sizes = node.sizes.iter();
+pub(crate) fn size_params(node: &NodeDecl) -> Vec<StaticParamDecl<'_>> {
+    let sizes = node.size_params.iter();
     sizes
-        .flat_map(|def| def.names.iter().map(move |name| Param::Value(name, def)))
+        .flat_map(|def| {
+            def.names
+                .iter()
+                .map(move |name| StaticParamDecl::Value(name, def))
+        })
         .collect()
 }
 
 /// Whether a callable declaration has a static parameter or an in-port of this name.
 pub(crate) fn has_param(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
     in_port_names(checker, id).any(|port| port == name)
-        || static_params_of(checker, id)
+        || static_params_of_decl(checker, id)
             .iter()
             .any(|param| param.name().name == *name)
 }
@@ -83,19 +91,22 @@ pub(crate) fn in_port_idents<'a>(
     inputs.iter().flat_map(|port| &port.names)
 }
 
-/// Returns the static parameters of a callable declaration.
-pub(crate) fn static_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<Param<'a>> {
-    params_of(checker.program.decl(id).kind)
+/// Returns the static parameters of a callable declaration by its index.
+pub(crate) fn static_params_of_decl<'a>(
+    checker: &Checker<'a>,
+    id: DeclId,
+) -> Vec<StaticParamDecl<'a>> {
+    static_params_of(checker.program.decl(id).kind)
 }
 
 /// Returns the static parameters of a callable declaration.
-pub(crate) fn params_of(kind: DeclKind<'_>) -> Vec<Param<'_>> {
+pub(crate) fn static_params_of(kind: DeclKind<'_>) -> Vec<StaticParamDecl<'_>> {
     match kind {
-        DeclKind::Node(d) => [params(&d.signature.statics), size_params(d)].concat(),
-        DeclKind::Fragment(d) => params(&d.signature.statics),
-        DeclKind::Primitive(d) => params(&d.signature.statics),
-        DeclKind::Command(d) => params(&d.statics),
-        DeclKind::Device(d) => params(&d.statics),
+        DeclKind::Node(d) => [static_params(&d.signature.statics), size_params(d)].concat(),
+        DeclKind::Fragment(d) => static_params(&d.signature.statics),
+        DeclKind::Primitive(d) => static_params(&d.signature.statics),
+        DeclKind::Command(d) => static_params(&d.statics),
+        DeclKind::Device(d) => static_params(&d.statics),
         _ => Vec::new(),
     }
 }
@@ -106,12 +117,12 @@ pub(crate) fn static_param_type<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
     def: &'a ConstDef,
-    statics: &Statics,
+    statics: &StaticBindings,
 ) -> Ty {
     let mut known = statics.clone();
-    for param in static_params_of(checker, id) {
-        if let Param::Type(name, _) = param {
-            let open = || Static::Ty(Ty::Unknown);
+    for param in static_params_of_decl(checker, id) {
+        if let StaticParamDecl::Type(name, _) = param {
+            let open = || StaticBinding::Type(Ty::Unknown);
             known.entry(name.name.clone()).or_insert_with(open);
         }
     }
@@ -122,7 +133,7 @@ pub(crate) fn static_param_type<'a>(
 pub(crate) fn signature_port_types<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
-    statics: &Statics,
+    statics: &StaticBindings,
     ports: &'a [VarDecl],
 ) -> Vec<Ty> {
     let mut body = signature_body(checker, id, &Rc::new(statics.clone()));
@@ -136,9 +147,13 @@ pub(crate) fn signature_port_types<'a>(
 }
 
 /// Reports errors in the port types of the node parameters of a declaration.
-pub(crate) fn check_node_params(checker: &mut Checker<'_>, id: DeclId, statics: &Rc<Statics>) {
-    for param in static_params_of(checker, id) {
-        let Param::Node(signature) = param else {
+pub(crate) fn check_node_params(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    statics: &Rc<StaticBindings>,
+) {
+    for param in static_params_of_decl(checker, id) {
+        let StaticParamDecl::Node(signature) = param else {
             continue;
         };
         let mut body = signature_body(checker, id, statics);
@@ -147,7 +162,7 @@ pub(crate) fn check_node_params(checker: &mut Checker<'_>, id: DeclId, statics: 
         for port in ports {
             types::resolve_type(&mut body, &port.ty);
         }
-        body.leave();
+        body.finish();
     }
 }
 
@@ -155,7 +170,7 @@ fn static_param_type_with<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
     def: &'a ConstDef,
-    statics: &Rc<Statics>,
+    statics: &Rc<StaticBindings>,
 ) -> Ty {
     let mut body = signature_body(checker, id, statics);
     body.in_signature = true;
@@ -173,7 +188,7 @@ fn static_param_type_with<'a>(
 fn signature_body<'s, 'a>(
     checker: &'s mut Checker<'a>,
     id: DeclId,
-    statics: &Rc<Statics>,
+    statics: &Rc<StaticBindings>,
 ) -> Body<'s, 'a> {
     let unit = crate::typed::Unit::new("".into(), crate::typed::UnitKind::Constant, Span::NONE);
     Body::new(checker, id, statics.clone(), unit)
@@ -183,16 +198,16 @@ fn signature_body<'s, 'a>(
 pub(crate) fn add_default_statics(
     checker: &mut Checker<'_>,
     id: DeclId,
-    statics: &mut Statics,
+    statics: &mut StaticBindings,
 ) -> Vec<Name> {
     let mut open = Vec::new();
-    for param in static_params_of(checker, id) {
+    for param in static_params_of_decl(checker, id) {
         let name = &param.name().name;
         if statics.contains_key(name) {
             continue;
         }
         match param {
-            Param::Value(_, def) => {
+            StaticParamDecl::Value(_, def) => {
                 // Moved out and back instead of cloned: each default may need all parameters before it.
                 let known = Rc::new(std::mem::take(statics));
                 let value = default_static(checker, id, def, &known);
@@ -200,13 +215,13 @@ pub(crate) fn add_default_statics(
                 if value.is_none() && def.value.is_none() {
                     open.push(name.clone());
                 }
-                statics.insert(name.clone(), value.unwrap_or(Static::Opaque));
+                statics.insert(name.clone(), value.unwrap_or(StaticBinding::LoadTime));
             }
-            Param::Type(..) => {
+            StaticParamDecl::Type(..) => {
                 open.push(name.clone());
-                statics.insert(name.clone(), Static::Ty(Ty::Generic(name.clone())));
+                statics.insert(name.clone(), StaticBinding::Type(Ty::Generic(name.clone())));
             }
-            Param::Node(_) => open.push(name.clone()),
+            StaticParamDecl::Node(_) => open.push(name.clone()),
         }
     }
     open
@@ -216,11 +231,14 @@ fn default_static<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
     def: &'a ConstDef,
-    statics: &Rc<Statics>,
-) -> Option<Static> {
+    statics: &Rc<StaticBindings>,
+) -> Option<StaticBinding> {
     let decl = checker.program.decl(id);
     let ty = static_param_type_with(checker, id, def, statics);
-    let value = def.value.as_ref().filter(|_| tells_apart(&ty))?;
+    let value = def
+        .value
+        .as_ref()
+        .filter(|_| distinguishes_instances(&ty))?;
     if !nesting::may_nest(checker, "static parameter", decl.span) {
         return None;
     }
@@ -228,14 +246,14 @@ fn default_static<'a>(
         let mut body = signature_body(checker, id, statics);
         consts::const_value(&mut body, value, &ty)
     })?;
-    Some(Static::Value(Constant { ty, leaves }))
+    Some(StaticBinding::Value(Constant { ty, leaves }))
 }
 
 /// Whether values of a type may determine sizes and branches, so that each value needs its own instance.
-pub(crate) fn tells_apart(ty: &Ty) -> bool {
+pub(crate) fn distinguishes_instances(ty: &Ty) -> bool {
     match ty {
         Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => true,
-        Ty::Array(element, _) => tells_apart(element),
+        Ty::Array(element, _) => distinguishes_instances(element),
         _ => false,
     }
 }

@@ -12,18 +12,18 @@ use crate::check::limits::nesting;
 use crate::check::signatures::alias;
 use crate::check::signatures::header;
 use crate::check::signatures::header::Header;
-use crate::check::signatures::header::kind_of;
+use crate::check::signatures::header::unit_kind;
 use crate::check::signatures::imported;
-use crate::check::signatures::instance::key;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::instance::instance_key;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
 use crate::check::task;
 use crate::check::types::consts;
 use crate::elab::MAX_DEPTH;
 use crate::program::{DeclId, DeclKind};
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, Unit, UnitId, UnitKind};
-use rpi_diag::{Code, Finding, Severity, Span};
+use rpi_diag::{Code, Diagnostic, Severity, Span};
 use rpi_syntax::ast::{
     self, CommandDecl, Contract, FragmentDecl, Modifier, NodeDecl, NodeDef, NodeKind,
 };
@@ -33,7 +33,7 @@ use std::rc::Rc;
 const MAX_UNITS: usize = 20_000;
 
 /// Header and progress of a unit.
-pub(crate) struct Entry {
+pub(crate) struct UnitEntry {
     pub(crate) header: Rc<Header>,
     /// Location of the first call.
     called: Span,
@@ -46,7 +46,7 @@ pub(crate) struct Entry {
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Progress {
     Queued,
-    Busy,
+    InProgress,
     Done,
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn instantiate(
     header: &Rc<Header>,
     span: Span,
 ) -> Option<UnitId> {
-    let key = key(header.decl, &header.statics);
+    let key = instance_key(header.decl, &header.statics);
     if let Some(id) = checker.instances.ids.get(&key) {
         return Some(*id);
     }
@@ -76,7 +76,7 @@ pub(crate) fn instantiate(
     checker
         .units
         .push(Unit::new(header.name.clone(), header.kind, header.span));
-    checker.instances.entries.push(Entry {
+    checker.instances.entries.push(UnitEntry {
         header: header.clone(),
         called: span,
         depth,
@@ -97,24 +97,24 @@ fn instance_limit_exceeded(checker: &mut Checker<'_>, header: &Header, depth: u3
         true => format!("recursion of `{name}` is more than {MAX_DEPTH} instances deep"),
         false => format!("`{name}` has more than {MAX_UNITS} instances"),
     };
-    let finding = Finding::new(Code::RPI1011, message).at(span, "limit exceeded here");
+    let diagnostic = Diagnostic::new(Code::RPI1011, message).primary(span, "limit exceeded here");
     checker
-        .findings
-        .push(finding.help("end a recursion over static parameters by `with`"));
+        .diagnostics
+        .push(diagnostic.help("end a recursion over static parameters by `with`"));
 }
 
 /// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
 pub(crate) fn root_unit(checker: &mut Checker<'_>, id: DeclId) -> Option<UnitId> {
-    let mut statics = Statics::new();
+    let mut statics = StaticBindings::new();
     let open = static_params::add_default_statics(checker, id, &mut statics);
-    let needs_more = static_params::static_params_of(checker, id)
+    let needs_more = static_params::static_params_of_decl(checker, id)
         .iter()
         .any(|param| {
             let is_open = open.contains(&param.name().name);
             is_open
                 && !matches!(
                     statics.get(&param.name().name),
-                    Some(crate::check::signatures::static_args::Static::Opaque)
+                    Some(crate::check::signatures::static_args::StaticBinding::LoadTime)
                 )
         });
     let sizes = has_open_sizes(checker, id, &open, &statics);
@@ -138,16 +138,16 @@ fn has_open_sizes(
     checker: &mut Checker<'_>,
     id: DeclId,
     open: &[rpi_syntax::Name],
-    statics: &Statics,
+    statics: &StaticBindings,
 ) -> bool {
-    let params = static_params::static_params_of(checker, id);
+    let params = static_params::static_params_of_decl(checker, id);
     params.iter().any(|param| match param {
-        crate::check::signatures::static_params::Param::Value(name, def)
+        crate::check::signatures::static_params::StaticParamDecl::Value(name, def)
             if open.contains(&name.name) =>
         {
-            crate::check::signatures::static_params::tells_apart(&static_params::static_param_type(
-                checker, id, def, statics,
-            ))
+            crate::check::signatures::static_params::distinguishes_instances(
+                &static_params::static_param_type(checker, id, def, statics),
+            )
         }
         _ => false,
     })
@@ -158,7 +158,7 @@ pub(crate) fn lacks_sizes(
     checker: &mut Checker<'_>,
     id: DeclId,
     open: &[rpi_syntax::Name],
-    statics: &Statics,
+    statics: &StaticBindings,
     span: Span,
 ) -> bool {
     let lacks = has_open_sizes(checker, id, open, statics);
@@ -211,13 +211,13 @@ pub(crate) fn reads_no_ports(
     let unit = &checker.units[id.0 as usize];
     let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
     let mut exprs = unit.exprs.iter();
-    !exprs.any(|expr| matches!(expr.kind, Kind::Flow(flow) if flows.contains(&flow)))
+    !exprs.any(|expr| matches!(expr.kind, TypedExprKind::Flow(flow) if flows.contains(&flow)))
 }
 
 fn calls_of(checker: &Checker<'_>, id: UnitId) -> Vec<UnitId> {
     let exprs = &checker.units[id.0 as usize].exprs;
     let calls = exprs.iter().filter_map(|expr| match &expr.kind {
-        Kind::Call(call) => Some(call.unit),
+        TypedExprKind::Call(call) => Some(call.unit),
         _ => None,
     });
     calls.collect()
@@ -235,7 +235,7 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
     if entry.state != Progress::Queued {
         return;
     }
-    entry.state = Progress::Busy;
+    entry.state = Progress::InProgress;
     let header = entry.header.clone();
     let called = entry.called;
     let outer = std::mem::replace(&mut checker.instances.depth, entry.depth);
@@ -247,7 +247,7 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
     if called != header.span && header.is_instance() {
         attribute_to_call(&mut body, &header, called);
     }
-    let unit = body.leave();
+    let unit = body.finish();
     checker.instances.depth = outer;
     checker.limits.expanded_size += unit.exprs.len() + unit.flows.len();
     checker.units[id.0 as usize] = unit;
@@ -256,41 +256,41 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
 
 /// Adds to each error in a generic callable the call for which it is checked.
 fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
-    let mut findings = std::mem::take(&mut cx.findings);
-    let is_error = |finding: &Finding| finding.severity() == Severity::Error;
+    let mut diagnostics = std::mem::take(&mut cx.diagnostics);
+    let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
     if cx
         .checker
         .instances
         .erroneous_generics
         .contains(&header.decl)
     {
-        findings.retain(|finding| !is_error(finding));
+        diagnostics.retain(|diagnostic| !is_error(diagnostic));
     }
     let text = format!("in `{}`, called here", header.name);
     if is_in_library(cx.checker, header.decl) {
         // The library has no errors of its own, so the arguments of this call are the cause.
-        let first = findings.into_iter().find(is_error);
-        cx.findings
-            .extend(first.map(|first| first.because_of(called, text)));
+        let first = diagnostics.into_iter().find(is_error);
+        cx.diagnostics
+            .extend(first.map(|first| first.with_cause(called, text)));
         return;
     }
-    let named = |finding: Finding| match is_error(&finding) {
-        true => finding.also(called, text.clone()),
-        false => finding,
+    let named = |diagnostic: Diagnostic| match is_error(&diagnostic) {
+        true => diagnostic.secondary(called, text.clone()),
+        false => diagnostic,
     };
     // An error is reported for one call only, even if its message differs for another one.
     let told = &mut cx.checker.instances.reported;
-    let is_new = |finding: &Finding| {
-        !is_error(finding) || told.insert((header.decl, finding.code, finding.span()))
+    let is_new = |diagnostic: &Diagnostic| {
+        !is_error(diagnostic) || told.insert((header.decl, diagnostic.code, diagnostic.span()))
     };
-    let findings = findings.into_iter().filter(is_new).map(named);
-    cx.findings = findings.collect();
+    let diagnostics = diagnostics.into_iter().filter(is_new).map(named);
+    cx.diagnostics = diagnostics.collect();
 }
 
 fn check_decl(cx: &mut Body<'_, '_>, id: DeclId) {
     header::declare_ports(cx, id);
     // The header has reported the errors in the ports.
-    cx.findings.clear();
+    cx.diagnostics.clear();
     match cx.checker.program.decl(id).kind {
         DeclKind::Node(node) => check_node(cx, node),
         DeclKind::Fragment(fragment) => check_fragment(cx, fragment),
@@ -333,12 +333,15 @@ fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
 /// declaration.
 fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
     let has_body = matches!(node.definition, NodeDef::Body(_));
-    if has_body && let Some(outside) = node.outside.word() {
+    if has_body && let Some(outside) = node.external_form.keyword() {
         let name = &node.signature.name;
         let message = format!("`{}` is external but has a body", name.name);
-        let finding = Finding::new(Code::RPI1014, message);
-        let finding = finding.at(name.span, format!("declared as `{outside}`"));
-        report::report_diagnostic(cx, finding.help(format!("remove `{outside}` or the body")));
+        let diagnostic = Diagnostic::new(Code::RPI1014, message);
+        let diagnostic = diagnostic.primary(name.span, format!("declared as `{outside}`"));
+        report::report_diagnostic(
+            cx,
+            diagnostic.help(format!("remove `{outside}` or the body")),
+        );
     }
     let lacks = match node.modifier {
         Modifier::Opaque if node.contract.is_none() => "a contract, which is all that callers see",
@@ -348,26 +351,26 @@ fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
     let message = format!("`{}` lacks {lacks}", node.signature.name.name);
     report::report_diagnostic(
         cx,
-        Finding::new(Code::RPI1014, message).at(node.signature.name.span, "declared here"),
+        Diagnostic::new(Code::RPI1014, message).primary(node.signature.name.span, "declared here"),
     );
 }
 
 fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
     let name = &cx.unit.name;
-    let finding = match called_at(cx, span) {
+    let diagnostic = match called_at(cx, span) {
         Some((kind, node)) => {
             let message = format!("the function `{name}` calls the {kind} `{node}`");
-            Finding::new(Code::RPI3005, message)
-                .at(span, format!("a {kind} may have state"))
+            Diagnostic::new(Code::RPI3005, message)
+                .primary(span, format!("a {kind} may have state"))
                 .help(format!("a function depends on its arguments alone: declare `{node}` as a `function`, too, or `{name}` as a `node`"))
         }
-        None => Finding::new(Code::RPI3005, format!("the function `{name}` has state"))
-            .at(span, "this remembers earlier cycles")
+        None => Diagnostic::new(Code::RPI3005, format!("the function `{name}` has state"))
+            .primary(span, "this remembers earlier cycles")
             .help("a function depends on its arguments alone; declare a `node`"),
     };
     report::report_diagnostic(
         cx,
-        finding.also(cx.unit.span, "declared as a function here"),
+        diagnostic.secondary(cx.unit.span, "declared as a function here"),
     );
 }
 
@@ -375,7 +378,7 @@ fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
 fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
     let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
     here.find_map(|expr| match &expr.kind {
-        Kind::Call(call) => {
+        TypedExprKind::Call(call) => {
             let header = &cx.checker.instances.entries[call.unit.0 as usize].header;
             let kind = match header.kind {
                 UnitKind::Node => "node",
@@ -392,11 +395,11 @@ fn check_fragment<'a>(cx: &mut Body<'_, 'a>, fragment: &'a FragmentDecl) {
     if let Some(when) = &fragment.when {
         let condition =
             statement::check_condition(cx, &when.condition, "the activation of a fragment");
-        cx.current().when = Some(condition);
-        cx.current().restart = when.restart;
+        cx.current_block().when = Some(condition);
+        cx.current_block().restart = when.resets;
     }
     if let Some(budget) = &fragment.budget {
-        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+        cx.current_block().budget_ns = consts::const_nanoseconds(cx, budget);
     }
     let assumed = check_body_with(cx, fragment.contract.as_ref(), Some(&fragment.body));
     assumptions::check_assumptions(cx, &assumed, &[]);
@@ -404,7 +407,7 @@ fn check_fragment<'a>(cx: &mut Body<'_, 'a>, fragment: &'a FragmentDecl) {
 
 fn check_command<'a>(cx: &mut Body<'_, 'a>, command: &'a CommandDecl) {
     if let Some(budget) = &command.budget {
-        cx.current().budget_ns = consts::const_nanoseconds(cx, budget);
+        cx.current_block().budget_ns = consts::const_nanoseconds(cx, budget);
     }
     let assumed = check_body_with(cx, command.contract.as_ref(), Some(&command.body));
     assumptions::check_assumptions(cx, &assumed, &[]);
@@ -438,10 +441,10 @@ fn check_body_with<'a>(
 
 /// Whether the file is RPI text, not Lustre.
 pub(crate) fn reads_rpi_syntax(cx: &Body<'_, '_>) -> bool {
-    cx.mode == rpi_syntax::Mode::Rpi
+    cx.mode == rpi_syntax::Dialect::Rpi
 }
 
 /// Whether a declaration can be called.
 pub(crate) fn is_callable(kind: DeclKind<'_>) -> bool {
-    kind_of(kind).is_some_and(|kind| !kind.is_root())
+    unit_kind(kind).is_some_and(|kind| !kind.is_root())
 }

@@ -4,52 +4,53 @@
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::check::signatures::unit;
-use crate::check::task::{Labels, Then};
+use crate::check::task::{Continuation, Labels};
 use crate::program::DeclKind;
-use crate::ty::Misfit;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
-use crate::typed::{BlockId, FlowId, FlowRole, Handed, UnitId, UnitKind};
-use rpi_diag::{Code, Finding, Span};
+use crate::ty::TypeMismatchError;
+use crate::ty::check_assignable;
+use crate::typed::{BlockId, FlowId, FlowRole, TakenOverValue, UnitId, UnitKind};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Next, Run};
+use rpi_syntax::ast::{NextStep, Run};
 
 /// Steps that may run before a step.
-pub(super) enum Before<'a> {
+pub(super) enum Predecessors<'a> {
     /// None: the step may be the first one.
-    Nothing,
+    None,
     /// This step.
     Run(&'a Run),
     /// Parallel branches, each with the steps that it can end with. A value comes from the first branch that provides
     /// it at each of its ends.
-    Strands(Vec<Vec<&'a Run>>),
+    Parallel(Vec<Vec<&'a Run>>),
 }
 
 /// A step, and the steps that may run before it.
-pub(super) type Follows<'a> = (Before<'a>, &'a Run);
+pub(super) type Succession<'a> = (Predecessors<'a>, &'a Run);
 
 /// Returns the steps that may directly follow a step.
-pub(super) fn followers<'a>(
+pub(super) fn successor_steps<'a>(
     run: &'a Run,
-    next: &Then<'a>,
+    next: &Continuation<'a>,
     labels: &Labels<'a>,
-) -> Vec<Follows<'a>> {
-    let by_branch = run.branches.iter().filter_map(|branch| match &branch.then {
-        Next::Step(label) => {
+) -> Vec<Succession<'a>> {
+    let by_branch = run.branches.iter().filter_map(|branch| match &branch.next {
+        NextStep::Step(label) => {
             let mut known = labels.iter().rev();
             known.find(|(known, _)| known.name == label.name)
         }
-        Next::End(_) => None,
+        NextStep::End(_) => None,
     });
-    let is_followed = run.branches.is_empty() && !next.joins;
+    let is_followed = run.branches.is_empty() && !next.waits_for_branches;
     let in_turn = next.runs.iter().filter(|_| is_followed).copied();
     let all = by_branch.map(|(_, run)| *run).chain(in_turn);
-    all.map(|follower| (Before::Run(run), follower)).collect()
+    all.map(|follower| (Predecessors::Run(run), follower))
+        .collect()
 }
 
 /// An input without a default that a command takes over.
-struct Taken {
+struct TakenOverInput {
     flow: FlowId,
     name: Name,
     ty: Ty,
@@ -58,7 +59,7 @@ struct Taken {
 
 /// Checks that the values which commands take over are provided; reports each missing value once for a step.
 /// Whether a provided value may be absent is checked later.
-pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>]) {
+pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Succession<'a>]) {
     let mut told: Vec<(Span, Name)> = Vec::new();
     for (before, run) in follows {
         let Some(step) = task_step_of(cx, run).filter(|step| is_command_step(cx, *step)) else {
@@ -70,9 +71,9 @@ pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>])
                 continue;
             }
             match value_sources(cx, &taken, before, run) {
-                Ok(handed) => cx.unit.steps[step].handed.extend(handed),
-                Err(finding) => {
-                    report::report_diagnostic(cx, *finding);
+                Ok(handed) => cx.unit.steps[step].taken_over.extend(handed),
+                Err(diagnostic) => {
+                    report::report_diagnostic(cx, *diagnostic);
                     told.push(key);
                 }
             }
@@ -84,22 +85,22 @@ pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Follows<'a>])
 /// value.
 fn value_sources<'a>(
     cx: &mut Body<'_, 'a>,
-    taken: &Taken,
-    before: &Before<'a>,
+    taken: &TakenOverInput,
+    before: &Predecessors<'a>,
     run: &Run,
-) -> Result<Vec<Handed>, Box<Finding>> {
+) -> Result<Vec<TakenOverValue>, Box<Diagnostic>> {
     match before {
-        Before::Nothing => Err(Box::new(
-            not_handed(taken, run)
+        Predecessors::None => Err(Box::new(
+            missing_handover(taken, run)
                 .help("no command runs before it; declare it as a parameter of the command"),
         )),
-        Before::Run(before) => sources_from_all(cx, taken, &[before], run),
-        Before::Strands(strands) => {
+        Predecessors::Run(before) => sources_from_all(cx, taken, &[before], run),
+        Predecessors::Parallel(strands) => {
             let mut wrong = None;
             for ends in strands.iter().filter(|ends| !ends.is_empty()) {
                 match sources_from_all(cx, taken, ends, run) {
                     Ok(handed) => return Ok(handed),
-                    Err(finding) => wrong = wrong.or(Some(finding)),
+                    Err(diagnostic) => wrong = wrong.or(Some(diagnostic)),
                 }
             }
             wrong.map_or(Ok(Vec::new()), Err)
@@ -110,10 +111,10 @@ fn value_sources<'a>(
 /// Returns the sources of a value that each of these commands must provide. Inner tasks are skipped.
 fn sources_from_all(
     cx: &mut Body<'_, '_>,
-    taken: &Taken,
+    taken: &TakenOverInput,
     before: &[&Run],
     run: &Run,
-) -> Result<Vec<Handed>, Box<Finding>> {
+) -> Result<Vec<TakenOverValue>, Box<Diagnostic>> {
     let mut all = Vec::new();
     for before in before {
         if let Some(unit) = command_of(cx, before) {
@@ -140,13 +141,14 @@ fn is_command_step(cx: &Body<'_, '_>, step: usize) -> bool {
     matches!(decl.kind, DeclKind::Command(_))
 }
 
-fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<Taken> {
+fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<TakenOverInput> {
     unit::check_unit_now(cx.checker, unit);
     let unit = &cx.checker.units[unit.0 as usize];
     let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
-    let given = flows.filter(|(_, flow)| flow.role == FlowRole::Given && flow.default.is_none());
+    let given =
+        flows.filter(|(_, flow)| flow.role == FlowRole::TakenOver && flow.default.is_none());
     given
-        .map(|(id, flow)| Taken {
+        .map(|(id, flow)| TakenOverInput {
             flow: id,
             name: flow.name.clone(),
             ty: flow.ty.clone(),
@@ -157,43 +159,45 @@ fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<Taken> {
 
 fn source_from(
     cx: &mut Body<'_, '_>,
-    taken: &Taken,
+    taken: &TakenOverInput,
     (before, span): (UnitId, Span),
     run: &Run,
-) -> Result<Handed, Box<Finding>> {
-    let Taken { flow, name, ty, .. } = taken;
+) -> Result<TakenOverValue, Box<Diagnostic>> {
+    let TakenOverInput { flow, name, ty, .. } = taken;
     unit::check_unit_now(cx.checker, before);
     let unit = &cx.checker.units[before.0 as usize];
     debug_assert!(unit.kind == UnitKind::Command);
     let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
     let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
         let help = format!("add `export {name};` to `{}`", unit.name);
-        let finding = not_handed(taken, run).also(span, "this runs before it");
-        return Err(Box::new(finding.help(help)));
+        let diagnostic = missing_handover(taken, run).secondary(span, "this runs before it");
+        return Err(Box::new(diagnostic.help(help)));
     };
     let found = &unit.expr(export.value).ty;
-    let [wanted, handed] = [ty, found].map(|ty| crate::check::outside_type(ty).0);
-    match fit(&wanted, &handed, &mut Subst::default()) {
+    let [wanted, handed] = [ty, found].map(|ty| crate::check::external_type(ty).0);
+    match check_assignable(&wanted, &handed, &mut Substitution::default()) {
         // Frames have the names of the parameters of each command, so they may differ.
-        Ok(()) | Err(Misfit::Frame { .. }) => Ok(Handed {
+        Ok(()) | Err(TypeMismatchError::Frame { .. }) => Ok(TakenOverValue {
             flow: *flow,
-            by: before,
+            predecessor: before,
             export: index,
             span,
         }),
         Err(_) => {
             let text = format!("this `{name}` is `{found}`, expected `{ty}`");
-            Err(Box::new(not_handed(taken, run).also(export.span, text)))
+            Err(Box::new(
+                missing_handover(taken, run).secondary(export.span, text),
+            ))
         }
     }
 }
 
-fn not_handed(taken: &Taken, run: &Run) -> Finding {
+fn missing_handover(taken: &TakenOverInput, run: &Run) -> Diagnostic {
     let (name, command) = (&taken.name, &run.callee.name.name);
-    Finding::new(
+    Diagnostic::new(
         Code::RPI8004,
         format!("`{command}` takes over `{name}`, but no predecessor provides it"),
     )
-    .at(run.callee.span, format!("`{name}` has no value here"))
-    .also(taken.declared, "taken over from the predecessor")
+    .primary(run.callee.span, format!("`{name}` has no value here"))
+    .secondary(taken.declared, "taken over from the predecessor")
 }

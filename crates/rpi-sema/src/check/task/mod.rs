@@ -15,55 +15,58 @@ mod results;
 pub(crate) mod sequence;
 mod takeover;
 
-pub(crate) use parallel::Uses;
+pub(crate) use parallel::DeviceUses;
 
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::calls::args;
 use crate::check::calls::call;
-use crate::check::calls::call::Fitted;
+use crate::check::calls::call::MatchedCall;
 use crate::check::diagnostics::foreign_idioms;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::not_a;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::undefined_name;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::exprs::expr;
 use crate::check::signatures::static_args;
 use crate::check::signatures::unit;
-use crate::check::task::handover::{Before, Follows};
-use crate::check::task::sequence::{entry_of, first_of, lasts, run_of};
+use crate::check::task::handover::{Predecessors, Succession};
+use crate::check::task::sequence::{entry_steps, first_steps, last_steps, run_of};
 use crate::check::types::consts;
-use crate::program::{DeclId, DeclKind, Lookup, twice};
+use crate::program::{DeclId, DeclKind, Lookup, duplicate_name_error};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
-use rpi_diag::{Code, Finding};
-use rpi_syntax::ast::{Expr, Ident, Next, Run, Step, StepKind, Strand, TaskDecl};
+use rpi_diag::{Code, Diagnostic};
+use rpi_syntax::ast::{Expr, Ident, NextStep, ParallelBranch, Run, Step, StepKind, TaskDecl};
 
 /// Maximum number of repetitions: at one per millisecond they take twelve days.
-const MAX_TIMES: i64 = 1 << 30;
+const MAX_REPETITIONS: i64 = 1 << 30;
 
 /// Steps that can be reached by label, the innermost list last.
 type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 
 /// Steps that follow a step without branches; several if parallel branches begin.
 #[derive(Clone, Default)]
-struct Then<'a> {
+struct Continuation<'a> {
     runs: Vec<&'a Run>,
     /// Whether they start only after other parallel branches have ended, too.
-    joins: bool,
+    waits_for_branches: bool,
 }
 
-impl<'a> Then<'a> {
-    fn in_turn(runs: Vec<&'a Run>) -> Then<'a> {
-        Then { runs, joins: false }
+impl<'a> Continuation<'a> {
+    fn sequential(runs: Vec<&'a Run>) -> Continuation<'a> {
+        Continuation {
+            runs,
+            waits_for_branches: false,
+        }
     }
 }
 
 /// Checks a task.
 pub(crate) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
-    let first = first_of(&task.steps).into_iter();
-    let mut follows: Vec<Follows<'a>> = first.map(|run| (Before::Nothing, run)).collect();
-    let nothing = Then::default();
+    let first = first_steps(&task.steps).into_iter();
+    let mut follows: Vec<Succession<'a>> = first.map(|run| (Predecessors::None, run)).collect();
+    let nothing = Continuation::default();
     check_steps(cx, &task.steps, &nothing, &mut Labels::new(), &mut follows);
     crate::check::task::handover::check_handover(cx, &follows);
     parallel::check_parallel_devices(cx, task);
@@ -74,9 +77,9 @@ pub(crate) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
 fn check_steps<'a>(
     cx: &mut Body<'_, 'a>,
     steps: &'a [Step],
-    again: &Then<'a>,
+    again: &Continuation<'a>,
     labels: &mut Labels<'a>,
-    follows: &mut Vec<Follows<'a>>,
+    follows: &mut Vec<Succession<'a>>,
 ) {
     let outer = labels.len();
     for run in steps.iter().filter_map(run_of) {
@@ -85,31 +88,33 @@ fn check_steps<'a>(
             .iter()
             .find(|(known, _)| known.name == label.name);
         if let Some((first, _)) = same {
-            let finding = twice(&label.name, label.span, first.span);
-            report::report_diagnostic(cx, finding);
+            let diagnostic = duplicate_name_error(&label.name, label.span, first.span);
+            report::report_diagnostic(cx, diagnostic);
         }
         labels.push((label, run));
     }
     for (k, step) in steps.iter().enumerate() {
         let next = match steps.get(k + 1) {
-            Some(next) => Then::in_turn(entry_of(next)),
+            Some(next) => Continuation::sequential(entry_steps(next)),
             None => again.clone(),
         };
         match &step.kind {
             StepKind::Run(run) => {
                 check_run(cx, run, &next.runs, labels);
-                follows.extend(crate::check::task::handover::followers(run, &next, labels));
+                follows.extend(crate::check::task::handover::successor_steps(
+                    run, &next, labels,
+                ));
             }
             StepKind::Repeat { count, steps } => {
                 check_repeat_count(cx, count.as_ref());
-                let first = Then::in_turn(first_of(steps));
+                let first = Continuation::sequential(first_steps(steps));
                 check_steps(cx, steps, &first, labels, follows);
             }
             StepKind::Parallel(strands) => check_parallel(cx, strands, &next, follows),
             StepKind::Start(label) => {
                 find_label(cx, label, labels);
             }
-            StepKind::Broken(_) => {}
+            StepKind::Error(_) => {}
         }
     }
     labels.truncate(outer);
@@ -118,21 +123,21 @@ fn check_steps<'a>(
 /// Checks parallel branches. From inside of a branch no step outside can be reached by label.
 fn check_parallel<'a>(
     cx: &mut Body<'_, 'a>,
-    strands: &'a [Strand],
-    next: &Then<'a>,
-    follows: &mut Vec<Follows<'a>>,
+    strands: &'a [ParallelBranch],
+    next: &Continuation<'a>,
+    follows: &mut Vec<Succession<'a>>,
 ) {
-    let joined = Then {
+    let joined = Continuation {
         runs: next.runs.clone(),
-        joins: true,
+        waits_for_branches: true,
     };
     for strand in strands {
         check_steps(cx, &strand.steps, &joined, &mut Labels::new(), follows);
     }
-    let ends: Vec<Vec<&'a Run>> = strands.iter().map(|s| lasts(&s.steps)).collect();
-    if !next.joins {
+    let ends: Vec<Vec<&'a Run>> = strands.iter().map(|s| last_steps(&s.steps)).collect();
+    if !next.waits_for_branches {
         let all = next.runs.iter().copied();
-        follows.extend(all.map(|run| (Before::Strands(ends.clone()), run)));
+        follows.extend(all.map(|run| (Predecessors::Parallel(ends.clone()), run)));
     }
 }
 
@@ -145,7 +150,7 @@ fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> 
     if found.is_none() {
         let names = labels.iter().map(|(known, _)| known.name.as_str());
         let near = cx.checker.suggest(&label.name, names);
-        report::report_diagnostic(cx, unknown("step", &label.name, label.span, near));
+        report::report_diagnostic(cx, undefined_name("step", &label.name, label.span, near));
     }
     found.map(|(_, run)| *run)
 }
@@ -154,29 +159,29 @@ fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> 
 fn check_repeat_count<'a>(cx: &mut Body<'_, 'a>, count: Option<&'a Expr>) {
     let Some(count) = count else { return };
     let value = expr::check_expr(cx, count);
-    if !statement::expect_type(cx, value, &Ty::Int, &Wanted::Here)
+    if !statement::expect_type(cx, value, &Ty::Int, &ExpectationReason::Unexplained)
         || !check_known_at_load(cx, value)
     {
         return;
     }
     let known = consts::try_fold(cx, value).ok();
     match known.and_then(|leaves| leaves.first()?.as_int()) {
-        Some(times) if !(0..=MAX_TIMES).contains(&times) => {
+        Some(times) if !(0..=MAX_REPETITIONS).contains(&times) => {
             repeat_count_out_of_range(cx, times, count)
         }
-        _ => cx.unit.counts.push((count.span, value)),
+        _ => cx.unit.repeat_counts.push((count.span, value)),
     }
 }
 
 fn repeat_count_out_of_range(cx: &mut Body<'_, '_>, times: i64, count: &Expr) {
     let message = format!("number of repetitions out of range: {times}");
-    let finding = Finding::new(Code::RPI8006, message)
-        .at(count.span, format!("must be from 0 to {MAX_TIMES}"));
+    let diagnostic = Diagnostic::new(Code::RPI8006, message)
+        .primary(count.span, format!("must be from 0 to {MAX_REPETITIONS}"));
     report::report_diagnostic(
         cx,
         match times > 0 {
-            true => finding.help("`repeat let ... tel` repeats without end"),
-            false => finding.help("use a number that is not negative"),
+            true => diagnostic.help("`repeat let ... tel` repeats without end"),
+            false => diagnostic.help("use a number that is not negative"),
         },
     );
 }
@@ -185,9 +190,9 @@ fn repeat_count_out_of_range(cx: &mut Body<'_, '_>, times: i64, count: &Expr) {
 fn check_known_at_load(cx: &mut Body<'_, '_>, value: ExprId) -> bool {
     let known = args::is_load_time_constant(cx, value);
     if !known {
-        let finding = Finding::new(Code::RPI2008, "a constant is needed here")
-            .at(cx.span_of(value), "this changes while commands run");
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
+            .primary(cx.span_of(value), "this changes while commands run");
+        report::report_diagnostic(cx, diagnostic);
     }
     known
 }
@@ -204,7 +209,7 @@ fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: 
         }
     }
     for branch in &run.branches {
-        if let Next::Step(label) = &branch.then {
+        if let NextStep::Step(label) = &branch.next {
             find_label(cx, label, labels);
         }
     }
@@ -214,27 +219,30 @@ fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: 
 fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
     let name = &run.callee.name;
     let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) else {
-        let runs = |id: DeclId| is_run(cx.checker.program.decl(id).kind);
-        let visible = cx.checker.program.visible(cx.module, runs);
+        let runs = |id: DeclId| is_runnable(cx.checker.program.decl(id).kind);
+        let visible = cx.checker.program.visible_names(cx.module, runs);
         let near = cx.checker.suggest(&name.name, visible);
-        let finding = unknown("command or task", &name.name, name.span, near);
+        let diagnostic = undefined_name("command or task", &name.name, name.span, near);
         report::report_diagnostic(
             cx,
-            match foreign_idioms::of_step(&name.name) {
-                Some(help) => finding.help(help),
-                None => finding,
+            match foreign_idioms::step_help(&name.name) {
+                Some(help) => diagnostic.help(help),
+                None => diagnostic,
             },
         );
         return None;
     };
     let decl = cx.checker.program.decl(id);
     let (kind, span) = (decl.kind, decl.span);
-    if is_run(kind) {
+    if is_runnable(kind) {
         return Some(id);
     }
     if !matches!(kind, DeclKind::Broken(_)) {
         let what = "a command or task";
-        report::report_diagnostic(cx, not_a(what, &name.name, kind.what(), name.span, span));
+        report::report_diagnostic(
+            cx,
+            wrong_kind_of_name(what, &name.name, kind.description(), name.span, span),
+        );
     }
     None
 }
@@ -244,11 +252,12 @@ fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
     let bound = static_args::bind_statics(cx, id, &run.callee.statics);
     let (mut given, all_named) = args::check_args_for(cx, id, &run.args.iter().collect::<Vec<_>>());
     given.extend(bound.ports);
-    if bound.faulty || !all_named {
+    if bound.has_error || !all_named {
         return;
     }
     let span = run.callee.span;
-    if let Ok(Fitted { header, args, .. }) = call::match_call(cx, id, bound.statics, given, span)
+    if let Ok(MatchedCall { header, args, .. }) =
+        call::match_call(cx, id, bound.statics, given, span)
         && let Some(unit) = unit::instantiate(cx.checker, &header, span)
     {
         cx.unit.steps.push(TaskStep {
@@ -256,11 +265,11 @@ fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
             decl: id,
             unit,
             args,
-            handed: Vec::new(),
+            taken_over: Vec::new(),
         });
     }
 }
 
-fn is_run(kind: DeclKind<'_>) -> bool {
+fn is_runnable(kind: DeclKind<'_>) -> bool {
     matches!(kind, DeclKind::Command(_) | DeclKind::Task(_))
 }

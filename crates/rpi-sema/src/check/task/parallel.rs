@@ -9,144 +9,150 @@ use std::rc::Rc;
 
 use crate::check::bodies::body::Body;
 use crate::check::exprs::names::plain_name;
-use crate::check::task::takeover::driven;
-use crate::elab::MAX_TASKS_IN_A_ROW;
-use crate::hash::Map;
+use crate::check::task::takeover::driven_params;
+use crate::elab::MAX_TASK_DEPTH;
+use crate::hash::FastMap;
 use crate::program::{DeclId, DeclKind, Lookup, ModuleId, Program};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Run, Step, StepKind, TaskDecl, VarDecl};
 
 /// Devices that steps drive, by their names in the task of these steps.
 #[derive(Clone, Default)]
-pub(crate) struct Uses {
+pub(crate) struct DeviceUses {
     /// Driven devices, each with the location of its first use.
     drives: BTreeMap<Name, Span>,
     /// Pairs of names that are driven at the same time.
-    apart: BTreeSet<(Name, Name)>,
+    must_differ: BTreeSet<(Name, Name)>,
     /// Devices that two branches drive at the same time.
-    clashes: Vec<Clash>,
+    conflicts: Vec<DeviceConflict>,
 }
 
 /// A device that two parallel branches drive, with both locations.
 #[derive(Clone)]
-struct Clash {
+struct DeviceConflict {
     device: Name,
     first: Span,
     second: Span,
     /// For branches of an inner task: its name, and its two names for the device.
-    within: Option<(Name, Name, Name)>,
+    inner_task: Option<(Name, Name, Name)>,
 }
 
 /// Checks that parallel branches drive different devices.
 pub(super) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
-    let mut looked = Looked {
+    let mut looked = DeviceAnalysis {
         program: cx.checker.program,
-        known: &mut cx.checker.task_uses,
-        open: Vec::new(),
+        results: &mut cx.checker.task_uses,
+        in_progress: Vec::new(),
     };
     let uses = looked.steps(&task.steps, cx.module);
-    uses.clashes
+    uses.conflicts
         .iter()
-        .for_each(|clash| report::report_diagnostic(cx, clash.finding()));
+        .for_each(|clash| report::report_diagnostic(cx, clash.diagnostic()));
 }
 
 /// Analysis of the devices that tasks drive; each task is analysed once.
-struct Looked<'c, 'p> {
+struct DeviceAnalysis<'c, 'p> {
     program: &'p Program<'p>,
     /// Devices of each analysed task, by the names in that task.
-    known: &'c mut Map<DeclId, Rc<Uses>>,
+    results: &'c mut FastMap<DeclId, Rc<DeviceUses>>,
     /// Tasks in progress. A task that runs itself is reported elsewhere.
-    open: Vec<DeclId>,
+    in_progress: Vec<DeclId>,
 }
 
-impl Looked<'_, '_> {
-    fn steps(&mut self, steps: &[Step], module: ModuleId) -> Uses {
-        let mut all = Uses::default();
+impl DeviceAnalysis<'_, '_> {
+    fn steps(&mut self, steps: &[Step], module: ModuleId) -> DeviceUses {
+        let mut all = DeviceUses::default();
         for step in steps {
             match &step.kind {
-                StepKind::Run(run) => all.add(self.run(run, module)),
-                StepKind::Repeat { steps, .. } => all.add(self.steps(steps, module)),
+                StepKind::Run(run) => all.merge_sequential(self.run(run, module)),
+                StepKind::Repeat { steps, .. } => all.merge_sequential(self.steps(steps, module)),
                 StepKind::Parallel(strands) => {
                     let strands = strands.iter().map(|s| self.steps(&s.steps, module));
-                    all.add(strands.reduce(Uses::beside).unwrap_or_default());
+                    all.merge_sequential(
+                        strands
+                            .reduce(DeviceUses::merge_parallel)
+                            .unwrap_or_default(),
+                    );
                 }
-                StepKind::Start(_) | StepKind::Broken(_) => {}
+                StepKind::Start(_) | StepKind::Error(_) => {}
             }
         }
         all
     }
 
     /// Returns the devices that a step drives, by the names in its task.
-    fn run(&mut self, run: &Run, module: ModuleId) -> Uses {
+    fn run(&mut self, run: &Run, module: ModuleId) -> DeviceUses {
         let name = &run.callee.name.name;
         let Lookup::Found(id) = self.program.lookup(module, name) else {
-            return Uses::default();
+            return DeviceUses::default();
         };
         let decl = self.program.decl(id);
         match decl.kind {
             DeclKind::Command(command) => {
-                let drives = driven(command).into_iter();
-                let inner = Uses {
+                let drives = driven_params(command).into_iter();
+                let inner = DeviceUses {
                     drives: drives.map(|name| (name.clone(), run.callee.span)).collect(),
-                    ..Uses::default()
+                    ..DeviceUses::default()
                 };
-                inner.passed(run, &command.params)
+                inner.renamed_for_caller(run, &command.params)
             }
-            DeclKind::Task(task) => self.task(id, task, decl.module).passed(run, &task.params),
-            _ => Uses::default(),
+            DeclKind::Task(task) => self
+                .task(id, task, decl.module)
+                .renamed_for_caller(run, &task.params),
+            _ => DeviceUses::default(),
         }
     }
 
     /// Returns the devices that a task drives, by its own names.
-    fn task(&mut self, id: DeclId, task: &TaskDecl, module: ModuleId) -> Rc<Uses> {
-        if let Some(known) = self.known.get(&id) {
+    fn task(&mut self, id: DeclId, task: &TaskDecl, module: ModuleId) -> Rc<DeviceUses> {
+        if let Some(known) = self.results.get(&id) {
             return known.clone();
         }
-        if self.open.contains(&id) || self.open.len() > MAX_TASKS_IN_A_ROW {
+        if self.in_progress.contains(&id) || self.in_progress.len() > MAX_TASK_DEPTH {
             return Rc::default();
         }
-        self.open.push(id);
+        self.in_progress.push(id);
         let uses = Rc::new(self.steps(&task.steps, module));
-        self.open.pop();
-        self.known.insert(id, uses.clone());
+        self.in_progress.pop();
+        self.results.insert(id, uses.clone());
         uses
     }
 }
 
-impl Uses {
+impl DeviceUses {
     /// Adds the devices of steps that run before or after.
-    fn add(&mut self, other: Uses) {
+    fn merge_sequential(&mut self, other: DeviceUses) {
         for (device, span) in other.drives {
             self.drives.entry(device).or_insert(span);
         }
-        self.apart.extend(other.apart);
-        self.clashes.extend(other.clashes);
+        self.must_differ.extend(other.must_differ);
+        self.conflicts.extend(other.conflicts);
     }
 
     /// Adds the devices of steps that run at the same time.
-    fn beside(mut self, other: Uses) -> Uses {
+    fn merge_parallel(mut self, other: DeviceUses) -> DeviceUses {
         for (device, second) in &other.drives {
             for (own, first) in &self.drives {
                 if own != device {
-                    self.apart.insert((own.clone(), device.clone()));
+                    self.must_differ.insert((own.clone(), device.clone()));
                     continue;
                 }
-                self.clashes.push(Clash {
+                self.conflicts.push(DeviceConflict {
                     device: device.clone(),
                     first: *first,
                     second: *second,
-                    within: None,
+                    inner_task: None,
                 });
             }
         }
-        self.add(other);
+        self.merge_sequential(other);
         self
     }
 
     /// Returns the devices of a command or task with these parameters, by the names in the task that runs it. Clashes
     /// inside of a task are reported in that task.
-    fn passed(&self, run: &Run, params: &[VarDecl]) -> Uses {
+    fn renamed_for_caller(&self, run: &Run, params: &[VarDecl]) -> DeviceUses {
         let names: Vec<&Name> = params
             .iter()
             .flat_map(|p| &p.names)
@@ -155,23 +161,23 @@ impl Uses {
         let span = run.callee.span;
         // A device that is not a parameter is a device of the cell, under its own name.
         let outside = |name: &Name| match names.contains(&name) {
-            true => given(run, &names, name),
+            true => argument_name(run, &names, name),
             false => Some(name.clone()),
         };
-        let mut all = Uses::default();
+        let mut all = DeviceUses::default();
         for device in self.drives.keys().filter_map(outside) {
             all.drives.insert(device, span);
         }
-        for (a, b) in &self.apart {
+        for (a, b) in &self.must_differ {
             match (outside(a), outside(b)) {
-                (Some(one), Some(other)) if one == other => all.clashes.push(Clash {
+                (Some(one), Some(other)) if one == other => all.conflicts.push(DeviceConflict {
                     device: one,
                     first: span,
                     second: span,
-                    within: Some((run.callee.name.name.clone(), a.clone(), b.clone())),
+                    inner_task: Some((run.callee.name.name.clone(), a.clone(), b.clone())),
                 }),
                 (Some(one), Some(other)) => {
-                    all.apart.insert((one, other));
+                    all.must_differ.insert((one, other));
                 }
                 _ => {}
             }
@@ -181,7 +187,7 @@ impl Uses {
 }
 
 /// Returns the name that a step passes for a parameter.
-fn given(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
+fn argument_name(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
     let is_for = |(k, arg): &(usize, &Arg)| match &arg.name {
         Some(name) => name.name == *param,
         None => names.get(*k) == Some(&param),
@@ -190,22 +196,22 @@ fn given(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
     plain_name(&arg.value).cloned()
 }
 
-impl Clash {
-    fn finding(&self) -> Finding {
+impl DeviceConflict {
+    fn diagnostic(&self) -> Diagnostic {
         let device = &self.device;
         let help = "parallel branches need different devices: run one after the other, or move the device in a single command";
-        match &self.within {
-            None => Finding::new(
+        match &self.inner_task {
+            None => Diagnostic::new(
                 Code::RPI8005,
                 format!("two branches of `parallel` drive `{device}`"),
             )
-            .at(self.second, format!("this drives `{device}`"))
-            .also(self.first, "and so does this, at the same time"),
-            Some((task, a, b)) => Finding::new(
+            .primary(self.second, format!("this drives `{device}`"))
+            .secondary(self.first, "and so does this, at the same time"),
+            Some((task, a, b)) => Diagnostic::new(
                 Code::RPI8005,
                 format!("two parallel branches of `{task}` drive `{device}`"),
             )
-            .at(
+            .primary(
                 self.second,
                 format!("`{a}` and `{b}` of `{task}` are driven at the same time, and both are `{device}`"),
             ),

@@ -1,6 +1,6 @@
 //! First and last steps of a list of steps.
 
-use rpi_syntax::ast::{Next, Run, Step, StepKind};
+use rpi_syntax::ast::{NextStep, Run, Step, StepKind};
 
 /// Returns the command or task that a step runs; `None` for other steps.
 pub(super) fn run_of(step: &Step) -> Option<&Run> {
@@ -11,7 +11,7 @@ pub(super) fn run_of(step: &Step) -> Option<&Run> {
 }
 
 /// Returns the steps with which a list begins; several if it begins with parallel branches.
-pub(super) fn first_of(steps: &[Step]) -> Vec<&Run> {
+pub(super) fn first_steps(steps: &[Step]) -> Vec<&Run> {
     let start = steps.iter().find_map(|step| match &step.kind {
         StepKind::Start(label) => Some(&label.name),
         _ => None,
@@ -21,7 +21,7 @@ pub(super) fn first_of(steps: &[Step]) -> Vec<&Run> {
         label.is_some() && label == start
     };
     match start {
-        None => steps.first().map(entry_of).unwrap_or_default(),
+        None => steps.first().map(entry_steps).unwrap_or_default(),
         Some(_) => {
             let found = steps.iter().filter_map(run_of).find(is_start);
             found.into_iter().collect()
@@ -30,26 +30,30 @@ pub(super) fn first_of(steps: &[Step]) -> Vec<&Run> {
 }
 
 /// Returns the commands or tasks that a step runs first.
-pub(super) fn entry_of(step: &Step) -> Vec<&Run> {
+pub(super) fn entry_steps(step: &Step) -> Vec<&Run> {
     match &step.kind {
-        StepKind::Repeat { steps, .. } => first_of(steps),
-        StepKind::Parallel(strands) => strands.iter().flat_map(|s| first_of(&s.steps)).collect(),
+        StepKind::Repeat { steps, .. } => first_steps(steps),
+        StepKind::Parallel(strands) => strands.iter().flat_map(|s| first_steps(&s.steps)).collect(),
         _ => run_of(step).into_iter().collect(),
     }
 }
 
 /// Returns the steps with which a list can end: the last one, and those with a branch to `end`.
-pub(super) fn lasts(steps: &[Step]) -> Vec<&Run> {
-    let ends = |run: &&Run| run.branches.iter().any(|b| matches!(b.then, Next::End(_)));
+pub(super) fn last_steps(steps: &[Step]) -> Vec<&Run> {
+    let ends = |run: &&Run| {
+        run.branches
+            .iter()
+            .any(|b| matches!(b.next, NextStep::End(_)))
+    };
     let mut all: Vec<&Run> = steps.iter().filter_map(run_of).filter(ends).collect();
     match steps.last().map(|step| &step.kind) {
         Some(StepKind::Run(run)) if run.branches.is_empty() => all.push(run),
         Some(StepKind::Repeat {
             count: Some(_),
             steps,
-        }) => all.extend(lasts(steps)),
+        }) => all.extend(last_steps(steps)),
         Some(StepKind::Parallel(strands)) => {
-            all.extend(strands.iter().flat_map(|s| lasts(&s.steps)));
+            all.extend(strands.iter().flat_map(|s| last_steps(&s.steps)));
         }
         _ => {}
     }

@@ -2,19 +2,20 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::listed;
-use crate::check::exprs::names::ends_of;
+use crate::check::diagnostics::report::join_names;
+use crate::check::exprs::names::end_statements;
 use crate::check::exprs::names::plain_name;
 use crate::check::signatures::unit;
 use crate::check::task::Labels;
 use crate::check::task::handover;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::Ty;
-use crate::typed::Place;
-use rpi_diag::{Code, Finding};
+use crate::typed::TargetPlace;
+use rpi_diag::{Code, Diagnostic};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    self, Arg, Branch, CommandDecl, EndKind, Next, OnResult, Run, Statement, StatementKind,
+    self, Arg, Branch, CommandDecl, CommandEndKind, NextStep, ResultPattern, Run, Statement,
+    StatementKind,
 };
 
 /// Checks that the successors of a `yield` take over every device that may still be moving.
@@ -26,10 +27,10 @@ pub(super) fn check_successors<'a>(
     labels: &Labels<'a>,
 ) {
     let moved = moved_params(cx, run);
-    let moving = given_to(&moved.iter().collect::<Vec<_>>(), command, run);
-    let yields = ends_of(command).into_iter();
-    for end in yields.filter(|end| end.kind == EndKind::Yield) {
-        let follows = target(run, &end.result.name, next, labels);
+    let moving = check_args_for(&moved.iter().collect::<Vec<_>>(), command, run);
+    let yields = end_statements(command).into_iter();
+    for end in yields.filter(|end| end.kind == CommandEndKind::Yield) {
+        let follows = check_target(run, &end.result.name, next, labels);
         let Some(first) = follows.first() else {
             continue;
         };
@@ -58,7 +59,7 @@ fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let targets = equations.flat_map(|equation| &equation.targets);
     let moved = targets.filter_map(|target| match target.place {
-        Place::Port { device, .. } if can_move(&target.ty) => Some(device),
+        TargetPlace::Port { device, .. } if is_motion_type(&target.ty) => Some(device),
         _ => None,
     });
     moved.map(|flow| unit.flow(flow).name.clone()).collect()
@@ -75,38 +76,48 @@ fn devices_taken_by<'r>(cx: &Body<'_, '_>, runs: &[&'r Run]) -> Option<Vec<&'r s
         let DeclKind::Command(successor) = cx.checker.program.decl(id).kind else {
             return None;
         };
-        taken.extend(given_to(&driven(successor), successor, run));
+        taken.extend(check_args_for(&driven_params(successor), successor, run));
     }
     Some(taken)
 }
 
 /// Whether a port of this type may be the set-point of a motion. Booleans, integers and enum values switch at once.
-fn can_move(ty: &Ty) -> bool {
+fn is_motion_type(ty: &Ty) -> bool {
     match ty {
         Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => false,
-        Ty::Array(element, _) => can_move(element),
-        Ty::Struct(_) | Ty::Tuple(_) => ty.members().iter().any(|member| can_move(&member.ty)),
+        Ty::Array(element, _) => is_motion_type(element),
+        Ty::Struct(_) | Ty::Tuple(_) => {
+            ty.members().iter().any(|member| is_motion_type(&member.ty))
+        }
         _ => true,
     }
 }
 
 /// Returns the steps that follow a result; several if parallel branches begin.
-fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>) -> Vec<&'a Run> {
-    let named = |on: &OnResult| matches!(on, OnResult::Named(name) if name.name == *result);
-    let any = |on: &OnResult| matches!(on, OnResult::Any(_));
-    let branch = |is: &dyn Fn(&OnResult) -> bool| -> Option<&'a Branch> {
-        run.branches.iter().find(|branch| branch.on.iter().any(is))
+fn check_target<'a>(
+    run: &'a Run,
+    result: &Name,
+    next: &[&'a Run],
+    labels: &Labels<'a>,
+) -> Vec<&'a Run> {
+    let named =
+        |on: &ResultPattern| matches!(on, ResultPattern::Named(name) if name.name == *result);
+    let any = |on: &ResultPattern| matches!(on, ResultPattern::Any(_));
+    let branch = |is: &dyn Fn(&ResultPattern) -> bool| -> Option<&'a Branch> {
+        run.branches
+            .iter()
+            .find(|branch| branch.results.iter().any(is))
     };
     match branch(&named).or_else(|| branch(&any)) {
-        Some(branch) => match &branch.then {
-            Next::Step(label) => {
+        Some(branch) => match &branch.next {
+            NextStep::Step(label) => {
                 let found = labels
                     .iter()
                     .rev()
                     .find(|(known, _)| known.name == label.name);
                 found.map(|(_, run)| *run).into_iter().collect()
             }
-            Next::End(_) => Vec::new(),
+            NextStep::End(_) => Vec::new(),
         },
         None if run.branches.is_empty() => next.to_vec(),
         None => Vec::new(),
@@ -114,9 +125,9 @@ fn target<'a>(run: &'a Run, result: &Name, next: &[&'a Run], labels: &Labels<'a>
 }
 
 /// Returns the parameters of a command through which it writes to devices.
-pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
+pub(super) fn driven_params(command: &CommandDecl) -> Vec<&Name> {
     let mut written = Vec::new();
-    targets(&command.body.statements, &mut written);
+    written_names(&command.body.statements, &mut written);
     let params = command.params.iter().flat_map(|param| &param.names);
     params
         .map(|param| &param.name)
@@ -125,17 +136,17 @@ pub(super) fn driven(command: &CommandDecl) -> Vec<&Name> {
 }
 
 /// Collects the names of which statements define a part, also in fragments and states.
-fn targets<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
+fn written_names<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
     for statement in statements {
         match &statement.kind {
             StatementKind::Equation(equation) => {
                 let parts = equation.targets.iter().filter(|t| !t.path.is_empty());
                 written.extend(parts.map(|target| &target.name.name));
             }
-            StatementKind::Fragment(fragment) => targets(&fragment.body.statements, written),
+            StatementKind::Fragment(fragment) => written_names(&fragment.body.statements, written),
             StatementKind::Automaton(automaton) => {
                 let states = automaton.states.iter();
-                states.for_each(|state| targets(&state.body.statements, written));
+                states.for_each(|state| written_names(&state.body.statements, written));
             }
             _ => {}
         }
@@ -143,7 +154,7 @@ fn targets<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
 }
 
 /// Returns the names that a step passes for these parameters; arguments that are not plain names are skipped.
-fn given_to<'r>(params: &[&Name], command: &CommandDecl, run: &'r Run) -> Vec<&'r str> {
+fn check_args_for<'r>(params: &[&Name], command: &CommandDecl, run: &'r Run) -> Vec<&'r str> {
     let names: Vec<&Name> = command
         .params
         .iter()
@@ -161,14 +172,19 @@ fn given_to<'r>(params: &[&Name], command: &CommandDecl, run: &'r Run) -> Vec<&'
     run.args.iter().enumerate().filter_map(of).collect()
 }
 
-fn not_taken_over(command: &CommandDecl, end: &ast::End, follows: &Run, left: &[&str]) -> Finding {
-    let (successor, devices) = (&follows.callee.name, listed(left.iter().copied()));
+fn not_taken_over(
+    command: &CommandDecl,
+    end: &ast::CommandEnd,
+    follows: &Run,
+    left: &[&str],
+) -> Diagnostic {
+    let (successor, devices) = (&follows.callee.name, join_names(left.iter().copied()));
     let message = format!(
         "`{}` does not take over {devices} from `{}`",
         successor.name, command.name.name
     );
-    Finding::new(Code::RPI6201, message)
-        .at(successor.span, format!("it does not drive {devices}"))
-        .also(end.result.span, format!("here {devices} may still be moving"))
+    Diagnostic::new(Code::RPI6201, message)
+        .primary(successor.span, format!("it does not drive {devices}"))
+        .secondary(end.result.span, format!("here {devices} may still be moving"))
         .help("the command ignores this `yield` and continues until it is at rest; drive the device in the successor, or branch on another result")
 }

@@ -4,7 +4,7 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
 use crate::check::signatures::unit;
@@ -12,13 +12,13 @@ use crate::check::types;
 use crate::check::types::subrange;
 use crate::check::types::type_decls;
 use crate::check::{Checker, Constant, Lazy};
-use crate::elab::{self, NotConstant};
+use crate::elab::{self, NotConstantError};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Geometry, Ty};
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
-use crate::units::Dim;
-use rpi_diag::{Code, Finding};
+use crate::units::Dimension;
+use rpi_diag::{Code, Diagnostic};
 use rpi_image::Scalar;
 use rpi_syntax::ast;
 use std::rc::Rc;
@@ -29,11 +29,11 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
         Some(Lazy::Done(constant)) => {
             let constant = constant.clone();
             checker
-                .findings
+                .diagnostics
                 .extend(checker.valueless_constants.get(&id).cloned());
             return constant;
         }
-        Some(Lazy::Busy) => {
+        Some(Lazy::InProgress) => {
             type_decls::report_dependency_cycle(checker, "constant", id);
             return None;
         }
@@ -48,22 +48,22 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
     {
         return None;
     }
-    let before = checker.findings.len();
-    checker.constants.insert(id, Lazy::Busy);
+    let before = checker.diagnostics.len();
+    checker.constants.insert(id, Lazy::InProgress);
     checker.in_progress.push(id);
     let constant = nesting::check_nested(checker, |checker| {
-        let mut body = Body::around(checker, id);
+        let mut body = Body::for_top_level(checker, id);
         let constant = match decl.kind {
             DeclKind::Const(def) => constant_def(&mut body, def),
             DeclKind::Frame(frame) => frame_pose(&mut body, &decl.name, frame),
             _ => None,
         };
-        body.leave();
+        body.finish();
         constant
     });
     checker.in_progress.pop();
-    let mut found = checker.findings[before..].iter();
-    if let Some(outside) = found.find(|finding| finding.code == Code::RPI1012) {
+    let mut found = checker.diagnostics[before..].iter();
+    if let Some(outside) = found.find(|diagnostic| diagnostic.code == Code::RPI1012) {
         checker.valueless_constants.insert(id, outside.clone());
     }
     let constant = constant
@@ -75,19 +75,22 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
 /// Checks a Lustre constant on its own. It, or a constant that it depends on, may lack a value as long as no node
 /// needs it, so that this is only reported where it is used.
 pub(crate) fn check_lustre_constant(checker: &mut Checker<'_>, id: DeclId) {
-    let before = checker.findings.len();
+    let before = checker.diagnostics.len();
     check_constant(checker, id);
-    let found = checker.findings.split_off(before);
+    let found = checker.diagnostics.split_off(before);
     let (outside, found): (Vec<_>, Vec<_>) =
         found.into_iter().partition(|f| f.code == Code::RPI1012);
-    checker.findings.extend(found);
+    checker.diagnostics.extend(found);
     if !outside.is_empty() {
         checker
             .constants
             .retain(|_, constant| !matches!(constant, Lazy::Done(None)));
-        checker
-            .valueless_constants
-            .extend(outside.into_iter().next().map(|finding| (id, finding)));
+        checker.valueless_constants.extend(
+            outside
+                .into_iter()
+                .next()
+                .map(|diagnostic| (id, diagnostic)),
+        );
     }
 }
 
@@ -96,18 +99,18 @@ pub(crate) fn constant_def<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) ->
     let declared = def.ty.as_ref().map(|ty| types::resolve_type(cx, ty));
     let Some(value) = &def.value else {
         // A definition with a syntax error has been reported.
-        let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Broken);
+        let is_broken = |ty: &ast::Type| matches!(ty.kind, ast::TypeKind::Error);
         let is_whole = !def.ty.as_ref().is_some_and(is_broken);
         let name = def.names.first().filter(|_| is_whole)?;
-        let finding = no_value(name, unit::reads_rpi_syntax(cx));
-        report::report_diagnostic(cx, finding);
+        let diagnostic = constant_without_value(name, unit::reads_rpi_syntax(cx));
+        report::report_diagnostic(cx, diagnostic);
         let ty = declared.filter(|_| !unit::reads_rpi_syntax(cx))?;
-        let leaves = crate::check::signatures::sample_check::value(&ty)?;
+        let leaves = crate::check::signatures::sample_check::sample_value(&ty)?;
         return Some(Constant { ty, leaves });
     };
     let id = expr::check_expr(cx, value);
     if let Some(declared) = &declared {
-        statement::expect_type(cx, id, declared, &Wanted::Here);
+        statement::expect_type(cx, id, declared, &ExpectationReason::Unexplained);
     }
     let leaves = fold(cx, id)?;
     if let Some(declared) = &declared {
@@ -148,7 +151,7 @@ pub(crate) fn const_value<'a>(
     ty: &Ty,
 ) -> Option<Rc<[Leaf]>> {
     let id = expr::check_expr(cx, value);
-    if !statement::expect_type(cx, id, ty, &Wanted::Here) {
+    if !statement::expect_type(cx, id, ty, &ExpectationReason::Unexplained) {
         return None;
     }
     let leaves = fold(cx, id)?;
@@ -162,7 +165,7 @@ pub(crate) fn const_integer<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> 
 
 /// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18.
 pub(crate) fn const_nanoseconds<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<u64> {
-    let seconds = const_value(cx, value, &Ty::Real(Dim::TIME))?
+    let seconds = const_value(cx, value, &Ty::Real(Dimension::TIME))?
         .first()?
         .as_real()?;
     let ns = (seconds * 1e9).round();
@@ -173,20 +176,21 @@ pub(crate) fn const_nanoseconds<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr)
 pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
     match try_fold(cx, id) {
         Ok(leaves) => Some(leaves),
-        Err(NotConstant::Faulty) => None,
-        Err(NotConstant::Flow(span)) => {
+        Err(NotConstantError::Reported) => None,
+        Err(NotConstantError::RunTime(span)) => {
             report::report_diagnostic(
                 cx,
-                Finding::new(Code::RPI2008, "a constant is needed here")
-                    .at(span, "this is only known at run time")
-                    .also(cx.span_of(id), "needed at compile time"),
+                Diagnostic::new(Code::RPI2008, "a constant is needed here")
+                    .primary(span, "this is only known at run time")
+                    .secondary(cx.span_of(id), "needed at compile time"),
             );
             None
         }
-        Err(NotConstant::Fault(span, what)) => {
+        Err(NotConstantError::Fault(span, what)) => {
             report::report_diagnostic(
                 cx,
-                Finding::new(Code::RPI2010, what).at(span, "while evaluating this constant"),
+                Diagnostic::new(Code::RPI2010, what)
+                    .primary(span, "while evaluating this constant"),
             );
             None
         }
@@ -199,36 +203,36 @@ pub(crate) fn fold_silently(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Lea
 }
 
 /// Returns the value of an expression, or why it is not constant.
-pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstant> {
+pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstantError> {
     match &cx.unit.expr(id).kind {
-        Kind::Literal(leaf) => return Ok([leaf.clone()].into()),
-        Kind::Const(leaves) => return Ok(leaves.clone()),
+        TypedExprKind::Literal(leaf) => return Ok([leaf.clone()].into()),
+        TypedExprKind::Const(leaves) => return Ok(leaves.clone()),
         _ => {}
     }
     // Elaboration inlines calls, so that the called units must be checked first.
-    for unit in called(&cx.unit, id) {
+    for unit in called_units(&cx.unit, id) {
         unit::check_unit_now(cx.checker, unit);
     }
-    elab::constant(&cx.checker.units, &cx.unit, id)
+    elab::evaluate_constant(&cx.checker.units, &cx.unit, id)
 }
 
 /// Returns the diagnostic for a constant without a value. Lustre allows such constants as external ones.
-fn no_value(name: &ast::Ident, is_rpi: bool) -> Finding {
+fn constant_without_value(name: &ast::Ident, is_rpi: bool) -> Diagnostic {
     let code = match is_rpi {
         true => Code::RPI1009,
         false => Code::RPI1012,
     };
-    Finding::new(code, format!("the constant `{}` has no value", name.name))
-        .at(name.span, "external constants are not supported")
+    Diagnostic::new(code, format!("the constant `{}` has no value", name.name))
+        .primary(name.span, "external constants are not supported")
         .help("add a value: `= ...`")
 }
 
 /// Returns the units that an expression calls.
-fn called(unit: &Unit, id: ExprId) -> Vec<UnitId> {
+fn called_units(unit: &Unit, id: ExprId) -> Vec<UnitId> {
     let mut found = Vec::new();
-    let mut parts = unit.parts(id);
+    let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
-        if let Kind::Call(call) = &expr.kind {
+        if let TypedExprKind::Call(call) = &expr.kind {
             found.push(call.unit);
         }
         parts.enter(id);

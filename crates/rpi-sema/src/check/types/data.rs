@@ -6,32 +6,32 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
-use crate::check::diagnostics::report::listed;
-use crate::check::diagnostics::report::unknown;
+use crate::check::diagnostics::report::ExpectationReason;
+use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::compose;
 use crate::check::exprs::expr;
 use crate::check::exprs::ops;
 use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
-use crate::check::signatures::static_params::Param;
-use crate::check::signatures::static_params::params;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
+use crate::check::signatures::static_params::StaticParamDecl;
+use crate::check::signatures::static_params::static_params;
 use crate::check::types::exact_time;
 use crate::check::types::type_decls;
-use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::EnumTy;
 use crate::ty::Member;
 use crate::ty::StructTy;
-use crate::ty::Subst;
+use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::fit;
-use crate::typed::Kind;
+use crate::ty::check_assignable;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, Leaf};
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    Constructor, FieldValue, Ident, IsA, StaticArg, StructExpr, TypeDef, TypeKind,
+    Constructor, ConstructorTest, FieldValue, Ident, StaticArg, StructExpr, TypeDef, TypeKind,
 };
 use std::rc::Rc;
 
@@ -47,32 +47,32 @@ pub(crate) fn type_instance_for<'a>(
 ) -> Ty {
     let names = type_params(cx, id);
     if cx.checker.temporal_types.contains(&id) {
-        cx.has_state(span);
+        cx.record_state(span);
     }
     if names.len() != args.len() {
         let decl = cx.checker.program.decl(id);
         let message = format!(
             "`{}` takes {}, found {}",
             decl.name,
-            rpi_diag::counted(names.len(), "type argument"),
+            rpi_diag::with_noun(names.len(), "type argument"),
             args.len()
         );
-        let finding = Finding::new(Code::RPI1010, message)
-            .at(span, "wrong number of type arguments")
-            .also(decl.span, "declared here");
-        report::report_diagnostic(cx, finding);
+        let diagnostic = Diagnostic::new(Code::RPI1010, message)
+            .primary(span, "wrong number of type arguments")
+            .secondary(decl.span, "declared here");
+        report::report_diagnostic(cx, diagnostic);
         return Ty::Unknown;
     }
-    let mut statics = Statics::new();
+    let mut statics = StaticBindings::new();
     for (name, arg) in names.into_iter().zip(args) {
         let Some(ty) = static_args::static_type(cx, arg) else {
             return Ty::Unknown;
         };
-        statics.insert(name, Static::Ty(ty));
+        statics.insert(name, StaticBinding::Type(ty));
     }
     let ty = type_decls::type_instance(cx.checker, id, Rc::new(statics));
     if cx.checker.temporal_types.contains(&id) {
-        cx.has_state(span);
+        cx.record_state(span);
     }
     ty
 }
@@ -82,9 +82,9 @@ fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
     let DeclKind::Type(def) = cx.checker.program.decl(id).kind else {
         return Vec::new();
     };
-    let params = params(&def.statics).into_iter();
+    let params = static_params(&def.statics).into_iter();
     params
-        .filter(|p| matches!(p, Param::Type(..)))
+        .filter(|p| matches!(p, StaticParamDecl::Type(..)))
         .map(|p| p.name().name.clone())
         .collect()
 }
@@ -92,16 +92,16 @@ fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
 /// Returns a declared type with its parameters still unknown.
 fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
     let names = type_params(cx, id).into_iter();
-    let statics = names.map(|name| (name.clone(), Static::Ty(Ty::Generic(name))));
+    let statics = names.map(|name| (name.clone(), StaticBinding::Type(Ty::Generic(name))));
     type_decls::type_instance(cx.checker, id, Rc::new(statics.collect()))
 }
 
 /// Returns a declared type with the inferred parameters; `None` if some are not inferred.
-fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Subst) -> Option<Ty> {
-    let mut statics = Statics::new();
+fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Substitution) -> Option<Ty> {
+    let mut statics = StaticBindings::new();
     for name in type_params(cx, id) {
         let ty = subst.types.get(&name)?.clone();
-        statics.insert(name, Static::Ty(ty));
+        statics.insert(name, StaticBinding::Type(ty));
     }
     Some(type_decls::type_instance(cx.checker, id, Rc::new(statics)))
 }
@@ -114,7 +114,7 @@ pub(crate) fn generic_struct(cx: &mut Body<'_, '_>, value: &StructExpr) -> Optio
     let found = cx
         .checker
         .program
-        .lookup_in(Space::Type, cx.module, &value.ty.name);
+        .lookup_in(NameSpace::Type, cx.module, &value.ty.name);
     let Lookup::Found(id) = found else {
         return None;
     };
@@ -129,9 +129,9 @@ pub(crate) fn inferred_struct<'a>(
     span: Span,
 ) -> ExprId {
     let Ty::Struct(open) = open_type(cx, id) else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    let mut subst = Subst::default();
+    let mut subst = Substitution::default();
     let values: Vec<(&FieldValue, ExprId)> = value
         .fields
         .iter()
@@ -147,11 +147,17 @@ pub(crate) fn inferred_struct<'a>(
         }
         let found = cx.ty_of(*given).clone();
         if let Some(wanted) = wanted
-            && let Err(misfit) = fit(&wanted.ty, &found, &mut subst)
+            && let Err(misfit) = check_assignable(&wanted.ty, &found, &mut subst)
         {
             let expected = wanted.ty.substituted(&subst);
-            report::type_mismatch(cx, *given, &expected, &misfit, &Wanted::Here);
-            return cx.fault(span);
+            report::type_mismatch(
+                cx,
+                *given,
+                &expected,
+                &misfit,
+                &ExpectationReason::Unexplained,
+            );
+            return cx.error_expr(span);
         }
     }
     match inferred_type(cx, id, &subst) {
@@ -159,8 +165,8 @@ pub(crate) fn inferred_struct<'a>(
             let given = compose::match_fields(cx, &ty, &values);
             let parts = given.and_then(|given| compose::fill_fields(cx, &ty, &given, None, span));
             match parts {
-                Some(parts) => cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span),
-                None => cx.add(Kind::Fault, Ty::Struct(ty), span),
+                Some(parts) => cx.add(TypedExprKind::Build(parts.into()), Ty::Struct(ty), span),
+                None => cx.add(TypedExprKind::Error, Ty::Struct(ty), span),
             }
         }
         _ => report_uninferred_params(cx, &value.ty, span),
@@ -170,10 +176,10 @@ pub(crate) fn inferred_struct<'a>(
 /// Reports type arguments that cannot be inferred.
 fn report_uninferred_params(cx: &mut Body<'_, '_>, name: &Ident, span: Span) -> ExprId {
     let message = format!("cannot infer the type arguments of `{}`", name.name);
-    let finding = Finding::new(Code::RPI2007, message)
-        .at(name.span, "no part of this value has these types")
+    let diagnostic = Diagnostic::new(Code::RPI2007, message)
+        .primary(name.span, "no part of this value has these types")
         .help(format!("give them explicitly: `{}@<int>`", name.name));
-    cx.fault_with(finding, span)
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Returns the type that a `datatype` defines: an enum if no alternative has parts, else a struct.
@@ -203,8 +209,9 @@ pub(crate) fn resolve_datatype<'a>(
                         .iter()
                         .all(|f| !f.names.iter().any(|n| n.span == first.span)) =>
                 {
-                    let finding = crate::program::twice(&name.name, name.span, first.span);
-                    report::report_diagnostic(cx, finding);
+                    let diagnostic =
+                        crate::program::duplicate_name_error(&name.name, name.span, first.span);
+                    report::report_diagnostic(cx, diagnostic);
                 }
                 Some(_) => {}
                 None => seen.push(name),
@@ -223,7 +230,7 @@ pub(crate) fn resolve_datatype<'a>(
 fn constructors<'a>(cx: &Body<'_, 'a>, id: DeclId) -> &'a [Constructor] {
     match cx.checker.program.decl(id).kind {
         DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
-            Some(TypeKind::Data(all)) => all,
+            Some(TypeKind::Datatype(all)) => all,
             _ => &[],
         },
         _ => &[],
@@ -265,16 +272,22 @@ pub(crate) fn constructor_value<'a>(
     let said = (!types.is_empty()).then(|| type_instance_for(cx, id, types, span));
     let open = said.clone().unwrap_or_else(|| open_type(cx, id));
     let Ty::Struct(open) = open else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    let mut subst = Subst::default();
+    let mut subst = Substitution::default();
     for (field, value) in open.fields[from..].iter().zip(values) {
         exact_time::convert_time_for(cx, *value, &field.ty);
         let found = cx.ty_of(*value).clone();
-        if let Err(misfit) = fit(&field.ty, &found, &mut subst) {
+        if let Err(misfit) = check_assignable(&field.ty, &found, &mut subst) {
             let expected = field.ty.substituted(&subst);
-            report::type_mismatch(cx, *value, &expected, &misfit, &Wanted::Here);
-            return cx.fault(span);
+            report::type_mismatch(
+                cx,
+                *value,
+                &expected,
+                &misfit,
+                &ExpectationReason::Unexplained,
+            );
+            return cx.error_expr(span);
         }
     }
     let Some(Ty::Struct(ty)) = said.or_else(|| inferred_type(cx, id, &subst)) else {
@@ -285,14 +298,18 @@ pub(crate) fn constructor_value<'a>(
         parts.push(match k.checked_sub(from).and_then(|k| values.get(k)) {
             Some(value) => *value,
             None if k == 0 => cx.add(
-                Kind::Literal(Leaf::int(index.into())),
+                TypedExprKind::Literal(Leaf::int(index.into())),
                 field.ty.clone(),
                 span,
             ),
-            None => cx.add(Kind::Const(filling(&field.ty)), field.ty.clone(), span),
+            None => cx.add(
+                TypedExprKind::Const(filler_value(&field.ty)),
+                field.ty.clone(),
+                span,
+            ),
         });
     }
-    cx.add(Kind::Build(parts.into()), Ty::Struct(ty), span)
+    cx.add(TypedExprKind::Build(parts.into()), Ty::Struct(ty), span)
 }
 
 /// Reports a wrong number of parts of an alternative.
@@ -306,12 +323,12 @@ pub(crate) fn report_part_count(
     let message = format!(
         "`{}` takes {}, found {given}",
         name.name,
-        rpi_diag::counted(count, "part")
+        rpi_diag::with_noun(count, "part")
     );
-    let finding = Finding::new(Code::RPI1010, message)
-        .at(span, "wrong number of parts")
-        .also(name.span, "declared here");
-    cx.fault_with(finding, span)
+    let diagnostic = Diagnostic::new(Code::RPI1010, message)
+        .primary(span, "wrong number of parts")
+        .secondary(name.span, "declared here");
+    cx.report_error_expr(diagnostic, span)
 }
 
 /// Returns the alternatives of a value's type and the expression of its tag; reports a value of another type.
@@ -324,7 +341,7 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     };
     if let Some(Ty::Enum(all)) = tag {
         let tag = cx.add(
-            Kind::Part { base: value, at: 0 },
+            TypedExprKind::Part { base: value, at: 0 },
             Ty::Enum(all.clone()),
             span,
         );
@@ -332,9 +349,10 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     }
     let ty = cx.ty_of(value).clone();
     if !ty.is_unknown() {
-        let finding = Finding::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
-            .at(span, format!("this is `{ty}`"));
-        report::report_diagnostic(cx, finding);
+        let diagnostic =
+            Diagnostic::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
+                .primary(span, format!("this is `{ty}`"));
+        report::report_diagnostic(cx, diagnostic);
     }
     None
 }
@@ -348,7 +366,7 @@ pub(crate) fn tag_test(
     span: Span,
 ) -> ExprId {
     let index = cx.add(
-        Kind::Literal(Leaf::int(index as i64)),
+        TypedExprKind::Literal(Leaf::int(index as i64)),
         Ty::Enum(all.clone()),
         span,
     );
@@ -358,19 +376,23 @@ pub(crate) fn tag_test(
 /// Reports an unknown alternative.
 pub(crate) fn report_unknown_alternative(cx: &mut Body<'_, '_>, all: &EnumTy, name: &Ident) {
     let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
-    let finding = unknown("alternative", &name.name, name.span, near);
-    let names = listed(all.values.iter().map(Name::as_str));
+    let diagnostic = undefined_name("alternative", &name.name, name.span, near);
+    let names = join_names(all.values.iter().map(Name::as_str));
     report::report_diagnostic(
         cx,
-        finding.help(format!("the alternatives of `{}` are {names}", all.name)),
+        diagnostic.help(format!("the alternatives of `{}` are {names}", all.name)),
     );
 }
 
 /// Checks the test for an alternative, `A?(x)`.
-pub(crate) fn constructor_test<'a>(cx: &mut Body<'_, 'a>, of: &'a IsA, span: Span) -> ExprId {
+pub(crate) fn constructor_test<'a>(
+    cx: &mut Body<'_, 'a>,
+    of: &'a ConstructorTest,
+    span: Span,
+) -> ExprId {
     let value = expr::check_expr(cx, &of.value);
     let Some((all, tag)) = alternatives(cx, value) else {
-        return cx.add(Kind::Fault, Ty::Bool, span);
+        return cx.add(TypedExprKind::Error, Ty::Bool, span);
     };
     match all
         .values
@@ -380,15 +402,15 @@ pub(crate) fn constructor_test<'a>(cx: &mut Body<'_, 'a>, of: &'a IsA, span: Spa
         Some(index) => tag_test(cx, &all, tag, index, span),
         None => {
             report_unknown_alternative(cx, &all, &of.constructor);
-            cx.add(Kind::Fault, Ty::Bool, span)
+            cx.add(TypedExprKind::Error, Ty::Bool, span)
         }
     }
 }
 
 /// Returns the zero value of a type.
-fn zeros(ty: &Ty) -> Rc<[Leaf]> {
+fn zero_value(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = Vec::with_capacity(ty.leaf_count());
-    ty.leaves(&mut |_, ty| {
+    ty.for_each_leaf(&mut |_, ty| {
         leaves.push(match ty {
             Ty::Bool => Leaf::bool(false),
             Ty::Real(_) | Ty::Duration => Leaf::real(0.0),
@@ -399,10 +421,10 @@ fn zeros(ty: &Ty) -> Rc<[Leaf]> {
 }
 
 /// Returns the value of the parts of other alternatives: zeros, or the value nearest to zero in a subrange.
-fn filling(ty: &Ty) -> Rc<[Leaf]> {
-    let mut leaves = zeros(ty).to_vec();
+fn filler_value(ty: &Ty) -> Rc<[Leaf]> {
+    let mut leaves = zero_value(ty).to_vec();
     for (at, range) in ty.subranges(true) {
-        leaves[at] = Leaf::int(range.nearest(0));
+        leaves[at] = Leaf::int(range.clamp(0));
     }
     leaves.into()
 }

@@ -1,10 +1,10 @@
 //! Resolution of device types.
 
 use crate::check::bodies::body::Body;
-use crate::check::signatures::instance::key;
+use crate::check::signatures::instance::instance_key;
 use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
 use crate::check::types::value_types;
 use crate::check::{Checker, Lazy};
@@ -30,7 +30,7 @@ pub(crate) fn resolve_device_type<'a>(
 
 /// Checks a device declaration on its own.
 pub(crate) fn check_device<'a>(checker: &mut Checker<'a>, id: DeclId, decl: &'a DeviceDecl) {
-    let mut statics = Statics::new();
+    let mut statics = StaticBindings::new();
     static_params::add_default_statics(checker, id, &mut statics);
     device_type_instance(checker, id, decl, &Rc::new(statics));
 }
@@ -40,9 +40,9 @@ fn device_type_instance<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
     decl: &'a DeviceDecl,
-    statics: &Rc<Statics>,
+    statics: &Rc<StaticBindings>,
 ) -> Ty {
-    let key = key(id, statics);
+    let key = instance_key(id, statics);
     if let Some(Lazy::Done(Some(ty))) = checker.types.get(&key) {
         return ty.clone();
     }
@@ -50,7 +50,7 @@ fn device_type_instance<'a>(
     let mut body = Body::new(checker, id, statics.clone(), unit);
     body.in_signature = true;
     let ports = device_ports(&mut body, decl);
-    let frames = body.leave().free_frames;
+    let frames = body.finish().free_frames;
     let ty = Ty::Device(Rc::new(DeviceTy {
         name: decl.name.name.clone(),
         ports,
@@ -109,7 +109,7 @@ fn alternative_ports<'a>(
     };
     let ty = has_known_size(cx, inner).then(|| value_types::resolve_value_type(cx, inner));
     // Times cross the device interface in seconds: a device does not know the cycle time.
-    let ty = ty.map(|ty| crate::check::outside_type(&ty).0);
+    let ty = ty.map(|ty| crate::check::external_type(&ty).0);
     for name in &decl.names {
         ports.push(DevicePortTy {
             name: name.name.clone(),
@@ -127,7 +127,7 @@ fn has_known_size(cx: &Body<'_, '_>, ty: &Type) -> bool {
         TypeKind::Optional(inner) => has_known_size(cx, inner),
         TypeKind::Array(array) => {
             let open = array.size.as_name().and_then(|name| cx.statics.get(name));
-            !matches!(open, Some(Static::Opaque)) && has_known_size(cx, &array.element)
+            !matches!(open, Some(StaticBinding::LoadTime)) && has_known_size(cx, &array.element)
         }
         _ => true,
     }

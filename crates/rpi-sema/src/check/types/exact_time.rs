@@ -8,17 +8,17 @@
 use crate::check::Checker;
 use crate::check::bodies::body::Body;
 use crate::check::calls::prim;
-use crate::check::signatures::constraint::written;
+use crate::check::signatures::constraint::parse_constraint;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::static_params;
-use crate::check::signatures::static_params::Param;
+use crate::check::signatures::static_params::StaticParamDecl;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
-use crate::typed::{Each, Kind, PrimCall};
+use crate::typed::{ElementwiseOp, PrimCall, TypedExprKind};
 use crate::typed::{ExprId, FlowRole, Unit, UnitKind};
-use crate::units::Dim;
+use crate::units::Dimension;
 use rpi_diag::Span;
-use rpi_image::{Role, Scalar, State};
+use rpi_image::{Role, Scalar, StateSize};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
@@ -27,21 +27,21 @@ use rpi_syntax::ops::BinaryOp;
 use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
 
 /// Type of reals in seconds.
-pub(crate) const SECONDS: Ty = Ty::Real(Dim::TIME);
+pub(crate) const SECONDS: Ty = Ty::Real(Dimension::TIME);
 
 /// Maximum number of alternatives of an expression in seconds that may become a time.
-const MOST_PARTS: usize = 1000;
+const MAX_ALTERNATIVES: usize = 1000;
 
 /// Operator on times: its primitive on ticks, whether the operands are swapped, and the type of its result.
-struct Row {
+struct TimeOp {
     op: BinaryOp,
     prim: PrimId,
     swapped: bool,
     gives: Ty,
 }
 
-const fn row(op: BinaryOp, prim: PrimId, swapped: bool, gives: Ty) -> Row {
-    Row {
+const fn time_op(op: BinaryOp, prim: PrimId, swapped: bool, gives: Ty) -> TimeOp {
+    TimeOp {
         op,
         prim,
         swapped,
@@ -51,34 +51,34 @@ const fn row(op: BinaryOp, prim: PrimId, swapped: bool, gives: Ty) -> Row {
 
 /// Operators on two times, and on a time and an integer.
 #[rustfmt::skip]
-const ROWS: &[Row] = &[
-    row(Add,    prim!("Core::IntAdd"),           false, Ty::Duration),
-    row(Sub,    prim!("Rpi::IntSubtract"),       false, Ty::Duration),
-    row(Mul,    prim!("Core::IntMultiply"),      false, Ty::Duration),
-    row(Mod,    prim!("Rpi::IntModulo"),         false, Ty::Duration),
-    row(IntDiv, prim!("Core::IntDivide"),        false, Ty::Int),
-    row(Lt,     prim!("Core::IntGreater"),       true,  Ty::Bool),
-    row(Gt,     prim!("Core::IntGreater"),       false, Ty::Bool),
-    row(Le,     prim!("Rpi::IntGreaterOrEqual"), true,  Ty::Bool),
-    row(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
+const TIME_OPS: &[TimeOp] = &[
+    time_op(Add,    prim!("Core::IntAdd"),           false, Ty::Duration),
+    time_op(Sub,    prim!("Rpi::IntSubtract"),       false, Ty::Duration),
+    time_op(Mul,    prim!("Core::IntMultiply"),      false, Ty::Duration),
+    time_op(Mod,    prim!("Rpi::IntModulo"),         false, Ty::Duration),
+    time_op(IntDiv, prim!("Core::IntDivide"),        false, Ty::Int),
+    time_op(Lt,     prim!("Core::IntGreater"),       true,  Ty::Bool),
+    time_op(Gt,     prim!("Core::IntGreater"),       false, Ty::Bool),
+    time_op(Le,     prim!("Rpi::IntGreaterOrEqual"), true,  Ty::Bool),
+    time_op(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
 ];
 
 /// Whether an expression is added with a part that may be turned into a conversion.
-pub(crate) fn may_be_converted(unit: &Unit, kind: &Kind, ty: &Ty) -> bool {
+pub(crate) fn may_be_converted(unit: &Unit, kind: &TypedExprKind, ty: &Ty) -> bool {
     match ty {
-        Ty::Duration => !matches!(kind, Kind::Fault),
-        Ty::Real(Dim::TIME) => is_fixed(unit, kind),
+        Ty::Duration => !matches!(kind, TypedExprKind::Error),
+        Ty::Real(Dimension::TIME) => is_load_time_constant(unit, kind),
         _ => false,
     }
 }
 
 /// Whether a value is the same in all cycles, as far as its direct operands show.
-pub(crate) fn is_fixed(unit: &Unit, kind: &Kind) -> bool {
+pub(crate) fn is_load_time_constant(unit: &Unit, kind: &TypedExprKind) -> bool {
     match kind {
-        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
-        Kind::Prim(call) => {
+        TypedExprKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        TypedExprKind::Prim(call) => {
             let desc = call.prim.desc();
-            let is_pure = desc.role == Role::Compute && matches!(desc.state, State::None);
+            let is_pure = desc.role == Role::Compute && matches!(desc.state, StateSize::None);
             let mut inputs = call.inputs.iter().flatten();
             is_pure && inputs.all(|input| is_fixed_operand(unit, *input))
         }
@@ -88,22 +88,22 @@ pub(crate) fn is_fixed(unit: &Unit, kind: &Kind) -> bool {
 
 fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
     match &unit.expr(id).kind {
-        Kind::Literal(_) => true,
-        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
-        _ => is_whole(unit, id, &SECONDS),
+        TypedExprKind::Literal(_) => true,
+        TypedExprKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        _ => covers_whole(unit, id, &SECONDS),
     }
 }
 
 /// Returns the expression of type `ty` that a part covers completely.
-fn whole(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
+fn covered_expr(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
     match unit.expr(id).kind {
-        Kind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
+        TypedExprKind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
         _ => None,
     }
 }
 
-fn is_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
-    whole(unit, id, ty).is_some()
+fn covers_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
+    covered_expr(unit, id, ty).is_some()
 }
 
 /// Turns a time into seconds.
@@ -111,13 +111,13 @@ pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     if *cx.ty_of(id) != Ty::Duration {
         return;
     }
-    let base = whole(&cx.unit, id, &Ty::Duration);
+    let base = covered_expr(&cx.unit, id, &Ty::Duration);
     let converted = base.map(|base| match &cx.unit.expr(base).kind {
         // The core provides these values in seconds, too.
-        Kind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
+        TypedExprKind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
             prim_call(prim!("Core::CycleTime"), None)
         }
-        Kind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
+        TypedExprKind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
             prim_call(prim!("Rpi::Time"), None)
         }
         _ => prim_call(prim!("Rpi::SecondsFromTicks"), Some(base)),
@@ -126,11 +126,11 @@ pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     expr.ty = SECONDS;
     if let Some(kind) = converted {
         expr.kind = kind;
-    } else if let Kind::Prim(call) = &expr.kind
+    } else if let TypedExprKind::Prim(call) = &expr.kind
         && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
     {
         // An earlier conversion is undone rather than converted back, because it has rounded.
-        expr.kind = Kind::Part { base: *base, at: 0 };
+        expr.kind = TypedExprKind::Part { base: *base, at: 0 };
     }
 }
 
@@ -141,7 +141,7 @@ pub(crate) fn convert_to_ticks(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
         return false;
     };
     for part in parts {
-        let base = whole(&cx.unit, part, &SECONDS);
+        let base = covered_expr(&cx.unit, part, &SECONDS);
         let expr = &mut cx.unit.exprs[part.0 as usize];
         expr.ty = Ty::Duration;
         if let Some(base) = base {
@@ -162,18 +162,22 @@ pub(crate) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<Ex
         if expr.ty.is_unknown() && !parts.is_empty() {
             continue;
         }
-        if expr.ty != SECONDS || parts.len() > MOST_PARTS {
+        if expr.ty != SECONDS || parts.len() > MAX_ALTERNATIVES {
             return None;
         }
         parts.push(id);
         match &expr.kind {
-            Kind::Literal(_) | Kind::Fault => {}
-            Kind::Each(each, operands) => {
-                open.extend(operands.iter().skip(usize::from(*each == Each::If)));
+            TypedExprKind::Literal(_) | TypedExprKind::Error => {}
+            TypedExprKind::Each(each, operands) => {
+                open.extend(
+                    operands
+                        .iter()
+                        .skip(usize::from(*each == ElementwiseOp::If)),
+                );
             }
-            Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
-            Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
-            _ if is_whole(&cx.unit, id, &SECONDS) => {}
+            TypedExprKind::When { value, .. } | TypedExprKind::Current(value) => open.push(*value),
+            TypedExprKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+            _ if covers_whole(&cx.unit, id, &SECONDS) => {}
             _ => return None,
         }
     }
@@ -259,7 +263,7 @@ pub(crate) fn time_operator(
     if !is_time(cx, left) && !is_time(cx, right) || !unify_time_operands(cx, op, left, right) {
         return None;
     }
-    let row = ROWS.iter().find(|row| row.op == op)?;
+    let row = TIME_OPS.iter().find(|row| row.op == op)?;
     let gives = match (op, is_time(cx, right)) {
         (IntDiv, false) => Ty::Duration,
         _ => row.gives.clone(),
@@ -318,8 +322,8 @@ pub(crate) fn convert_time_args(
     }
 }
 
-fn prim_call(prim: PrimId, input: Option<ExprId>) -> Kind {
-    Kind::Prim(Box::new(PrimCall {
+fn prim_call(prim: PrimId, input: Option<ExprId>) -> TypedExprKind {
+    TypedExprKind::Prim(Box::new(PrimCall {
         prim,
         inputs: input.into_iter().map(Some).collect(),
         params: Box::default(),
@@ -333,16 +337,18 @@ fn may_be_time(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
         checker.program.decl(id).kind,
         DeclKind::Node(_) | DeclKind::Fragment(_)
     );
-    let params = static_params::static_params_of(checker, id);
+    let params = static_params::static_params_of_decl(checker, id);
     let constraint = params.iter().find_map(|param| match param {
-        Param::Type(of, constraint) if of.name == *name => Some(written(*constraint)),
+        StaticParamDecl::Type(of, constraint) if of.name == *name => {
+            Some(parse_constraint(*constraint))
+        }
         _ => None,
     });
-    is_body && !checker.is_lustre(id) && constraint.is_some_and(|c| c.admits(&Ty::Duration))
+    is_body && !checker.is_lustre(id) && constraint.is_some_and(|c| c.allows(&Ty::Duration))
 }
 
 /// Returns the type and the machine type of a value outside of the program; a time is in seconds there.
-pub(crate) fn outside_type(ty: &Ty) -> (Ty, Scalar) {
+pub(crate) fn external_type(ty: &Ty) -> (Ty, Scalar) {
     match ty {
         Ty::Duration => (SECONDS, Scalar::Real),
         ty => (ty.clone(), ty.scalar().unwrap_or(Scalar::Bool)),

@@ -5,9 +5,9 @@
 
 use crate::check::Checker;
 use crate::check::types::consts;
-use crate::hash::Map;
-use crate::program::{DeclId, DeclKind, Lookup, Space};
-use rpi_diag::{Code, Finding};
+use crate::hash::FastMap;
+use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
+use rpi_diag::{Code, Diagnostic};
 use rpi_syntax::ast::FrameDecl;
 use std::collections::BTreeMap;
 
@@ -35,7 +35,10 @@ fn enclosing_frame(checker: &Checker<'_>, id: DeclId) -> Option<DeclId> {
         return None;
     };
     let module = checker.program.decl(id).module;
-    match checker.program.lookup_in(Space::Value, module, &name.name) {
+    match checker
+        .program
+        .lookup_in(NameSpace::Value, module, &name.name)
+    {
         Lookup::Found(found) if frame_decl(checker, found).is_some() => Some(found),
         _ => None,
     }
@@ -43,7 +46,7 @@ fn enclosing_frame(checker: &Checker<'_>, id: DeclId) -> Option<DeclId> {
 
 fn report_frame_cycles(checker: &mut Checker<'_>, frames: &[DeclId]) {
     // For each visited frame the frame at which that search started.
-    let mut seen: Map<DeclId, DeclId> = Map::default();
+    let mut seen: FastMap<DeclId, DeclId> = FastMap::default();
     for start in frames {
         let (mut way, mut next) = (Vec::new(), Some(*start));
         while let Some(id) = next.filter(|id| !seen.contains_key(id)) {
@@ -55,29 +58,29 @@ fn report_frame_cycles(checker: &mut Checker<'_>, frames: &[DeclId]) {
             continue;
         };
         let from = way.iter().position(|id| *id == end).unwrap_or(0);
-        checker.findings.push(frame_cycle(checker, &way[from..]));
+        checker.diagnostics.push(frame_cycle(checker, &way[from..]));
     }
 }
 
-fn frame_cycle(checker: &Checker<'_>, ring: &[DeclId]) -> Finding {
+fn frame_cycle(checker: &Checker<'_>, ring: &[DeclId]) -> Diagnostic {
     let name = |k: usize| &checker.program.decl(ring[k % ring.len()]).name;
     let mut way = format!("`{}`", name(0));
     for k in 1..=ring.len() {
         way.push_str(&format!(" in `{}`", name(k)));
     }
     let message = format!("the frame `{}` is placed in itself: {way}", name(0));
-    let mut finding = Finding::new(Code::RPI1007, message);
+    let mut diagnostic = Diagnostic::new(Code::RPI1007, message);
     for (k, id) in ring.iter().enumerate() {
         let (span, text) = (
             checker.program.decl(*id).span,
             format!("`{}` is placed in `{}`", name(k), name(k + 1)),
         );
-        finding = match k {
-            0 => finding.at(span, text),
-            _ => finding.also(span, text),
+        diagnostic = match k {
+            0 => diagnostic.primary(span, text),
+            _ => diagnostic.secondary(span, text),
         };
     }
-    finding.help("break the cycle: place one of these frames elsewhere")
+    diagnostic.help("break the cycle: place one of these frames elsewhere")
 }
 
 fn report_conflicting_placements(checker: &mut Checker<'_>, frames: &[DeclId]) {
@@ -96,11 +99,11 @@ fn report_conflicting_placements(checker: &mut Checker<'_>, frames: &[DeclId]) {
         }
         if let Some([one, other]) = differing_placements(checker, [known, *id]) {
             let message = format!("the frame `{}` is in two places", decl.name);
-            let finding = Finding::new(Code::RPI1002, message)
-                .at(before.span, format!("here it is {one}"))
-                .also(decl.span, format!("in a used module it is {other}"))
+            let diagnostic = Diagnostic::new(Code::RPI1002, message)
+                .primary(before.span, format!("here it is {one}"))
+                .secondary(decl.span, format!("in a used module it is {other}"))
                 .help("frames are identified by name: rename one of them");
-            checker.findings.push(finding);
+            checker.diagnostics.push(diagnostic);
         }
     }
 }

@@ -4,9 +4,9 @@ use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::ty::{Geometry, Ty};
 use crate::typed::ExprId;
-use crate::typed::Kind;
-use crate::units::Dim;
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::typed::TypedExprKind;
+use crate::units::Dimension;
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
 use std::rc::Rc;
@@ -18,7 +18,7 @@ pub(crate) fn composed_pose_type(cx: &mut Body<'_, '_>, left: ExprId, right: Exp
         return Ty::Unknown;
     };
     if let (Scalar::Pose, Scalar::Vector, Some(dim)) = (by, scalar, inner.dim)
-        && !dim.meets(Dim::LENGTH)
+        && !dim.is_compatible(Dimension::LENGTH)
     {
         report_pose_of_non_position(cx, left, right, &b);
         return Ty::Unknown;
@@ -41,11 +41,11 @@ pub(crate) fn composed_pose_type(cx: &mut Body<'_, '_>, left: ExprId, right: Exp
 
 /// Reports a pose applied to a vector that is not a position. Other vectors are only rotated.
 fn report_pose_of_non_position(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId, ty: &Ty) {
-    let finding = Finding::new(Code::RPI2002, format!("cannot apply a pose to `{ty}`"))
-        .at(cx.span_of(right), "not a position, which is in `m`")
-        .also(cx.span_of(left), "this is a pose")
+    let diagnostic = Diagnostic::new(Code::RPI2002, format!("cannot apply a pose to `{ty}`"))
+        .primary(cx.span_of(right), "not a position, which is in `m`")
+        .secondary(cx.span_of(left), "this is a pose")
         .help("rotate directions, velocities and forces: `p.rotation * v`");
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Reports two poses whose inner frames differ.
@@ -59,68 +59,74 @@ fn report_frame_mismatch(
     };
     let (a, b) = (cx.ty_of(left), cx.ty_of(right));
     let message = format!("frame mismatch between `{a}` and `{b}`: `{x}` is not `{y}`");
-    let finding = Finding::new(Code::RPI2005, message)
-        .at(cx.span_of(right), format!("this is relative to `{y}`"))
-        .also(cx.span_of(left), format!("this is the pose of `{x}`"));
+    let diagnostic = Diagnostic::new(Code::RPI2005, message)
+        .primary(cx.span_of(right), format!("this is relative to `{y}`"))
+        .secondary(cx.span_of(left), format!("this is the pose of `{x}`"));
     let turned = inner.of.is_some() && inner.of == outer.in_frame;
-    let finding = match turned {
-        true => with_exchange_fix(cx, finding.help("exchange the operands"), left, right),
-        false => finding.help(format!("insert the pose of `{y}` in `{x}` between them")),
+    let diagnostic = match turned {
+        true => with_exchange_fix(cx, diagnostic.help("exchange the operands"), left, right),
+        false => diagnostic.help(format!("insert the pose of `{y}` in `{x}` between them")),
     };
-    report::report_diagnostic(cx, finding);
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Adds a fix that exchanges two operands, if both are plain flows.
-fn with_exchange_fix(cx: &Body<'_, '_>, finding: Finding, left: ExprId, right: ExprId) -> Finding {
+fn with_exchange_fix(
+    cx: &Body<'_, '_>,
+    diagnostic: Diagnostic,
+    left: ExprId,
+    right: ExprId,
+) -> Diagnostic {
     let name = |id: ExprId| match &cx.unit.expr(id).kind {
-        Kind::Flow(flow) => Some(cx.unit.flow(*flow).name.to_string()),
+        TypedExprKind::Flow(flow) => Some(cx.unit.flow(*flow).name.to_string()),
         _ => None,
     };
     match (name(left), name(right)) {
-        (Some(a), Some(b)) => finding.fix(
+        (Some(a), Some(b)) => diagnostic.fix(
             Fix::maybe(format!("write `{b} * {a}`"))
                 .replace(cx.span_of(left), b)
                 .replace(cx.span_of(right), a),
         ),
-        _ => finding,
+        _ => diagnostic,
     }
 }
 
 /// Returns the diagnostic for a spatial value with other frames than expected; `wanted` and `found` are the two frames
 /// that differ.
-pub(crate) fn misplaced(
+pub(crate) fn frame_mismatch(
     expected: &Ty,
     is: &Ty,
     (wanted, found): (&Name, &Name),
     span: Span,
-) -> Finding {
+) -> Diagnostic {
     let message = format!("expected `{expected}`, found `{is}`: `{found}` is not `{wanted}`");
-    let finding = Finding::new(Code::RPI2005, message).at(span, format!("this is `{is}`"));
+    let diagnostic =
+        Diagnostic::new(Code::RPI2005, message).primary(span, format!("this is `{is}`"));
     // Frames of the same name in two devices (`left.tcp`, `right.tcp`) are not a spelling mistake.
     let frame = |name: &Name| name.rsplit('.').next().map(str::to_owned);
     let are_alike = frame(found) == frame(wanted);
     let near = rpi_diag::suggest(found, std::iter::once(wanted.as_str()));
     if let Some(near) = near.filter(|_| !are_alike) {
-        return finding.help(format!("did you mean `{near}` instead of `{found}`?"));
+        return diagnostic.help(format!("did you mean `{near}` instead of `{found}`?"));
     }
     let (Ty::Spatial(_, expected), Ty::Spatial(_, is)) = (expected, is) else {
-        return finding;
+        return diagnostic;
     };
     let is_turned = expected.of == is.in_frame && expected.in_frame == is.of;
     if is_turned && expected.of.is_some() && expected.in_frame.is_some() {
-        return finding.help("use its inverse: `inverse(x)`");
+        return diagnostic.help("use its inverse: `inverse(x)`");
     }
     let meet = |a: &Option<Name>, b: &Option<Name>| a.is_none() || b.is_none() || a == b;
     let same_in = meet(&expected.in_frame, &is.in_frame);
     let same_of = meet(&expected.of, &is.of);
     match (same_in, same_of) {
-        (true, _) => finding.help(format!(
+        (true, _) => diagnostic.help(format!(
             "multiply by the pose `y` of `{wanted}` in `{found}` from the right: `x * y`"
         )),
-        (false, true) => finding.help(format!(
+        (false, true) => diagnostic.help(format!(
             "multiply by the pose `y` of `{found}` in `{wanted}` from the left: `y * x`"
         )),
         // No single pose corrects both frames.
-        (false, false) => finding,
+        (false, false) => diagnostic,
     }
 }

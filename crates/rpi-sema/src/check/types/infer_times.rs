@@ -8,22 +8,22 @@
 use crate::check::bodies::automaton;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::type_inference;
-use crate::check::bodies::type_inference::State;
+use crate::check::bodies::type_inference::EquationState;
 use crate::check::types::exact_time;
 use crate::check::types::exact_time::SECONDS;
-use crate::check::types::exact_time::is_fixed;
-use crate::hash::Map;
+use crate::check::types::exact_time::is_load_time_constant;
+use crate::hash::FastMap;
 use crate::ty::Ty;
-use crate::typed::{Each, Expr, Kind, PrimCall};
+use crate::typed::{ElementwiseOp, Expr, PrimCall, TypedExprKind};
 use crate::typed::{ExprId, FlowId, FlowRole, Unit};
 use std::collections::BTreeMap;
 
 /// Maximum number of rounds of inference. After the first round, types can only change from time to seconds.
-const ROUNDS: u32 = 4;
+const MAX_ROUNDS: u32 = 4;
 
 /// Kinds of values that reach a flow, and its neighbours.
 #[derive(Default)]
-struct Sources {
+struct TimeSources {
     /// Whether a time reaches it.
     time: bool,
     /// Whether seconds that are not fixed reach it.
@@ -33,15 +33,17 @@ struct Sources {
     /// Flows with an inferred type that it reads.
     reads: Vec<FlowId>,
     /// Whether the flow, or a flow of a state that contributes to it, was inferred as a time, and as seconds.
-    taken: [bool; 2],
+    inferred_as: [bool; 2],
 }
 
 /// Infers the types of all flows without a declared type.
 pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
-    let is_open = |k: &usize| cx.pending[*k].state == State::Open && cx.pending[*k].infers();
+    let is_open = |k: &usize| {
+        cx.pending[*k].state == EquationState::Unchecked && cx.pending[*k].infers_type()
+    };
     let open: Vec<usize> = (0..cx.pending.len()).filter(is_open).collect();
-    let mut settled: Map<FlowId, Ty> = Map::default();
-    for _ in 0..ROUNDS {
+    let mut settled: FastMap<FlowId, Ty> = FastMap::default();
+    for _ in 0..MAX_ROUNDS {
         let mark = type_inference::checkpoint(cx);
         type_inference::infer_types(cx);
         if !cx.times.are_used || !fix_wrong_types(cx, &open, &mut settled) {
@@ -54,15 +56,15 @@ pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
 }
 
 /// Adds the correct type of each wrongly inferred flow to `settled`; returns whether there are any.
-fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut Map<FlowId, Ty>) -> bool {
+fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut FastMap<FlowId, Ty>) -> bool {
     let mut all = time_sources(cx, open, settled);
-    spread_seconds(&mut all);
-    spread_times(&mut all);
+    propagate_seconds(&mut all);
+    propagate_times(&mut all);
     let mut changed = false;
     for (flow, sources) in all {
         let is_time = sources.time && !sources.seconds && settled.get(&flow) != Some(&SECONDS);
         let ty = if is_time { Ty::Duration } else { SECONDS };
-        if sources.taken[usize::from(is_time)] {
+        if sources.inferred_as[usize::from(is_time)] {
             changed |= settled.insert(flow, ty.clone()) != Some(ty);
         }
     }
@@ -73,21 +75,23 @@ fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut Map<FlowId, 
 fn time_sources(
     cx: &Body<'_, '_>,
     open: &[usize],
-    settled: &Map<FlowId, Ty>,
-) -> BTreeMap<FlowId, Sources> {
-    let mut all: BTreeMap<FlowId, Sources> = BTreeMap::new();
+    settled: &FastMap<FlowId, Ty>,
+) -> BTreeMap<FlowId, TimeSources> {
+    let mut all: BTreeMap<FlowId, TimeSources> = BTreeMap::new();
     let mut values: Vec<(FlowId, ExprId)> = Vec::new();
     for index in open {
         let pending = &cx.pending[*index];
-        let (State::Done(value), [Some(flow)]) = (pending.state, &pending.introduces[..]) else {
+        let (EquationState::Done(value), [Some(flow)]) =
+            (pending.state, &pending.inferred_flows[..])
+        else {
             continue;
         };
         let outer = outermost_shared_flow(cx, *flow);
         let types = [*flow, outer].map(|flow| &cx.unit.flow(flow).ty);
-        if types.into_iter().all(is_either) {
+        if types.into_iter().all(is_time_or_seconds) {
             let sources = all.entry(outer).or_default();
-            sources.taken[0] |= types.contains(&&Ty::Duration);
-            sources.taken[1] |= types.contains(&&SECONDS);
+            sources.inferred_as[0] |= types.contains(&&Ty::Duration);
+            sources.inferred_as[1] |= types.contains(&&SECONDS);
             // It was fixed as a time, but its value is still in seconds.
             sources.seconds |= settled.get(&outer) == Some(&Ty::Duration)
                 && *cx.ty_of(value) == SECONDS
@@ -113,35 +117,40 @@ fn add_sources(
     cx: &Body<'_, '_>,
     flow: FlowId,
     value: ExprId,
-    all: &mut BTreeMap<FlowId, Sources>,
+    all: &mut BTreeMap<FlowId, TimeSources>,
 ) {
     let mut open = vec![value];
     while let Some(id) = open.pop() {
         let expr = cx.unit.expr(id);
         match &expr.kind {
-            Kind::Flow(read) if all.contains_key(&outermost_shared_flow(cx, *read)) => {
+            TypedExprKind::Flow(read) if all.contains_key(&outermost_shared_flow(cx, *read)) => {
                 let read = outermost_shared_flow(cx, *read);
                 all.entry(read).or_default().readers.push(flow);
                 all.entry(flow).or_default().reads.push(read);
                 continue;
             }
-            _ if goes_on(&cx.unit, expr, &mut open) => continue,
+            _ if push_same_type_operands(&cx.unit, expr, &mut open) => continue,
             _ => {}
         }
         let sources = all.entry(flow).or_default();
         match expr.ty {
             Ty::Duration => sources.time = true,
-            _ if is_time(&expr.kind) => sources.time = true,
-            _ => sources.seconds |= !may_be_either(&cx.unit, expr),
+            _ if is_converted_time(&expr.kind) => sources.time = true,
+            _ => sources.seconds |= !may_be_ticks(&cx.unit, expr),
         }
     }
 }
 
 /// Resets the inferred types, except the settled ones, for another round.
-fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &Map<FlowId, Ty>) {
+fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &FastMap<FlowId, Ty>) {
     for index in open {
-        cx.pending[*index].state = State::Open;
-        for flow in cx.pending[*index].introduces.clone().into_iter().flatten() {
+        cx.pending[*index].state = EquationState::Unchecked;
+        for flow in cx.pending[*index]
+            .inferred_flows
+            .clone()
+            .into_iter()
+            .flatten()
+        {
             let around: Vec<FlowId> = automaton::enclosing_shared_flows(cx, flow).collect();
             let outer = around.last().copied().unwrap_or(flow);
             let ty = settled.get(&outer).cloned().unwrap_or(Ty::Unknown);
@@ -153,7 +162,7 @@ fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &Map<Flo
 }
 
 /// Propagates seconds from each flow to its readers.
-fn spread_seconds(all: &mut BTreeMap<FlowId, Sources>) {
+fn propagate_seconds(all: &mut BTreeMap<FlowId, TimeSources>) {
     let mut open = flows_with(all, |sources| sources.seconds);
     while let Some(flow) = open.pop() {
         for reader in neighbours(all, flow, |sources| &sources.readers) {
@@ -167,7 +176,7 @@ fn spread_seconds(all: &mut BTreeMap<FlowId, Sources>) {
 }
 
 /// Propagates times from each flow to its readers, and to the fixed durations that it reads.
-fn spread_times(all: &mut BTreeMap<FlowId, Sources>) {
+fn propagate_times(all: &mut BTreeMap<FlowId, TimeSources>) {
     let mut open = flows_with(all, |sources| sources.time && !sources.seconds);
     while let Some(flow) = open.pop() {
         let readers = neighbours(all, flow, |sources| &sources.readers);
@@ -183,30 +192,32 @@ fn spread_times(all: &mut BTreeMap<FlowId, Sources>) {
     }
 }
 
-fn flows_with(all: &BTreeMap<FlowId, Sources>, holds: fn(&Sources) -> bool) -> Vec<FlowId> {
+fn flows_with(all: &BTreeMap<FlowId, TimeSources>, holds: fn(&TimeSources) -> bool) -> Vec<FlowId> {
     let found = all.iter().filter(|(_, sources)| holds(sources));
     found.map(|(flow, _)| *flow).collect()
 }
 
 fn neighbours(
-    all: &BTreeMap<FlowId, Sources>,
+    all: &BTreeMap<FlowId, TimeSources>,
     flow: FlowId,
-    which: fn(&Sources) -> &Vec<FlowId>,
+    which: fn(&TimeSources) -> &Vec<FlowId>,
 ) -> Vec<FlowId> {
     all.get(&flow).map(which).cloned().unwrap_or_default()
 }
 
 /// Adds the operands whose type is that of the expression to `open`; returns `false` if there are none.
-fn goes_on(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
+fn push_same_type_operands(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
     match &expr.kind {
-        Kind::Part { base, .. } if is_either(&unit.expr(*base).ty) => open.push(*base),
-        Kind::Each(Each::If, parts) => open.extend(parts.iter().skip(1)),
-        Kind::Each(_, parts) => open.extend(parts),
-        Kind::When { value, .. } | Kind::Current(value) => open.push(*value),
-        Kind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
-        Kind::Prim(call) if KEEPING.contains(&call.prim.desc().name) => {
+        TypedExprKind::Part { base, .. } if is_time_or_seconds(&unit.expr(*base).ty) => {
+            open.push(*base)
+        }
+        TypedExprKind::Each(ElementwiseOp::If, parts) => open.extend(parts.iter().skip(1)),
+        TypedExprKind::Each(_, parts) => open.extend(parts),
+        TypedExprKind::When { value, .. } | TypedExprKind::Current(value) => open.push(*value),
+        TypedExprKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+        TypedExprKind::Prim(call) if UNIT_PRESERVING.contains(&call.prim.desc().name) => {
             let inputs = call.inputs.iter().flatten();
-            open.extend(inputs.filter(|id| is_either(&unit.expr(**id).ty)));
+            open.extend(inputs.filter(|id| is_time_or_seconds(&unit.expr(**id).ty)));
         }
         _ => return false,
     }
@@ -214,7 +225,7 @@ fn goes_on(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
 }
 
 /// Primitives whose result and operands are all times or all seconds.
-const KEEPING: &[&str] = &[
+const UNIT_PRESERVING: &[&str] = &[
     "Core::IntAdd",
     "Rpi::IntSubtract",
     "Rpi::IntModulo",
@@ -229,24 +240,29 @@ const KEEPING: &[&str] = &[
 ];
 
 /// Whether a value in seconds is a converted time of the core.
-fn is_time(kind: &Kind) -> bool {
+fn is_converted_time(kind: &TypedExprKind) -> bool {
     let name = |call: &PrimCall| call.prim.desc().name;
-    matches!(kind, Kind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
+    matches!(kind, TypedExprKind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
 }
 
 /// Whether a value in seconds may also be in ticks: it is fixed, or its type is unknown.
-fn may_be_either(unit: &Unit, expr: &Expr) -> bool {
+fn may_be_ticks(unit: &Unit, expr: &Expr) -> bool {
     match &expr.kind {
-        Kind::Literal(_) | Kind::Const(_) | Kind::Fault | Kind::None => true,
-        Kind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param || expr.ty.is_unknown(),
-        Kind::Prim(call) => {
-            call.prim.desc().name == "Rpi::WholeTicks" || is_fixed(unit, &expr.kind)
+        TypedExprKind::Literal(_)
+        | TypedExprKind::Const(_)
+        | TypedExprKind::Error
+        | TypedExprKind::None => true,
+        TypedExprKind::Flow(flow) => {
+            unit.flow(*flow).role == FlowRole::Param || expr.ty.is_unknown()
+        }
+        TypedExprKind::Prim(call) => {
+            call.prim.desc().name == "Rpi::WholeTicks" || is_load_time_constant(unit, &expr.kind)
         }
         _ => expr.ty.is_unknown(),
     }
 }
 
 /// Whether a type is a time or a real in seconds.
-fn is_either(ty: &Ty) -> bool {
+fn is_time_or_seconds(ty: &Ty) -> bool {
     *ty == Ty::Duration || *ty == SECONDS
 }

@@ -10,12 +10,12 @@ use crate::check::exprs::proof_only;
 use crate::check::signatures::unit;
 use crate::check::types::consts;
 use crate::ty::{MachineInt, Ty};
-use crate::typed::Kind;
+use crate::typed::TypedExprKind;
 use crate::typed::{ExprId, Leaf};
-use rpi_diag::{Code, Finding, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
-use rpi_syntax::ast::{Binary, Bits, Call, Expr, ExprKind, StaticArg, StaticValue};
+use rpi_syntax::ast::{Binary, BitRange, Call, Expr, ExprKind, StaticArg, StaticValue};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 /// Checks a conversion to a machine integer, such as `(int8 x)` or `(sint@<25> x)`.
@@ -26,17 +26,21 @@ pub(crate) fn machine_conversion<'a>(
     span: Span,
 ) -> ExprId {
     let [arg] = &call.args[..] else {
-        let finding = Finding::new(Code::RPI1010, format!("`{name}` takes one argument"))
-            .at(span, "wrong number of arguments");
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI1010, format!("`{name}` takes one argument"))
+            .primary(span, "wrong number of arguments");
+        return cx.report_error_expr(diagnostic, span);
     };
     let Some(to) = machine_int_type(cx, name, &call.callee.statics, span) else {
         expr::check_expr(cx, &arg.value);
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
-    match large_number(&arg.value) {
+    match large_literal_bits(&arg.value) {
         Some(bits) => {
-            let bits = cx.add(Kind::Literal(Leaf::int(bits)), Ty::Int, arg.value.span);
+            let bits = cx.add(
+                TypedExprKind::Literal(Leaf::int(bits)),
+                Ty::Int,
+                arg.value.span,
+            );
             wrap_to_width(cx, bits, to, span)
         }
         None => {
@@ -54,7 +58,7 @@ pub(crate) fn machine_int_type<'a>(
     span: Span,
 ) -> Option<MachineInt> {
     let bits = match statics {
-        [] => return MachineInt::named(name),
+        [] => return MachineInt::from_name(name),
         [
             StaticArg {
                 value: StaticValue::Expr(bits),
@@ -66,10 +70,10 @@ pub(crate) fn machine_int_type<'a>(
     let found = MachineInt::new(name == "sint", bits);
     if found.is_none() && bits < 1 {
         let message = format!("invalid number of bits: {bits}");
-        let finding = Finding::new(Code::RPI2009, message);
+        let diagnostic = Diagnostic::new(Code::RPI2009, message);
         report::report_diagnostic(
             cx,
-            finding.at(span, "a machine integer has at least one bit"),
+            diagnostic.primary(span, "a machine integer has at least one bit"),
         );
     } else if found.is_none() {
         proof_only::not_executable(
@@ -90,13 +94,13 @@ pub(crate) fn convert_to_machine(
     span: Span,
 ) -> ExprId {
     match cx.ty_of(value).clone() {
-        Ty::Unknown => cx.add(Kind::Fault, Ty::Machine(to), span),
+        Ty::Unknown => cx.add(TypedExprKind::Error, Ty::Machine(to), span),
         Ty::Int | Ty::Machine(_) => wrap_to_width(cx, value, to, span),
         found => {
-            let finding =
-                Finding::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
-                    .at(cx.span_of(value), format!("this is `{found}`"));
-            cx.fault_with(finding, span)
+            let diagnostic =
+                Diagnostic::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
+                    .primary(cx.span_of(value), format!("this is `{found}`"));
+            cx.report_error_expr(diagnostic, span)
         }
     }
 }
@@ -113,11 +117,11 @@ fn wrap_to_width(cx: &mut Body<'_, '_>, value: ExprId, to: MachineInt, span: Spa
 }
 
 fn signed_width(cx: &mut Body<'_, '_>, of: MachineInt, span: Span) -> ExprId {
-    int_literal(cx, of.width(), span)
+    int_literal(cx, of.width_literal(), span)
 }
 
 fn int_literal(cx: &mut Body<'_, '_>, bits: i64, span: Span) -> ExprId {
-    cx.add(Kind::Literal(Leaf::int(bits)), Ty::Int, span)
+    cx.add(TypedExprKind::Literal(Leaf::int(bits)), Ty::Int, span)
 }
 
 /// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine
@@ -171,7 +175,7 @@ pub(crate) fn machine_binary(
     if !has_place {
         return None;
     }
-    if let Some((prim, swapped)) = comparison(op) {
+    if let Some((prim, swapped)) = comparison_prim(op) {
         let width = signed_width(cx, of, span);
         let operands = if swapped {
             [right, left, width]
@@ -180,7 +184,7 @@ pub(crate) fn machine_binary(
         };
         return Some(prim::add_prim(cx, prim, &operands, Ty::Bool, span));
     }
-    let prim = arithmetic(op)?;
+    let prim = arithmetic_prim(op)?;
     let mut operands = vec![left, right];
     if prim.desc().inputs.len() > 2 {
         operands.push(signed_width(cx, of, span));
@@ -218,7 +222,7 @@ pub(crate) fn bit_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Sp
         expr::check_expr(cx, &binary.rhs),
     ];
     if both.iter().any(|id| cx.ty_of(*id).is_unknown()) {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
     let joined = concat_bits(cx, both, span);
     joined
@@ -228,14 +232,14 @@ pub(crate) fn bit_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Sp
 /// Adds the fix that converts an integer operand to the machine integer type of the other operand.
 pub(crate) fn with_conversion_fix(
     cx: &Body<'_, '_>,
-    finding: Finding,
+    diagnostic: Diagnostic,
     of: MachineInt,
     int: ExprId,
-) -> Finding {
+) -> Diagnostic {
     let span = cx.span_of(int);
-    let to = of.conversion();
+    let to = of.conversion_name();
     let fix = Fix::maybe(format!("convert with `{to}`"));
-    finding.fix(
+    diagnostic.fix(
         fix.insert_before(span, format!("({to} "))
             .insert_after(span, ")"),
     )
@@ -254,7 +258,7 @@ fn concat_bits(cx: &mut Body<'_, '_>, [high, low]: [ExprId; 2], span: Span) -> O
             "at most 64 bits are supported",
             span,
         );
-        return Some(cx.fault(span));
+        return Some(cx.error_expr(span));
     };
     let (plain, ty) = (
         MachineInt {
@@ -278,33 +282,33 @@ fn concat_bits(cx: &mut Body<'_, '_>, [high, low]: [ExprId; 2], span: Span) -> O
 }
 
 /// Checks a bit slice of a machine integer, such as `x[7:0]`.
-pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a Bits, span: Span) -> ExprId {
+pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a BitRange, span: Span) -> ExprId {
     let base = expr::check_expr(cx, &of.base);
     let bounds = [&of.high, &of.low].map(|bound| consts::const_integer(cx, bound));
     let ty = cx.ty_of(base).clone();
     let known = ty.is_unknown() || bounds.contains(&None);
     let [Some(high), Some(low)] = bounds else {
-        return cx.fault(span);
+        return cx.error_expr(span);
     };
     // In RPI text the parser has already reported the bit slice.
     if known || unit::reads_rpi_syntax(cx) {
-        return cx.fault(span);
+        return cx.error_expr(span);
     }
     let Ty::Machine(machine) = ty else {
-        let finding = Finding::new(Code::RPI2006, "only a machine integer has bits")
-            .at(of.base.span, format!("this is `{ty}`"));
-        return cx.fault_with(finding, span);
+        let diagnostic = Diagnostic::new(Code::RPI2006, "only a machine integer has bits")
+            .primary(of.base.span, format!("this is `{ty}`"));
+        return cx.report_error_expr(diagnostic, span);
     };
     for (bit, at) in [(high, &of.high), (low, &of.low)] {
         if !(0..i64::from(machine.bits)).contains(&bit) {
-            return cx.fault_with(no_bit(bit, machine, at), span);
+            return cx.report_error_expr(bit_out_of_range(bit, machine, at), span);
         }
     }
     let Some(part) = MachineInt::new(false, high - low + 1) else {
-        let finding = Finding::new(Code::RPI2009, "empty bit range")
-            .at(span, format!("from {high} down to {low}"))
+        let diagnostic = Diagnostic::new(Code::RPI2009, "empty bit range")
+            .primary(span, format!("from {high} down to {low}"))
             .help("the highest bit comes first: `x[7:0]`");
-        return cx.fault_with(finding, span);
+        return cx.report_error_expr(diagnostic, span);
     };
     let (places, width) = (int_literal(cx, low, span), signed_width(cx, machine, span));
     let shift = prim!("Rpi::MachineShiftRight");
@@ -319,10 +323,12 @@ pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a Bits, span: Span) -> 
 }
 
 /// Returns the bits of a number literal above `i64::MAX`; `None` for any other expression.
-fn large_number(value: &Expr) -> Option<i64> {
+fn large_literal_bits(value: &Expr) -> Option<i64> {
     match &value.kind {
         ExprKind::Number(number) => {
-            let bits = number.bits().filter(|bits| i64::try_from(*bits).is_err());
+            let bits = number
+                .u64_value()
+                .filter(|bits| i64::try_from(*bits).is_err());
             bits.map(u64::cast_signed)
         }
         _ => None,
@@ -330,7 +336,7 @@ fn large_number(value: &Expr) -> Option<i64> {
 }
 
 /// Returns the primitive of a comparison, and whether it takes the right operand first.
-fn comparison(op: BinaryOp) -> Option<(PrimId, bool)> {
+fn comparison_prim(op: BinaryOp) -> Option<(PrimId, bool)> {
     Some(match op {
         BinaryOp::Gt => (prim!("Rpi::MachineGreater"), false),
         BinaryOp::Lt => (prim!("Rpi::MachineGreater"), true),
@@ -340,7 +346,7 @@ fn comparison(op: BinaryOp) -> Option<(PrimId, bool)> {
     })
 }
 
-fn arithmetic(op: BinaryOp) -> Option<PrimId> {
+fn arithmetic_prim(op: BinaryOp) -> Option<PrimId> {
     Some(match op {
         BinaryOp::Add => prim!("Rpi::MachineAdd"),
         BinaryOp::Sub => prim!("Rpi::MachineSubtract"),
@@ -355,8 +361,8 @@ fn arithmetic(op: BinaryOp) -> Option<PrimId> {
     })
 }
 
-fn no_bit(bit: i64, of: MachineInt, at: &Expr) -> Finding {
-    let bits = rpi_diag::counted(usize::from(of.bits), "bit");
-    Finding::new(Code::RPI2009, format!("bit index {bit} is out of range"))
-        .at(at.span, format!("the integer has {bits}, counted from 0"))
+fn bit_out_of_range(bit: i64, of: MachineInt, at: &Expr) -> Diagnostic {
+    let bits = rpi_diag::with_noun(usize::from(of.bits), "bit");
+    Diagnostic::new(Code::RPI2009, format!("bit index {bit} is out of range"))
+        .primary(at.span, format!("the integer has {bits}, counted from 0"))
 }

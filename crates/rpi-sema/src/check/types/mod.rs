@@ -18,24 +18,24 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::diagnostics::undefined_names;
 use crate::check::exprs::compose;
 use crate::check::exprs::proof_only;
-use crate::check::exprs::proof_only::SETS;
-use crate::check::exprs::proof_only::foreign_ty;
+use crate::check::exprs::proof_only::WHY_NO_SETS;
+use crate::check::exprs::proof_only::opaque_type;
 use crate::check::exprs::spatial_ops;
 use crate::check::signatures::static_args;
-use crate::check::signatures::static_args::Static;
+use crate::check::signatures::static_args::StaticBinding;
 use crate::check::signatures::unit;
-use crate::check::types::quantity::unit_fault;
-use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::check::types::quantity::invalid_unit;
+use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::{Geometry, Ty};
-use crate::units::{Dim, Measure, resolve};
-use rpi_diag::{Code, Finding, Span};
+use crate::units::{Dimension, ResolvedUnit, resolve};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Scalar;
 use rpi_syntax::Name;
-use rpi_syntax::ast::{ArrayType, Dotted, Frames, NamedType, Type, TypeKind, Unit};
+use rpi_syntax::ast::{ArrayType, Dotted, FramePair, NamedType, Type, TypeKind, Unit};
 use std::rc::Rc;
 
 /// Maximum number of leaves of an array, over all levels. A larger array is probably a mistake, and would only use up
@@ -44,19 +44,19 @@ pub(crate) const MAX_LEAVES: usize = 1 << 16;
 
 /// A type, and whether a value may be absent.
 #[derive(Clone, Debug)]
-pub(crate) struct PortTy {
+pub(crate) struct DeclaredType {
     pub(crate) ty: Ty,
     pub(crate) optional: bool,
 }
 
 /// Resolves the type of a port or variable, which may be optional as a whole.
-pub(crate) fn resolve_port_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> PortTy {
+pub(crate) fn resolve_port_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> DeclaredType {
     match &ty.kind {
-        TypeKind::Optional(inner) => PortTy {
+        TypeKind::Optional(inner) => DeclaredType {
             ty: resolve_type(cx, inner),
             optional: true,
         },
-        _ => PortTy {
+        _ => DeclaredType {
             ty: resolve_type(cx, ty),
             optional: false,
         },
@@ -84,9 +84,11 @@ pub(crate) fn resolve_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
                 _ => Ty::tuple(types),
             }
         }
-        TypeKind::Refined(refined) => proof_only::refinement_type(cx, refined),
-        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => anonymous_type(cx, ty.span),
-        TypeKind::Broken => Ty::Unknown,
+        TypeKind::Refinement(refined) => proof_only::refinement_type(cx, refined),
+        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Datatype(_) => {
+            anonymous_type(cx, ty.span)
+        }
+        TypeKind::Error => Ty::Unknown,
     }
 }
 
@@ -95,8 +97,8 @@ fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
     match resolve_unit(cx, unit) {
         Ok(Some(measure)) => Ty::Real(measure.dim),
         Ok(None) => Ty::Unknown,
-        Err(finding) => {
-            report::report_diagnostic(cx, *finding);
+        Err(diagnostic) => {
+            report::report_diagnostic(cx, *diagnostic);
             Ty::Unknown
         }
     }
@@ -109,30 +111,30 @@ fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
 pub(crate) fn resolve_unit(
     cx: &Body<'_, '_>,
     unit: &Unit,
-) -> Result<Option<Measure>, Box<Finding>> {
+) -> Result<Option<ResolvedUnit>, Box<Diagnostic>> {
     for factor in &unit.factors {
         match cx.statics.get(&factor.unit.name) {
-            Some(Static::Ty(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
-            Some(Static::Ty(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
-                return Err(Box::new(type_decls::no_quantity(&factor.unit, ty)));
+            Some(StaticBinding::Type(Ty::Generic(_) | Ty::Unknown)) => return Ok(None),
+            Some(StaticBinding::Type(ty)) if !matches!(ty, Ty::Real(_) | Ty::Duration) => {
+                return Err(Box::new(type_decls::not_a_quantity(&factor.unit, ty)));
             }
             _ => {}
         }
     }
     let parameter = |name: &str| match cx.statics.get(name) {
-        Some(Static::Ty(Ty::Real(dim))) => Some(*dim),
-        Some(Static::Ty(Ty::Duration)) => Some(Dim::TIME),
+        Some(StaticBinding::Type(Ty::Real(dim))) => Some(*dim),
+        Some(StaticBinding::Type(Ty::Duration)) => Some(Dimension::TIME),
         _ => None,
     };
-    let found = resolve(unit, &parameter).map_err(|fault| Box::new(unit_fault(&fault)));
+    let found = resolve(unit, &parameter).map_err(|fault| Box::new(invalid_unit(&fault)));
     found.map(Some)
 }
 
 fn optional_part<'a>(cx: &mut Body<'_, 'a>, inner: &'a Type, span: Span) -> Ty {
     report::report_diagnostic(
         cx,
-        Finding::new(Code::RPI3004, "a part of a value cannot be optional")
-            .at(span, "optional part")
+        Diagnostic::new(Code::RPI3004, "a part of a value cannot be optional")
+            .primary(span, "optional part")
             .help("only a whole flow or port can be optional: write `?` after the whole type"),
     );
     resolve_type(cx, inner)
@@ -141,8 +143,8 @@ fn optional_part<'a>(cx: &mut Body<'_, 'a>, inner: &'a Type, span: Span) -> Ty {
 fn anonymous_type(cx: &mut Body<'_, '_>, span: Span) -> Ty {
     report::report_diagnostic(
         cx,
-        Finding::new(Code::RPI1003, "an enum or struct needs a name")
-            .at(span, "declared in place")
+        Diagnostic::new(Code::RPI1003, "an enum or struct needs a name")
+            .primary(span, "declared in place")
             .help("declare it by `type Name = ...;` and write the name here"),
     );
     Ty::Unknown
@@ -163,10 +165,14 @@ fn array_type<'a>(cx: &mut Body<'_, 'a>, array: &'a ArrayType, span: Span) -> Ty
 
 fn resolve_named_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
     let name = &named.name.name;
-    if let Some(Static::Ty(ty)) = cx.statics.get(name) {
+    if let Some(StaticBinding::Type(ty)) = cx.statics.get(name) {
         return ty.clone();
     }
-    match cx.checker.program.lookup_in(Space::Type, cx.module, name) {
+    match cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Type, cx.module, name)
+    {
         Lookup::Found(id) => resolve_declared_type(cx, id, named),
         Lookup::Missing => resolve_builtin_type(cx, named),
     }
@@ -174,10 +180,13 @@ fn resolve_named_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
 
 /// Resolves a type by its name alone.
 pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<Ty> {
-    if let Some(Static::Ty(ty)) = cx.statics.get(name) {
+    if let Some(StaticBinding::Type(ty)) = cx.statics.get(name) {
         return Some(ty.clone());
     }
-    if let Lookup::Found(id) = cx.checker.program.lookup_in(Space::Type, cx.module, name)
+    if let Lookup::Found(id) = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Type, cx.module, name)
         && let DeclKind::Type(_) = cx.checker.program.decl(id).kind
     {
         return Some(data::type_instance_for(cx, id, &[], span));
@@ -198,7 +207,10 @@ pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span)
 
 /// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
 pub(crate) fn is_undeclared_type(cx: &Body<'_, '_>, name: &Name) -> bool {
-    let found = cx.checker.program.lookup_in(Space::Type, cx.module, name);
+    let found = cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Type, cx.module, name);
     !cx.statics.contains_key(name) && matches!(found, Lookup::Missing)
 }
 
@@ -209,14 +221,14 @@ fn resolve_declared_type<'a>(cx: &mut Body<'_, 'a>, id: DeclId, named: &'a Named
         DeclKind::Device(device) => device::resolve_device_type(cx, id, device, named),
         DeclKind::Broken(_) => Ty::Unknown,
         kind => {
-            let finding = not_a(
+            let diagnostic = wrong_kind_of_name(
                 "a type",
                 &decl.name,
-                kind.what(),
+                kind.description(),
                 named.name.span,
                 decl.span,
             );
-            report::report_diagnostic(cx, finding);
+            report::report_diagnostic(cx, diagnostic);
             Ty::Unknown
         }
     }
@@ -235,7 +247,7 @@ fn resolve_builtin_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
         None if name == "result" => Ty::Result,
         None if name == "text" => Ty::Text,
         None if name == "time" && unit::reads_rpi_syntax(cx) => Ty::Duration,
-        None if !unit::reads_rpi_syntax(cx) && is_foreign_name(name) => kind2_type(cx, named),
+        None if !unit::reads_rpi_syntax(cx) && is_kind2_type_name(name) => kind2_type(cx, named),
         None => {
             undefined_names::report_undefined_type(cx, &named.name.name, named.name.span);
             Ty::Unknown
@@ -256,14 +268,14 @@ fn kind2_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
         .map(|arg| type_argument(cx, arg))
         .collect();
     match name {
-        "set" | "map" => proof_only::not_executable(cx, &format!("a {name}"), SETS, span),
+        "set" | "map" => proof_only::not_executable(cx, &format!("a {name}"), WHY_NO_SETS, span),
         _ => history(cx, named),
     }
     match &args[..] {
         _ if args.iter().any(String::is_empty) => Ty::Unknown,
         _ if name == "history" => Ty::Unknown,
-        [] => foreign_ty(name.to_owned()),
-        args => foreign_ty(format!("{name}<{}>", args.join(", "))),
+        [] => opaque_type(name.to_owned()),
+        args => opaque_type(format!("{name}<{}>", args.join(", "))),
     }
 }
 
@@ -285,7 +297,7 @@ fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
     let of = named
         .frames
         .as_ref()
-        .and_then(|frames| frames.in_frame.parts.first());
+        .and_then(|frames| frames.reference.parts.first());
     let Some(of) = of else {
         return undefined_names::report_undefined_type(cx, &named.name.name, named.name.span);
     };
@@ -294,12 +306,12 @@ fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
         .bound_names
         .iter()
         .any(|bound| bound.name == of.name);
-    if is_bound || cx.local_flow(&of.name).is_none() {
+    if is_bound || cx.find_flow(&of.name).is_none() {
         let message = format!("`{}` has no history", of.name);
-        let finding = Finding::new(Code::RPI2014, message)
-            .at(of.span, "not a flow of the node")
+        let diagnostic = Diagnostic::new(Code::RPI2014, message)
+            .primary(of.span, "not a flow of the node")
             .help("`history(x)` is the sequence of past values of a flow `x`");
-        return report::report_diagnostic(cx, finding);
+        return report::report_diagnostic(cx, diagnostic);
     }
     proof_only::not_executable(
         cx,
@@ -319,17 +331,17 @@ pub(crate) fn similar_type(cx: &Body<'_, '_>, name: &str) -> Option<String> {
     };
     let declared = cx
         .checker
-        .suggest(name, cx.checker.program.visible(cx.module, is_type));
+        .suggest(name, cx.checker.program.visible_names(cx.module, is_type));
     declared.or_else(|| rpi_diag::suggest(name, builtin.into_iter()))
 }
 
-fn check_geometry(cx: &mut Body<'_, '_>, frames: Option<&Frames>) -> Geometry {
+fn check_geometry(cx: &mut Body<'_, '_>, frames: Option<&FramePair>) -> Geometry {
     Geometry {
         dim: None,
         of: frames
-            .and_then(|f| f.of.as_ref())
+            .and_then(|f| f.located.as_ref())
             .and_then(|f| check_frame(cx, f)),
-        in_frame: frames.and_then(|f| check_frame(cx, &f.in_frame)),
+        in_frame: frames.and_then(|f| check_frame(cx, &f.reference)),
     }
 }
 
@@ -375,7 +387,7 @@ fn device_frames(cx: &Body<'_, '_>, device: &Name) -> Vec<Name> {
         return Vec::new();
     };
     cx.unit
-        .device(flow)
+        .device_type_instance(flow)
         .map_or_else(Vec::new, |d| d.frames.clone())
 }
 
@@ -383,44 +395,44 @@ fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> 
     if !known {
         let program = cx.checker.program;
         let is_frame = |id| matches!(program.decl(id).kind, DeclKind::Frame(_));
-        let declared = program.visible(cx.module, is_frame);
+        let declared = program.visible_names(cx.module, is_frame);
         let free = cx.unit.free_frames.iter().map(Name::as_str);
         let near = cx.checker.suggest(&name, free.chain(declared));
-        let finding = Finding::new(Code::RPI1001, format!("undefined frame `{name}`"))
-            .at(span, "not declared")
+        let diagnostic = Diagnostic::new(Code::RPI1001, format!("undefined frame `{name}`"))
+            .primary(span, "not declared")
             .help("declare it by `frame`, name it in the signature, or use a frame of a device");
-        report::report_diagnostic(cx, finding.did_you_mean(span, near));
+        report::report_diagnostic(cx, diagnostic.did_you_mean(span, near));
     }
     known.then_some(name)
 }
 
 /// Names of the built-in types of Kind 2.
-const FOREIGN_TYPES: &[&str] = &[
+const KIND2_TYPES: &[&str] = &[
     "set", "map", "history", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32",
     "uint64", "uint", "sint",
 ];
 
 /// Prefixes of the names of types on whose values operators are not checked.
-pub(crate) const FOREIGN: &[&str] = &["set<", "map<"];
+pub(crate) const UNCHECKED_TYPE_PREFIXES: &[&str] = &["set<", "map<"];
 
-fn is_foreign_name(name: &str) -> bool {
-    FOREIGN_TYPES.contains(&name)
+fn is_kind2_type_name(name: &str) -> bool {
+    KIND2_TYPES.contains(&name)
 }
 
 /// Whether a type is a built-in type of Kind 2 whose name starts with one of these prefixes.
-pub(crate) fn is_foreign(ty: &Ty, beginnings: &[&str]) -> bool {
+pub(crate) fn is_kind2_type(ty: &Ty, beginnings: &[&str]) -> bool {
     let Ty::Struct(of) = ty else {
         return false;
     };
     let base = of.name.split('<').next().unwrap_or_default();
-    is_foreign_name(base)
+    is_kind2_type_name(base)
         && beginnings
             .iter()
             .any(|beginning| of.name.starts_with(beginning))
 }
 
 /// Returns the diagnostic for an array with too many leaves.
-pub(crate) fn too_large(span: Span) -> Finding {
-    Finding::new(Code::RPI2009, "the array is too large")
-        .at(span, format!("more than {MAX_LEAVES} values"))
+pub(crate) fn too_large(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI2009, "the array is too large")
+        .primary(span, format!("more than {MAX_LEAVES} values"))
 }

@@ -1,21 +1,21 @@
 //! Diagnostics about units and dimensions, with suggestions.
 
 use crate::ty::Ty;
-use crate::units::{Base, Dim, Ratio, UnitFault};
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::units::{BaseDim, Dimension, Ratio, UnitError};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::ops::UnaryOp;
 
 /// A value in a diagnostic: its dimension, its location, and whether it is a number literal.
 #[derive(Clone, Copy)]
-pub(crate) struct Measured {
-    pub(crate) dim: Dim,
+pub(crate) struct MeasuredValue {
+    pub(crate) dim: Dimension,
     pub(crate) span: Span,
     pub(crate) is_number: bool,
 }
 
 /// Returns the description of a dimension: `a length in m`, `a quantity in m^2/s`, `a plain number`.
-pub(crate) fn described(dim: Dim) -> String {
-    match (dim == Dim::ONE, dim.quantity()) {
+pub(crate) fn describe_dim(dim: Dimension) -> String {
+    match (dim == Dimension::ONE, dim.quantity_literal()) {
         (true, _) => "a plain number".to_owned(),
         (_, Some(name)) => format!("{name} in `{dim}`"),
         (_, None) => format!("a quantity in `{dim}`"),
@@ -23,107 +23,117 @@ pub(crate) fn described(dim: Dim) -> String {
 }
 
 /// Returns the description of a dimension for a label.
-fn labelled(dim: Dim) -> String {
-    match dim == Dim::ONE {
+fn dim_label(dim: Dimension) -> String {
+    match dim == Dimension::ONE {
         true => "this has no unit".to_owned(),
-        false => format!("this is {}", described(dim)),
+        false => format!("this is {}", describe_dim(dim)),
     }
 }
 
 /// Returns the diagnostic for a value whose dimension is not the expected one.
-pub(crate) fn misplaced(expected: Dim, found: Measured) -> Finding {
+pub(crate) fn dimension_mismatch(expected: Dimension, found: MeasuredValue) -> Diagnostic {
     let message = format!(
         "expected {}, found {}",
-        described(expected),
-        described(found.dim)
+        describe_dim(expected),
+        describe_dim(found.dim)
     );
-    let finding = Finding::new(Code::RPI2002, message).at(found.span, labelled(found.dim));
-    mended(finding, expected, found)
+    let diagnostic =
+        Diagnostic::new(Code::RPI2002, message).primary(found.span, dim_label(found.dim));
+    with_suggestion(diagnostic, expected, found)
 }
 
 /// Returns the diagnostic for two operands with incompatible dimensions.
-pub(crate) fn apart(op: &str, left: Measured, right: Measured) -> Finding {
+pub(crate) fn incompatible_dimensions(
+    op: &str,
+    left: MeasuredValue,
+    right: MeasuredValue,
+) -> Diagnostic {
     let message = format!(
         "`{op}` cannot take {} and {}",
-        described(left.dim),
-        described(right.dim)
+        describe_dim(left.dim),
+        describe_dim(right.dim)
     );
-    let finding = Finding::new(Code::RPI2002, message)
-        .at(right.span, labelled(right.dim))
-        .also(left.span, labelled(left.dim));
+    let diagnostic = Diagnostic::new(Code::RPI2002, message)
+        .primary(right.span, dim_label(right.dim))
+        .secondary(left.span, dim_label(left.dim));
     match left.is_number && !right.is_number {
-        true => mended(finding, right.dim, left),
-        false => mended(finding, left.dim, right),
+        true => with_suggestion(diagnostic, right.dim, left),
+        false => with_suggestion(diagnostic, left.dim, right),
     }
 }
 
 /// Returns the diagnostic for a number without a unit where an angle is expected.
-pub(crate) fn plain_angle(wanted: Dim, found: Measured) -> Finding {
+pub(crate) fn angle_without_unit(wanted: Dimension, found: MeasuredValue) -> Diagnostic {
     let message = format!(
         "expected {}, found {}",
-        described(wanted),
-        described(found.dim)
+        describe_dim(wanted),
+        describe_dim(found.dim)
     );
-    let finding = Finding::new(Code::RPI2004, message);
-    match (found.is_number, wanted.over(found.dim)) {
-        (true, _) => with_units(
-            finding.at(found.span, "degrees or radians?"),
+    let diagnostic = Diagnostic::new(Code::RPI2004, message);
+    match (found.is_number, wanted.divided_by(found.dim)) {
+        (true, _) => with_unit_fixes(
+            diagnostic.primary(found.span, "degrees or radians?"),
             wanted,
             found.span,
         ),
-        (false, Some(Dim::ANGLE)) if found.dim != Dim::ONE => finding
-            .at(found.span, "revolutions, degrees or radians?")
+        (false, Some(Dimension::ANGLE)) if found.dim != Dimension::ONE => diagnostic
+            .primary(found.span, "revolutions, degrees or radians?")
             .help("multiply by an angle: `1[rev]`, `1[rad]`"),
-        _ => finding.at(found.span, "degrees or radians?").help(format!(
-            "declare it with its unit, or multiply by `1[{wanted}]`"
-        )),
+        _ => diagnostic
+            .primary(found.span, "degrees or radians?")
+            .help(format!(
+                "declare it with its unit, or multiply by `1[{wanted}]`"
+            )),
     }
 }
 
 /// Adds a suggestion that gives a value the expected dimension.
-fn mended(finding: Finding, wanted: Dim, found: Measured) -> Finding {
-    if found.is_number && found.dim == Dim::ONE {
-        return with_units(finding, wanted, found.span);
+fn with_suggestion(diagnostic: Diagnostic, wanted: Dimension, found: MeasuredValue) -> Diagnostic {
+    if found.is_number && found.dim == Dimension::ONE {
+        return with_unit_fixes(diagnostic, wanted, found.span);
     }
-    if wanted.is_plain() {
-        return finding.help(format!(
+    if wanted.is_dimensionless() {
+        return diagnostic.help(format!(
             "divide by a quantity in `{}` to get a plain number",
             found.dim
         ));
     }
-    if found.dim.is_plain() {
-        return finding.help(format!("multiply by a quantity in `{wanted}`"));
+    if found.dim.is_dimensionless() {
+        return diagnostic.help(format!("multiply by a quantity in `{wanted}`"));
     }
     if found.dim.power(Ratio::HALF) == Some(wanted) {
-        return finding.help("its square root has the expected dimension: `sqrt(x)`");
+        return diagnostic.help("its square root has the expected dimension: `sqrt(x)`");
     }
     if is_charge_for_temperature(wanted, found.dim) {
-        return finding.help(
+        return diagnostic.help(
             "`C` is the coulomb; temperatures are in kelvin, 20 degrees Celsius are `293.15[K]`",
         );
     }
-    match wanted.over(found.dim) {
-        Some(factor) => finding.help(format!("{} to get the expected dimension", by(factor))),
-        None => finding,
+    match wanted.divided_by(found.dim) {
+        Some(factor) => diagnostic.help(format!(
+            "{} to get the expected dimension",
+            factor_text(factor)
+        )),
+        None => diagnostic,
     }
 }
 
 /// Returns the operation with a factor: "divide by a time in `s`", "multiply by ...".
-fn by(factor: Dim) -> String {
-    let (word, dim) = match factor.is_inverse() {
+fn factor_text(factor: Dimension) -> String {
+    let (word, dim) = match factor.is_reciprocal() {
         true => ("divide", factor.inverse()),
         false => ("multiply", factor),
     };
-    format!("{word} by {}", described(dim))
+    format!("{word} by {}", describe_dim(dim))
 }
 
-fn is_charge_for_temperature(wanted: Dim, found: Dim) -> bool {
-    let charge = Dim::base(Base::Current).times(Dim::TIME);
-    wanted == Dim::base(Base::Temperature) && Some(found) == charge
+fn is_charge_for_temperature(wanted: Dimension, found: Dimension) -> bool {
+    let charge = Dimension::base(BaseDim::Current).times(Dimension::TIME);
+    wanted == Dimension::base(BaseDim::Temperature) && Some(found) == charge
 }
 
 /// Units that are common for a dimension, by its coherent unit.
-const COMMON: &[(&str, &[&str])] = &[
+const COMMON_UNITS: &[(&str, &[&str])] = &[
     ("m", &["m", "mm"]),
     ("m/s", &["m/s", "mm/s"]),
     ("m/s^2", &["m/s^2", "mm/s^2"]),
@@ -134,34 +144,39 @@ const COMMON: &[(&str, &[&str])] = &[
 ];
 
 /// Adds a fix for each unit that may have been meant.
-pub(crate) fn with_units(finding: Finding, wanted: Dim, number: Span) -> Finding {
+pub(crate) fn with_unit_fixes(
+    diagnostic: Diagnostic,
+    wanted: Dimension,
+    number: Span,
+) -> Diagnostic {
     let coherent = wanted.to_string();
-    let row = COMMON.iter().find(|row| row.0 == coherent);
+    let row = COMMON_UNITS.iter().find(|row| row.0 == coherent);
     let units = row.map_or(vec![&*coherent], |row| row.1.to_vec());
     let fixes = units.into_iter().map(|unit| {
         Fix::maybe(format!("use the unit `{unit}`")).insert_after(number, format!("[{unit}]"))
     });
-    let mut finding = finding.help("write the unit after the number: `250[mm]`");
-    finding.fixes.extend(fixes);
-    finding
+    let mut diagnostic = diagnostic.help("write the unit after the number: `250[mm]`");
+    diagnostic.fixes.extend(fixes);
+    diagnostic
 }
 
 /// Returns the diagnostic for an invalid unit.
-pub(crate) fn unit_fault(fault: &UnitFault) -> Finding {
+pub(crate) fn invalid_unit(fault: &UnitError) -> Diagnostic {
     match fault {
-        UnitFault::Unknown { name, span, near } => {
-            let finding = Finding::new(Code::RPI2003, format!("unknown unit `{name}`"))
-                .at(*span, "not a unit");
+        UnitError::Unknown { name, span, near } => {
+            let diagnostic = Diagnostic::new(Code::RPI2003, format!("unknown unit `{name}`"))
+                .primary(*span, "not a unit");
             match is_celsius(name) {
                 // Kelvin is not suggested: the value would be wrong by 273.15.
                 true => {
-                    finding.help("temperatures are absolute: 20 degrees Celsius are `293.15[K]`")
+                    diagnostic.help("temperatures are absolute: 20 degrees Celsius are `293.15[K]`")
                 }
-                false => finding.did_you_mean(*span, near.clone()),
+                false => diagnostic.did_you_mean(*span, near.clone()),
             }
         }
-        UnitFault::Exponent { span } => {
-            Finding::new(Code::RPI2003, "exponent of a unit out of range").at(*span, "too large")
+        UnitError::Exponent { span } => {
+            Diagnostic::new(Code::RPI2003, "exponent of a unit out of range")
+                .primary(*span, "too large")
         }
     }
 }
@@ -174,13 +189,15 @@ fn is_celsius(name: &str) -> bool {
 }
 
 /// Adds a suggestion for an operand that a unary operator does not accept.
-pub(crate) fn operand_apart(finding: Finding, op: UnaryOp, ty: &Ty) -> Finding {
+pub(crate) fn with_operand_hint(diagnostic: Diagnostic, op: UnaryOp, ty: &Ty) -> Diagnostic {
     match ty {
-        Ty::Int | Ty::Real(_) => finding.help("a condition is a comparison: `x = 0`, `x <= 0.0`"),
-        Ty::Array(_, n) => finding.help(format!(
+        Ty::Int | Ty::Real(_) => {
+            diagnostic.help("a condition is a comparison: `x = 0`, `x <= 0.0`")
+        }
+        Ty::Array(_, n) => diagnostic.help(format!(
             "apply it to each element: `map<<{}, {n}>>(a)`",
             op.spelling()
         )),
-        _ => finding,
+        _ => diagnostic,
     }
 }

@@ -3,17 +3,17 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::Wanted;
+use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::types::consts;
 use crate::ty::{Subrange, Ty};
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding, Span};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast;
 
 /// Checks a subrange type `subrange [0, 7] of int`.
 pub(crate) fn subrange_type<'a>(cx: &mut Body<'_, 'a>, range: &'a ast::Subrange, span: Span) -> Ty {
-    let [from, to] = [&range.from, &range.to].map(|bound| subrange_bound(cx, bound.as_ref()));
+    let [from, to] = [&range.lower, &range.upper].map(|bound| subrange_bound(cx, bound.as_ref()));
     let (Ok(from), Ok(to)) = (from, to) else {
         // The error has been reported.
         return Ty::Int;
@@ -21,10 +21,10 @@ pub(crate) fn subrange_type<'a>(cx: &mut Body<'_, 'a>, range: &'a ast::Subrange,
     let range = Subrange { from, to };
     if range.is_empty() {
         let message = format!("empty subrange {range}");
-        let finding = Finding::new(Code::RPI2018, message)
-            .at(span, "the lower bound is greater than the upper bound")
+        let diagnostic = Diagnostic::new(Code::RPI2018, message)
+            .primary(span, "the lower bound is greater than the upper bound")
             .help("write the smaller bound first");
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return Ty::Int;
     }
     Ty::Subrange(range)
@@ -39,7 +39,7 @@ fn subrange_bound<'a>(
         return Ok(None);
     };
     let id = expr::check_expr(cx, bound);
-    if !statement::expect_type(cx, id, &Ty::Int, &Wanted::Here) {
+    if !statement::expect_type(cx, id, &Ty::Int, &ExpectationReason::Unexplained) {
         return Err(());
     }
     let leaves = consts::fold(cx, id).ok_or(())?;
@@ -54,13 +54,17 @@ pub(crate) fn is_in_subranges(cx: &mut Body<'_, '_>, leaves: &[Leaf], ty: &Ty, s
         (!range.contains(value)).then_some((value, range))
     });
     if let Some((value, range)) = out {
-        report::report_diagnostic(cx, outside(value, range).at(span, "this constant"));
+        report::report_diagnostic(
+            cx,
+            outside_subrange(value, range).primary(span, "this constant"),
+        );
     }
     out.is_none()
 }
 
 /// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
-pub(crate) fn outside(value: i64, range: Subrange) -> Finding {
+pub(crate) fn outside_subrange(value: i64, range: Subrange) -> Diagnostic {
     let message = format!("{value} is outside of the subrange {range}");
-    Finding::new(Code::RPI2017, message).help(format!("use a value in {range}, or widen the range"))
+    Diagnostic::new(Code::RPI2017, message)
+        .help(format!("use a value in {range}, or widen the range"))
 }

@@ -3,15 +3,15 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::signatures::unit;
-use crate::hash::Map;
-use crate::typed::{Each, Kind, PrimCall};
-use crate::typed::{ExprId, FlowId, Place, Unit};
-use rpi_diag::{Code, Finding, Fix, Span};
+use crate::hash::FastMap;
+use crate::typed::{ElementwiseOp, PrimCall, TypedExprKind};
+use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_net::prim;
 use rpi_syntax::ast;
 
 /// Maximum number of expressions examined for one flow.
-const EFFORT: usize = 200;
+const MAX_EXPRS: usize = 200;
 
 /// Records a flow if it is declared in seconds.
 pub(crate) fn record_seconds(cx: &mut Body<'_, '_>, flow: FlowId, ty: &ast::Type) {
@@ -27,74 +27,77 @@ pub(crate) fn check_time_sums(cx: &mut Body<'_, '_>) {
     if cx.times.declared_seconds.is_empty() {
         return;
     }
-    let mut sums = Sums::of(&cx.unit, &cx.shared.flow_of);
-    let mut findings = Vec::new();
+    let mut sums = TimeSums::new(&cx.unit, &cx.shared.flow_of);
+    let mut diagnostics = Vec::new();
     for (flow, declared) in &cx.times.declared_seconds {
-        sums.left = EFFORT;
+        sums.budget = MAX_EXPRS;
         let values = sums.defined.get(flow).cloned().unwrap_or_default();
         let found = values
             .iter()
-            .find_map(|value| sums.adds_a_time(*flow, *value));
-        findings.extend(found.map(|at| rounded(&cx.unit, *flow, *declared, at)));
+            .find_map(|value| sums.find_time_sum(*flow, *value));
+        diagnostics.extend(found.map(|at| rounding_warning(&cx.unit, *flow, *declared, at)));
     }
-    cx.findings.append(&mut findings);
+    cx.diagnostics.append(&mut diagnostics);
 }
 
-fn rounded(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> Finding {
+fn rounding_warning(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> Diagnostic {
     let flow = unit.flow(flow);
     let message = format!(
         "`{}` accumulates times as reals; each addition is rounded",
         flow.name
     );
-    Finding::new(Code::RPI2016, message)
-        .at(unit.expr(sum).span, "a time is added to the previous value")
-        .also(declared, "declared in seconds")
+    Diagnostic::new(Code::RPI2016, message)
+        .primary(unit.expr(sum).span, "a time is added to the previous value")
+        .secondary(declared, "declared in seconds")
         .help("use the type `time`, which counts whole ticks and does not round")
         .fix(Fix::maybe("declare it as `time`").replace(declared, "time"))
 }
 
 /// Defining expressions of the flows of a unit. Flows of states count as the outer flow that they define.
-struct Sums<'u> {
+struct TimeSums<'u> {
     unit: &'u Unit,
-    shares: &'u Map<FlowId, FlowId>,
-    defined: Map<FlowId, Vec<ExprId>>,
+    shared_flow_of: &'u FastMap<FlowId, FlowId>,
+    defined: FastMap<FlowId, Vec<ExprId>>,
     /// Number of expressions that may still be examined for the current flow.
-    left: usize,
+    budget: usize,
 }
 
-impl<'u> Sums<'u> {
-    fn of(unit: &'u Unit, shares: &'u Map<FlowId, FlowId>) -> Self {
-        let mut sums = Sums {
+impl<'u> TimeSums<'u> {
+    fn new(unit: &'u Unit, shares: &'u FastMap<FlowId, FlowId>) -> Self {
+        let mut sums = TimeSums {
             unit,
-            shares,
-            defined: Map::default(),
-            left: 0,
+            shared_flow_of: shares,
+            defined: FastMap::default(),
+            budget: 0,
         };
         for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
             if let [target] = &equation.targets[..]
-                && let Place::Flow { flow, .. } = target.place
+                && let TargetPlace::Flow { flow, .. } = target.place
             {
-                let flow = sums.seen(flow);
+                let flow = sums.outer_flow(flow);
                 sums.defined.entry(flow).or_default().push(equation.value);
             }
         }
         sums
     }
 
-    fn seen(&self, flow: FlowId) -> FlowId {
-        self.shares.get(&flow).copied().unwrap_or(flow)
+    fn outer_flow(&self, flow: FlowId) -> FlowId {
+        self.shared_flow_of.get(&flow).copied().unwrap_or(flow)
     }
 
     /// Returns the sum in a value that adds a time to the previous value of the flow.
-    fn adds_a_time(&mut self, flow: FlowId, value: ExprId) -> Option<ExprId> {
+    fn find_time_sum(&mut self, flow: FlowId, value: ExprId) -> Option<ExprId> {
         let mut open = vec![value];
         while let Some(id) = open.pop() {
-            self.left = self.left.checked_sub(1)?;
+            self.budget = self.budget.checked_sub(1)?;
             match &self.unit.expr(id).kind {
-                Kind::Prim(call) if self.is_sum(flow, call) => return Some(id),
-                Kind::Part { base, .. } => open.push(*base),
-                Kind::Each(Each::If, parts) => open.extend(parts.iter().skip(1)),
-                Kind::Each(Each::Arrow | Each::Coalesce | Each::Hold, parts) => open.extend(parts),
+                TypedExprKind::Prim(call) if self.is_sum(flow, call) => return Some(id),
+                TypedExprKind::Part { base, .. } => open.push(*base),
+                TypedExprKind::Each(ElementwiseOp::If, parts) => open.extend(parts.iter().skip(1)),
+                TypedExprKind::Each(
+                    ElementwiseOp::Arrow | ElementwiseOp::Coalesce | ElementwiseOp::Hold,
+                    parts,
+                ) => open.extend(parts),
                 _ => {}
             }
         }
@@ -107,13 +110,15 @@ impl<'u> Sums<'u> {
         };
         let adds = call.prim == prim!("Core::DoubleAdd");
         let takes = adds || call.prim == prim!("Rpi::DoubleSubtract");
-        let of = |sums: &mut Self, before, time| sums.is_time(time) && sums.is_before(flow, before);
+        let of = |sums: &mut Self, before, time| {
+            sums.is_time(time) && sums.is_previous_value(flow, before)
+        };
         takes && (of(self, a, b) || adds && of(self, b, a))
     }
 
     /// Whether a real is a converted time.
     fn is_time(&self, id: ExprId) -> bool {
-        let Kind::Prim(call) = &self.unit.expr(id).kind else {
+        let TypedExprKind::Prim(call) = &self.unit.expr(id).kind else {
             return false;
         };
         let times = ["Core::CycleTime", "Rpi::Time", "Rpi::SecondsFromTicks"];
@@ -121,27 +126,36 @@ impl<'u> Sums<'u> {
     }
 
     /// Whether a value is the value of a flow in an earlier cycle.
-    fn is_before(&mut self, flow: FlowId, value: ExprId) -> bool {
+    fn is_previous_value(&mut self, flow: FlowId, value: ExprId) -> bool {
         let mut open = vec![(value, false)];
         while let Some((id, delayed)) = open.pop() {
-            let Some(left) = self.left.checked_sub(1) else {
+            let Some(left) = self.budget.checked_sub(1) else {
                 return false;
             };
-            self.left = left;
+            self.budget = left;
             match &self.unit.expr(id).kind {
-                Kind::Flow(read) if delayed && self.seen(*read) == flow => return true,
-                Kind::Flow(read) => {
-                    let values = self.defined.get(&self.seen(*read)).into_iter().flatten();
+                TypedExprKind::Flow(read) if delayed && self.outer_flow(*read) == flow => {
+                    return true;
+                }
+                TypedExprKind::Flow(read) => {
+                    let values = self
+                        .defined
+                        .get(&self.outer_flow(*read))
+                        .into_iter()
+                        .flatten();
                     open.extend(values.map(|value| (*value, delayed)));
                 }
-                Kind::Part { base, .. } => open.push((*base, delayed)),
-                Kind::Each(Each::Pre | Each::Last, parts) => {
+                TypedExprKind::Part { base, .. } => open.push((*base, delayed)),
+                TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, parts) => {
                     open.extend(parts.iter().map(|part| (*part, true)));
                 }
-                Kind::Each(Each::If, parts) => {
+                TypedExprKind::Each(ElementwiseOp::If, parts) => {
                     open.extend(parts.iter().skip(1).map(|part| (*part, delayed)));
                 }
-                Kind::Each(Each::Arrow | Each::Coalesce | Each::Hold, parts) => {
+                TypedExprKind::Each(
+                    ElementwiseOp::Arrow | ElementwiseOp::Coalesce | ElementwiseOp::Hold,
+                    parts,
+                ) => {
                     open.extend(parts.iter().map(|part| (*part, delayed)));
                 }
                 _ => {}

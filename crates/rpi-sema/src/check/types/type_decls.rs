@@ -3,16 +3,16 @@
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::check::limits::nesting;
-use crate::check::limits::nesting::is_workable;
-use crate::check::signatures::static_args::Static;
-use crate::check::signatures::static_args::Statics;
+use crate::check::limits::nesting::is_within_size_limits;
+use crate::check::signatures::static_args::StaticBinding;
+use crate::check::signatures::static_args::StaticBindings;
 use crate::check::types;
 use crate::check::types::{consts, data, device, value_types};
 use crate::check::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{EnumTy, Member, StructTy, Ty};
 use crate::typed::Leaf;
-use rpi_diag::{Code, Finding};
+use rpi_diag::{Code, Diagnostic};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, TypeDef, TypeKind, VarDecl};
 use std::rc::Rc;
@@ -21,10 +21,11 @@ use std::rc::Rc;
 pub(crate) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
     match checker.program.decl(id).kind {
         DeclKind::Type(def) => {
-            let params = crate::check::signatures::static_params::params(&def.statics).into_iter();
+            let params =
+                crate::check::signatures::static_params::static_params(&def.statics).into_iter();
             let open = params.map(|param| {
                 let name = param.name().name.clone();
-                (name.clone(), Static::Ty(Ty::Generic(name)))
+                (name.clone(), StaticBinding::Type(Ty::Generic(name)))
             });
             type_instance(checker, id, Rc::new(open.collect()));
         }
@@ -39,11 +40,15 @@ pub(crate) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
 }
 
 /// Returns the type of a declaration with static arguments.
-pub(crate) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
-    let key = crate::check::signatures::instance::key(id, &statics);
+pub(crate) fn type_instance(
+    checker: &mut Checker<'_>,
+    id: DeclId,
+    statics: Rc<StaticBindings>,
+) -> Ty {
+    let key = crate::check::signatures::instance::instance_key(id, &statics);
     match checker.types.get(&key) {
         Some(Lazy::Done(ty)) => return ty.clone().unwrap_or(Ty::Unknown),
-        Some(Lazy::Busy) => {
+        Some(Lazy::InProgress) => {
             report_dependency_cycle(checker, "type", id);
             return Ty::Unknown;
         }
@@ -53,7 +58,7 @@ pub(crate) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<S
         return Ty::Unknown;
     }
     // In progress before it is resolved, so that a type that depends on itself is detected.
-    checker.types.insert(key.clone(), Lazy::Busy);
+    checker.types.insert(key.clone(), Lazy::InProgress);
     checker.in_progress.push(id);
     let ty = nesting::check_nested(checker, |checker| type_def(checker, id, statics));
     checker.in_progress.pop();
@@ -61,15 +66,15 @@ pub(crate) fn type_instance(checker: &mut Checker<'_>, id: DeclId, statics: Rc<S
     ty
 }
 
-fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<Statics>) -> Ty {
+fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<StaticBindings>) -> Ty {
     let DeclKind::Type(def) = checker.program.decl(id).kind else {
         return Ty::Unknown;
     };
-    let mut body = Body::around(checker, id);
+    let mut body = Body::for_top_level(checker, id);
     body.statics = statics;
     let ty = resolve_type_def(&mut body, def);
     let is_temporal = body.first_state_span.is_some();
-    body.leave();
+    body.finish();
     if is_temporal {
         checker.temporal_types.insert(id);
     }
@@ -99,21 +104,21 @@ pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id:
             way.concat()
         ),
     };
-    let mut finding = Finding::new(Code::RPI1007, message);
+    let mut diagnostic = Diagnostic::new(Code::RPI1007, message);
     if ring.is_empty() {
         let decl = checker.program.decl(id);
         let text = format!("`{name}` depends on `{name}`");
-        finding = finding.at(decl.span, text);
+        diagnostic = diagnostic.primary(decl.span, text);
     }
     for (k, decl) in ring.iter().enumerate() {
         let next = &ring[(k + 1) % ring.len()].name;
         let text = format!("`{}` depends on `{next}`", decl.name);
-        finding = match k {
-            0 => finding.at(decl.span, text),
-            _ => finding.also(decl.span, text),
+        diagnostic = match k {
+            0 => diagnostic.primary(decl.span, text),
+            _ => diagnostic.secondary(decl.span, text),
         };
     }
-    checker.findings.push(finding);
+    checker.diagnostics.push(diagnostic);
 }
 
 fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
@@ -128,7 +133,7 @@ fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
             let values = values.iter().map(|v| v.name.name.clone()).collect();
             Ty::Enum(Rc::new(EnumTy::new(name, values)))
         }
-        Some((TypeKind::Data(all), _)) => data::resolve_datatype(cx, def, name, all),
+        Some((TypeKind::Datatype(all), _)) => data::resolve_datatype(cx, def, name, all),
         Some((TypeKind::Struct(fields), _)) => resolve_struct(cx, def, name, fields),
         Some((_, ty)) => types::resolve_type(cx, ty),
     }
@@ -136,8 +141,8 @@ fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
 
 /// Returns the name of a type with its static arguments.
 fn type_name(cx: &Body<'_, '_>, def: &TypeDef) -> Name {
-    let params = crate::check::signatures::static_params::params(&def.statics);
-    crate::check::signatures::instance::display(
+    let params = crate::check::signatures::static_params::static_params(&def.statics);
+    crate::check::signatures::instance::instance_name(
         cx.checker.program,
         &def.name.name,
         &params,
@@ -152,12 +157,12 @@ fn resolve_struct<'a>(
     fields: &'a [VarDecl],
 ) -> Ty {
     let known = check_fields(cx, fields);
-    if !is_workable(&known) {
-        let finding = Finding::new(Code::RPI2009, "the struct is too large").at(
+    if !is_within_size_limits(&known) {
+        let diagnostic = Diagnostic::new(Code::RPI2009, "the struct is too large").primary(
             def.name.span,
             "too many parts, or structs nested too deeply",
         );
-        report::report_diagnostic(cx, finding);
+        report::report_diagnostic(cx, diagnostic);
         return Ty::Unknown;
     }
     Ty::Struct(Rc::new(StructTy {
@@ -175,8 +180,9 @@ pub(crate) fn check_fields<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> V
         for name in &decl.names {
             let first = names().take(fields.len()).find(|n| n.name == name.name);
             if let Some(first) = first {
-                let finding = crate::program::twice(&name.name, name.span, first.span);
-                report::report_diagnostic(cx, finding);
+                let diagnostic =
+                    crate::program::duplicate_name_error(&name.name, name.span, first.span);
+                report::report_diagnostic(cx, diagnostic);
             }
             fields.push(Member {
                 name: Some(name.name.clone()),
@@ -201,11 +207,11 @@ fn field_defaults<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Option
 }
 
 /// Returns the diagnostic for a type parameter in a unit that is not a type of reals.
-pub(crate) fn no_quantity(name: &Ident, ty: &Ty) -> Finding {
+pub(crate) fn not_a_quantity(name: &Ident, ty: &Ty) -> Diagnostic {
     let message = match ty.to_string() == name.name.as_str() {
         // The body is checked for all types of this parameter.
         true => format!("`{ty}` may be a type without unit"),
         false => format!("`{}` is `{ty}` here, which has no unit", name.name),
     };
-    Finding::new(Code::RPI2003, message).at(name.span, "expected a type of reals")
+    Diagnostic::new(Code::RPI2003, message).primary(name.span, "expected a type of reals")
 }

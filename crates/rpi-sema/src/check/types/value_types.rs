@@ -2,9 +2,9 @@
 
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::not_a;
+use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::types;
-use crate::program::{DeclId, DeclKind, Lookup, Space};
+use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::Ty;
 use rpi_diag::Span;
 use rpi_syntax::ast::{Type, TypeKind};
@@ -23,8 +23,8 @@ pub(crate) fn resolve_value_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty 
 }
 
 fn device_as_value(cx: &mut Body<'_, '_>, name: &str, at: Span, declared: Span) -> Ty {
-    let finding = not_a("a type of values", name, "a device", at, declared);
-    report::report_diagnostic(cx, finding.help(HELP));
+    let diagnostic = wrong_kind_of_name("a type of values", name, "a device", at, declared);
+    report::report_diagnostic(cx, diagnostic.help(DEVICE_HELP));
     Ty::Unknown
 }
 
@@ -33,7 +33,11 @@ fn named_device(cx: &Body<'_, '_>, ty: &Type) -> Option<DeclId> {
         return None;
     };
     let name = &named.name.name;
-    match cx.checker.program.lookup_in(Space::Type, cx.module, name) {
+    match cx
+        .checker
+        .program
+        .lookup_in(NameSpace::Type, cx.module, name)
+    {
         Lookup::Found(id) if !cx.statics.contains_key(name) => {
             let kind = cx.checker.program.decl(id).kind;
             matches!(kind, DeclKind::Device(_)).then_some(id)
@@ -42,5 +46,5 @@ fn named_device(cx: &Body<'_, '_>, ty: &Type) -> Option<DeclId> {
     }
 }
 
-const HELP: &str =
+const DEVICE_HELP: &str =
     "declare a device as a parameter of a command, fragment or node: `command C (arm: Arm)`";

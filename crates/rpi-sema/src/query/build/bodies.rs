@@ -1,11 +1,13 @@
 //! Definitions and references in bodies: locals, equations, fragments in place and automata.
 
 use super::items;
-use crate::hash::Map;
-use crate::query::build::{At, Body, Builder, DefId, DefKind, Ident, Mode, Origin, ScopeId, Work};
+use crate::hash::FastMap;
+use crate::query::build::{
+    Body, Builder, DefId, DefKind, DefPosition, Dialect, Ident, PendingRef, ScopeId, ShapeOrigin,
+};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    Automaton, Equation, FragmentDecl, Locals, Meaning, State, Statement, StatementKind, Target,
+    Automaton, Desugared, Equation, FragmentDecl, Locals, State, Statement, StatementKind, Target,
     Transition,
 };
 
@@ -18,7 +20,7 @@ pub(super) fn index_body<'a>(builder: &mut Builder<'a>, scope: ScopeId, body: &'
 }
 
 fn index_statement<'a>(builder: &mut Builder<'a>, scope: ScopeId, statement: &'a Statement) {
-    let at = At {
+    let at = DefPosition {
         scope,
         whole: statement.span,
         doc: statement.doc.as_ref(),
@@ -29,32 +31,32 @@ fn index_statement<'a>(builder: &mut Builder<'a>, scope: ScopeId, statement: &'a
         StatementKind::Claim(claim) => {
             builder.exprs(scope, [&claim.condition].into_iter().chain(&claim.provided))
         }
-        StatementKind::End(end) => builder.exprs(scope, [&end.condition]),
+        StatementKind::CommandEnd(end) => builder.exprs(scope, [&end.condition]),
         StatementKind::Export(flows) => flows
             .iter()
-            .for_each(|flow| builder.later(scope, Work::Dotted(flow))),
+            .for_each(|flow| builder.defer(scope, PendingRef::Dotted(flow))),
         StatementKind::Fragment(fragment) => block(builder, at, fragment),
         StatementKind::Automaton(automaton) => index_automaton(builder, at, automaton),
-        StatementKind::Choice(choice) => desugared(builder, at, &choice.means),
-        StatementKind::Keep(keep) => desugared(builder, at, &keep.means),
-        StatementKind::Broken(names) => names.iter().for_each(|name| {
+        StatementKind::Conditional(choice) => desugared(builder, at, &choice.desugared),
+        StatementKind::FrameBlock(keep) => desugared(builder, at, &keep.desugared),
+        StatementKind::Error(names) => names.iter().for_each(|name| {
             resolve_target(builder, at, name);
         }),
     }
 }
 
 /// Visits the equations to which a block is desugared.
-fn desugared<'a>(builder: &mut Builder<'a>, at: At<'a>, means: &'a Meaning) {
+fn desugared<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, means: &'a Desugared) {
     for (equation, _) in &means.equations {
         index_equation(builder, at, equation);
     }
 }
 
-fn index_equation<'a>(builder: &mut Builder<'a>, at: At<'a>, equation: &'a Equation) {
+fn index_equation<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, equation: &'a Equation) {
     for target in &equation.targets {
         match target.path.is_empty() {
             true => index_target(builder, at, &target.name, equation),
-            false => builder.later(at.scope, Work::Target(target)),
+            false => builder.defer(at.scope, PendingRef::Target(target)),
         }
     }
     builder.exprs(at.scope, [&equation.value]);
@@ -62,20 +64,24 @@ fn index_equation<'a>(builder: &mut Builder<'a>, at: At<'a>, equation: &'a Equat
 
 fn index_target<'a>(
     builder: &mut Builder<'a>,
-    at: At<'a>,
+    at: DefPosition<'a>,
     name: &'a Ident,
     equation: &'a Equation,
 ) {
     let def = resolve_target(builder, at, name);
     if let (Some(def), [_]) = (def, &equation.targets[..]) {
-        let value = Origin::Value(&equation.value);
-        builder.shapes.set_if_open(def, at.scope, value);
+        let value = ShapeOrigin::Value(&equation.value);
+        builder.shapes.set_if_unset(def, at.scope, value);
     }
 }
 
 /// Resolves a plain name on the left of an equation: a flow declared in this scope, a flow of an enclosing scope
 /// that the equation defines, or a new local flow.
-fn resolve_target<'a>(builder: &mut Builder<'a>, at: At<'a>, name: &'a Ident) -> Option<DefId> {
+fn resolve_target<'a>(
+    builder: &mut Builder<'a>,
+    at: DefPosition<'a>,
+    name: &'a Ident,
+) -> Option<DefId> {
     if name.name == "_" {
         return None;
     }
@@ -87,7 +93,7 @@ fn resolve_target<'a>(builder: &mut Builder<'a>, at: At<'a>, name: &'a Ident) ->
             builder.refer(name.span, def);
             Some(def)
         }
-        None if builder.mode == Mode::Lustre => None,
+        None if builder.mode == Dialect::Lustre => None,
         None => Some(builder.define(at, name, DefKind::Local)),
     }
 }
@@ -96,9 +102,9 @@ fn resolve_target<'a>(builder: &mut Builder<'a>, at: At<'a>, name: &'a Ident) ->
 /// shared by states. A fragment has its own flows.
 fn defines_outer_flow(builder: &Builder<'_>, scope: ScopeId, id: DefId) -> bool {
     let def = builder.index.def(id);
-    use DefKind::{Given, Input, Local, Output, Param};
+    use DefKind::{Input, Local, Output, Param, TakenOver};
     match def.kind {
-        Given | Input | Param => true,
+        TakenOver | Input | Param => true,
         Local | Output => is_state_in(builder, scope, def.parent),
         _ => false,
     }
@@ -112,7 +118,7 @@ fn is_state_in(builder: &Builder<'_>, scope: ScopeId, parent: Option<DefId>) -> 
     states.any(|state| state.parent == parent)
 }
 
-fn block<'a>(builder: &mut Builder<'a>, at: At<'a>, fragment: &'a FragmentDecl) {
+fn block<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, fragment: &'a FragmentDecl) {
     let signature = &fragment.signature;
     let scope = define_block(builder, at, &signature.name, DefKind::Block);
     // The activation is evaluated in the enclosing scope.
@@ -127,22 +133,22 @@ fn block<'a>(builder: &mut Builder<'a>, at: At<'a>, fragment: &'a FragmentDecl) 
 /// Defines a block inside a body and returns its scope.
 fn define_block<'a>(
     builder: &mut Builder<'a>,
-    at: At<'a>,
+    at: DefPosition<'a>,
     name: &'a Ident,
     kind: DefKind,
 ) -> ScopeId {
     let def = builder.define(at, name, kind);
     let scope = builder.inner(at, def);
-    builder.index.inside[def.0 as usize].members = Some(scope);
+    builder.index.inner_scopes[def.0 as usize].members = Some(scope);
     scope
 }
 
-fn index_automaton<'a>(builder: &mut Builder<'a>, at: At<'a>, automaton: &'a Automaton) {
+fn index_automaton<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, automaton: &'a Automaton) {
     let states: Vec<ScopeId> = automaton
         .states
         .iter()
         .map(|state| {
-            let at = At {
+            let at = DefPosition {
                 whole: state.span,
                 doc: state.doc.as_ref(),
                 ..at
@@ -157,7 +163,7 @@ fn index_automaton<'a>(builder: &mut Builder<'a>, at: At<'a>, automaton: &'a Aut
     let names = automaton.states.iter().map(|state| &state.name.name);
     let owners = states.iter().map(|scope| builder.index.scope(*scope).owner);
     let named = names.zip(owners).filter_map(|(name, id)| Some((name, id?)));
-    let named: Map<&Name, DefId> = named.collect();
+    let named: FastMap<&Name, DefId> = named.collect();
     for (state, scope) in automaton.states.iter().zip(states) {
         for transition in state.unless.iter().chain(&state.until) {
             if let Some(target) = named.get(&transition.target.name) {
@@ -170,7 +176,7 @@ fn index_automaton<'a>(builder: &mut Builder<'a>, at: At<'a>, automaton: &'a Aut
 }
 
 /// Defines the flows that a state defines but does not declare in the enclosing scope.
-fn define_shared<'a>(builder: &mut Builder<'a>, at: At<'a>, state: &'a State) {
+fn define_shared<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, state: &'a State) {
     let is_declared = |name: &Ident| declared_names(state).any(|known| known.name == name.name);
     let equations = state.body.statements.iter();
     let targets = equations.filter_map(|statement| match &statement.kind {
@@ -178,7 +184,7 @@ fn define_shared<'a>(builder: &mut Builder<'a>, at: At<'a>, state: &'a State) {
         _ => None,
     });
     for (statement, equation) in targets {
-        let at = At {
+        let at = DefPosition {
             whole: statement.span,
             doc: statement.doc.as_ref(),
             ..at

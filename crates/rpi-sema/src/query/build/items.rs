@@ -2,7 +2,9 @@
 
 use super::bodies;
 use crate::program::Source;
-use crate::query::build::{At, Body, Builder, DefId, DefKind, Ident, Origin, ScopeId, Work};
+use crate::query::build::{
+    Body, Builder, DefId, DefKind, DefPosition, Ident, PendingRef, ScopeId, ShapeOrigin,
+};
 use rpi_syntax::ast::{
     Claim, CommandDecl, ConstDef, Contract, DeclaredKind, DeviceDecl, FragmentDecl, FrameDecl,
     Item, ItemKind, Locals, NodeDecl, NodeDef, NodeKind, Signature, StaticParam, StaticParamKind,
@@ -11,7 +13,7 @@ use rpi_syntax::ast::{
 
 pub(super) fn index_items<'a>(builder: &mut Builder<'a>, source: &Source<'a>, scope: ScopeId) {
     for file in &source.files {
-        builder.mode = file.mode;
+        builder.mode = file.dialect;
         for item in &file.items {
             index_item(builder, scope, item);
         }
@@ -19,7 +21,7 @@ pub(super) fn index_items<'a>(builder: &mut Builder<'a>, source: &Source<'a>, sc
 }
 
 fn index_item<'a>(builder: &mut Builder<'a>, scope: ScopeId, item: &'a Item) {
-    let at = At {
+    let at = DefPosition {
         scope,
         whole: item.span,
         doc: item.doc.as_ref(),
@@ -27,7 +29,7 @@ fn index_item<'a>(builder: &mut Builder<'a>, scope: ScopeId, item: &'a Item) {
     match &item.kind {
         ItemKind::Use(names) => names
             .iter()
-            .for_each(|name| builder.later(scope, Work::Module(name))),
+            .for_each(|name| builder.defer(scope, PendingRef::Module(name))),
         ItemKind::Include(_) => {}
         ItemKind::Const(defs) => defs.iter().for_each(|def| constant(builder, at, def)),
         ItemKind::Type(defs) => defs.iter().for_each(|def| type_def(builder, at, def)),
@@ -42,7 +44,7 @@ fn index_item<'a>(builder: &mut Builder<'a>, scope: ScopeId, item: &'a Item) {
         ItemKind::Command(command) => index_command(builder, at, command),
         ItemKind::Task(task) => index_task(builder, at, task),
         ItemKind::Test(test) => index_test(builder, at, test),
-        ItemKind::Broken(names) => {
+        ItemKind::Error(names) => {
             for declared in names {
                 builder.define(at, &declared.name, broken_kind(declared.kind));
             }
@@ -50,54 +52,54 @@ fn index_item<'a>(builder: &mut Builder<'a>, scope: ScopeId, item: &'a Item) {
     }
 }
 
-fn index_command<'a>(builder: &mut Builder<'a>, at: At<'a>, command: &'a CommandDecl) {
+fn index_command<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, command: &'a CommandDecl) {
     let (kind, name) = (DefKind::Command, &command.name);
     let (def, body) = define_with_params(builder, at, kind, name, &command.statics);
     let results = builder.inner(at, def);
-    builder.index.inside[def.0 as usize].members = Some(results);
+    builder.index.inner_scopes[def.0 as usize].members = Some(results);
     index_vars(builder, body, &command.params, DefKind::Param);
-    index_vars(builder, body, &command.given, DefKind::Given);
+    index_vars(builder, body, &command.given, DefKind::TakenOver);
     builder.exprs(body, &command.budget);
     index_contract(builder, body, command.contract.as_ref());
     bodies::index_body(builder, body, &command.body);
     let scope = results;
-    index_results(builder, At { scope, ..at }, &command.body);
+    index_results(builder, DefPosition { scope, ..at }, &command.body);
 }
 
-fn index_test<'a>(builder: &mut Builder<'a>, at: At<'a>, test: &'a TestDecl) {
+fn index_test<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, test: &'a TestDecl) {
     let def = builder.define(at, &test.title, DefKind::Test);
     let scope = builder.inner(at, def);
     let body = builder.inner(at, def);
     bodies::index_body(builder, body, &test.body);
-    index_results(builder, At { scope, ..at }, &test.body);
+    index_results(builder, DefPosition { scope, ..at }, &test.body);
 }
 
-pub(super) fn constant<'a>(builder: &mut Builder<'a>, at: At<'a>, def: &'a ConstDef) {
+pub(super) fn constant<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, def: &'a ConstDef) {
     constants(
         builder,
-        at.within(def.span, def.doc.as_ref()),
+        at.with_span(def.span, def.doc.as_ref()),
         def,
         DefKind::Const,
     );
 }
 
-fn constants<'a>(builder: &mut Builder<'a>, at: At<'a>, def: &'a ConstDef, kind: DefKind) {
+fn constants<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, def: &'a ConstDef, kind: DefKind) {
     for name in &def.names {
         let id = builder.define(at, name, kind);
         match (&def.ty, &def.value) {
-            (Some(ty), _) => builder.typed(id, at.scope, ty),
-            (None, Some(value)) => builder.shapes.set(id, at.scope, Origin::Value(value)),
+            (Some(ty), _) => builder.set_type(id, at.scope, ty),
+            (None, Some(value)) => builder.shapes.set(id, at.scope, ShapeOrigin::Value(value)),
             (None, None) => {}
         }
     }
     if let Some(ty) = &def.ty {
-        builder.later(at.scope, Work::Type(ty));
+        builder.defer(at.scope, PendingRef::Type(ty));
     }
     builder.exprs(at.scope, &def.value);
 }
 
-fn type_def<'a>(builder: &mut Builder<'a>, at: At<'a>, def: &'a TypeDef) {
-    let at = at.within(def.span, def.doc.as_ref());
+fn type_def<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, def: &'a TypeDef) {
+    let at = at.with_span(def.span, def.doc.as_ref());
     let id = builder.define(at, &def.name, DefKind::Type);
     let Some(ty) = &def.ty else {
         return;
@@ -106,7 +108,7 @@ fn type_def<'a>(builder: &mut Builder<'a>, at: At<'a>, def: &'a TypeDef) {
         TypeKind::Enum(values) => {
             for value in values {
                 // The doc comment of the type does not apply to its values.
-                let at = At {
+                let at = DefPosition {
                     whole: value.name.span,
                     doc: value.doc.as_ref(),
                     ..at
@@ -116,17 +118,17 @@ fn type_def<'a>(builder: &mut Builder<'a>, at: At<'a>, def: &'a TypeDef) {
         }
         TypeKind::Struct(fields) => {
             let scope = builder.inner(at, id);
-            builder.index.inside[id.0 as usize].members = Some(scope);
+            builder.index.inner_scopes[id.0 as usize].members = Some(scope);
             index_vars(builder, scope, fields, DefKind::Field);
         }
         _ => {
-            builder.typed(id, at.scope, ty);
-            builder.later(at.scope, Work::Type(ty));
+            builder.set_type(id, at.scope, ty);
+            builder.defer(at.scope, PendingRef::Type(ty));
         }
     }
 }
 
-fn index_node<'a>(builder: &mut Builder<'a>, at: At<'a>, node: &'a NodeDecl) {
+fn index_node<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, node: &'a NodeDecl) {
     let kind = match node.kind {
         NodeKind::Node | NodeKind::Contract => DefKind::Node,
         NodeKind::Function => DefKind::Function,
@@ -136,14 +138,16 @@ fn index_node<'a>(builder: &mut Builder<'a>, at: At<'a>, node: &'a NodeDecl) {
     match &node.definition {
         NodeDef::Body(body) => bodies::index_body(builder, scope, body),
         NodeDef::Alias(callee) => {
-            builder.shapes.set(def, at.scope, Origin::Alias(callee));
-            builder.later(scope, Work::Callee(callee));
+            builder
+                .shapes
+                .set(def, at.scope, ShapeOrigin::Alias(callee));
+            builder.defer(scope, PendingRef::Callee(callee));
         }
         NodeDef::Extern => {}
     }
 }
 
-fn index_fragment<'a>(builder: &mut Builder<'a>, at: At<'a>, fragment: &'a FragmentDecl) {
+fn index_fragment<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, fragment: &'a FragmentDecl) {
     let (_, scope) = callable(builder, at, DefKind::Fragment, &fragment.signature);
     let when = fragment.when.iter().map(|when| &when.condition);
     builder.exprs(scope, when.chain(&fragment.budget));
@@ -154,12 +158,12 @@ fn index_fragment<'a>(builder: &mut Builder<'a>, at: At<'a>, fragment: &'a Fragm
 /// Defines a callable with its parameters and ports.
 fn callable<'a>(
     builder: &mut Builder<'a>,
-    at: At<'a>,
+    at: DefPosition<'a>,
     kind: DefKind,
     of: &'a Signature,
 ) -> (DefId, ScopeId) {
     let (def, scope) = define_with_params(builder, at, kind, &of.name, &of.statics);
-    builder.index.inside[def.0 as usize].members = Some(scope);
+    builder.index.inner_scopes[def.0 as usize].members = Some(scope);
     index_vars(
         builder,
         scope,
@@ -178,64 +182,64 @@ fn callable<'a>(
 /// Defines a declaration with static parameters and returns its inner scope.
 fn define_with_params<'a>(
     builder: &mut Builder<'a>,
-    at: At<'a>,
+    at: DefPosition<'a>,
     kind: DefKind,
     name: &'a Ident,
     statics: &'a [StaticParam],
 ) -> (DefId, ScopeId) {
     let def = builder.define(at, name, kind);
     let scope = builder.inner(at, def);
-    builder.index.inside[def.0 as usize].parameters = Some(scope);
-    let at = At { scope, ..at };
+    builder.index.inner_scopes[def.0 as usize].parameters = Some(scope);
+    let at = DefPosition { scope, ..at };
     statics
         .iter()
         .for_each(|param| static_param(builder, at, param));
     (def, scope)
 }
 
-fn static_param<'a>(builder: &mut Builder<'a>, at: At<'a>, param: &'a StaticParam) {
-    let at = At {
+fn static_param<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, param: &'a StaticParam) {
+    let at = DefPosition {
         whole: param.span,
         doc: param.doc.as_ref(),
         ..at
     };
     match &param.kind {
         StaticParamKind::Type(name, _) => {
-            builder.define(at, name, DefKind::Static);
+            builder.define(at, name, DefKind::StaticParam);
         }
-        StaticParamKind::Value(def) => constants(builder, at, def, DefKind::Static),
+        StaticParamKind::Value(def) => constants(builder, at, def, DefKind::StaticParam),
         StaticParamKind::Node(_, signature) => {
-            let def = builder.define(at, &signature.name, DefKind::Static);
+            let def = builder.define(at, &signature.name, DefKind::StaticParam);
             let scope = builder.inner(at, def);
             let ports = [&signature.inputs, &signature.outputs];
             for port in ports.into_iter().flatten().flatten() {
-                builder.later(scope, Work::Type(&port.ty));
+                builder.defer(scope, PendingRef::Type(&port.ty));
             }
         }
     }
 }
 
-fn index_device<'a>(builder: &mut Builder<'a>, at: At<'a>, device: &'a DeviceDecl) {
+fn index_device<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, device: &'a DeviceDecl) {
     let (def, scope) =
         define_with_params(builder, at, DefKind::Device, &device.name, &device.statics);
-    builder.index.inside[def.0 as usize].members = Some(scope);
+    builder.index.inner_scopes[def.0 as usize].members = Some(scope);
     let ports = device.sections.iter().flat_map(|section| &section.ports);
     for port in ports {
         index_vars(builder, scope, &port.alternatives, DefKind::Port);
     }
 }
 
-fn index_frame<'a>(builder: &mut Builder<'a>, at: At<'a>, frame: &'a FrameDecl) {
+fn index_frame<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, frame: &'a FrameDecl) {
     for name in &frame.names {
         builder.define(at, name, DefKind::Frame);
     }
     if let Some(parent) = &frame.parent {
-        builder.later(at.scope, Work::Dotted(parent));
+        builder.defer(at.scope, PendingRef::Dotted(parent));
     }
     builder.exprs(at.scope, &frame.pose);
 }
 
-fn index_task<'a>(builder: &mut Builder<'a>, at: At<'a>, task: &'a TaskDecl) {
+fn index_task<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, task: &'a TaskDecl) {
     let (def, scope) = define_with_params(builder, at, DefKind::Task, &task.name, &task.statics);
     index_vars(builder, scope, &task.params, DefKind::Param);
     let steps = builder.scope(at.whole, Some(scope), Some(def));
@@ -244,7 +248,7 @@ fn index_task<'a>(builder: &mut Builder<'a>, at: At<'a>, task: &'a TaskDecl) {
 
 fn index_steps<'a>(builder: &mut Builder<'a>, scope: ScopeId, steps: &'a [Step]) {
     for step in steps {
-        let at = At {
+        let at = DefPosition {
             scope,
             whole: step.span,
             doc: step.doc.as_ref(),
@@ -254,7 +258,7 @@ fn index_steps<'a>(builder: &mut Builder<'a>, scope: ScopeId, steps: &'a [Step])
                 if let Some(label) = &run.label {
                     builder.define(at, label, DefKind::Step);
                 }
-                builder.later(scope, Work::Run(run));
+                builder.defer(scope, PendingRef::Run(run));
             }
             StepKind::Repeat { count, steps } => {
                 builder.exprs(scope, count);
@@ -266,8 +270,8 @@ fn index_steps<'a>(builder: &mut Builder<'a>, scope: ScopeId, steps: &'a [Step])
                     index_steps(builder, own, &strand.steps);
                 }
             }
-            StepKind::Start(name) => builder.later(scope, Work::Name(name)),
-            StepKind::Broken(labels) => {
+            StepKind::Start(name) => builder.defer(scope, PendingRef::Name(name)),
+            StepKind::Error(labels) => {
                 for label in labels {
                     builder.define(at, label, DefKind::Step);
                 }
@@ -284,18 +288,18 @@ pub(super) fn index_vars<'a>(
     kind: DefKind,
 ) {
     for decl in decls {
-        let at = At {
+        let at = DefPosition {
             scope,
             whole: decl.span,
             doc: decl.doc.as_ref(),
         };
         for name in &decl.names {
             let def = builder.define(at, name, kind);
-            builder.typed(def, scope, &decl.ty);
+            builder.set_type(def, scope, &decl.ty);
         }
-        builder.later(scope, Work::Type(&decl.ty));
+        builder.defer(scope, PendingRef::Type(&decl.ty));
         if let Some(clock) = &decl.clock {
-            builder.later(scope, Work::Clock(clock));
+            builder.defer(scope, PendingRef::Clock(clock));
         }
         builder.exprs(scope, &decl.default);
     }
@@ -310,7 +314,7 @@ pub(super) fn index_contract<'a>(
         return;
     };
     locals(builder, scope, contract.span, &contract.locals);
-    for together in &contract.together {
+    for together in &contract.ghost_tuples {
         index_vars(builder, scope, &together.vars, DefKind::Local);
         builder.exprs(scope, [&together.equation.value]);
     }
@@ -327,7 +331,7 @@ pub(super) fn locals<'a>(
     whole: rpi_diag::Span,
     all: &'a [Locals],
 ) {
-    let at = At {
+    let at = DefPosition {
         scope,
         whole,
         doc: None,
@@ -341,10 +345,10 @@ pub(super) fn locals<'a>(
 }
 
 /// Defines the results of a command or test.
-fn index_results<'a>(builder: &mut Builder<'a>, at: At<'a>, body: &'a Body) {
+fn index_results<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, body: &'a Body) {
     for statement in &body.statements {
-        if let rpi_syntax::ast::StatementKind::End(end) = &statement.kind {
-            let at = At {
+        if let rpi_syntax::ast::StatementKind::CommandEnd(end) = &statement.kind {
+            let at = DefPosition {
                 whole: statement.span,
                 doc: statement.doc.as_ref(),
                 ..at

@@ -10,12 +10,12 @@ mod items;
 mod refs;
 mod shapes;
 
-use crate::hash::Map;
+use crate::hash::FastMap;
 use crate::program::{ModuleId, Program, Source};
 use crate::query::def::{Def, DefId, DefKind};
-use crate::query::index::{Index, Inside, Reference, Scope, ScopeId};
+use crate::query::index::{Index, InnerScopes, Reference, Scope, ScopeId};
 use rpi_diag::{FileId, Span};
-use rpi_syntax::Mode;
+use rpi_syntax::Dialect;
 use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target, Type, Update};
 use shapes::Shapes;
 
@@ -27,7 +27,7 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
         .map(|source| builder.module(source))
         .collect();
     for (module, scope) in (0..).map(ModuleId).zip(&scopes) {
-        let used = program.used_by(module);
+        let used = program.lookup_modules(module);
         let used = used.filter_map(|id| scopes.get(id.0 as usize).copied());
         builder.index.scopes[scope.0 as usize].uses = used.collect();
     }
@@ -42,7 +42,7 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
 
 /// Syntax tree that refers to names.
 #[derive(Clone, Copy)]
-enum Work<'a> {
+enum PendingRef<'a> {
     Expr(&'a Expr),
     Type(&'a Type),
     Clock(&'a Clock),
@@ -58,7 +58,7 @@ enum Work<'a> {
 
 /// Source from which the members of a definition are found.
 #[derive(Clone, Copy)]
-enum Origin<'a> {
+enum ShapeOrigin<'a> {
     Type(&'a Type),
     Value(&'a Expr),
     Alias(&'a Callee),
@@ -66,16 +66,16 @@ enum Origin<'a> {
 
 /// Position of a definition: its scope, the span of the whole declaration, and the doc comment.
 #[derive(Clone, Copy)]
-struct At<'a> {
+struct DefPosition<'a> {
     scope: ScopeId,
     whole: Span,
     doc: Option<&'a Doc>,
 }
 
-impl<'a> At<'a> {
+impl<'a> DefPosition<'a> {
     /// Returns this position with another span and, if there is one, another doc comment.
-    fn within(self, whole: Span, doc: Option<&'a Doc>) -> At<'a> {
-        At {
+    fn with_span(self, whole: Span, doc: Option<&'a Doc>) -> DefPosition<'a> {
+        DefPosition {
             whole,
             doc: doc.or(self.doc),
             ..self
@@ -86,10 +86,10 @@ impl<'a> At<'a> {
 /// State of the table construction.
 struct Builder<'a> {
     index: Index,
-    mode: Mode,
-    work: Vec<(ScopeId, Work<'a>)>,
+    mode: Dialect,
+    pending: Vec<(ScopeId, PendingRef<'a>)>,
     shapes: Shapes<'a>,
-    modules: Map<rpi_syntax::Name, DefId>,
+    modules: FastMap<rpi_syntax::Name, DefId>,
 }
 
 impl<'a> Builder<'a> {
@@ -99,13 +99,13 @@ impl<'a> Builder<'a> {
                 defs: Vec::new(),
                 references: Vec::new(),
                 scopes: Vec::new(),
-                inside: Vec::new(),
+                inner_scopes: Vec::new(),
                 files: Vec::new(),
             },
-            mode: Mode::Rpi,
-            work: Vec::new(),
+            mode: Dialect::Rpi,
+            pending: Vec::new(),
             shapes: Shapes::default(),
-            modules: Map::default(),
+            modules: FastMap::default(),
         }
     }
 
@@ -117,7 +117,7 @@ impl<'a> Builder<'a> {
             name: source.name.clone(),
             kind: DefKind::Module,
             span: start,
-            whole: start,
+            full_span: start,
             doc: None,
             parent: None,
             ty: None,
@@ -137,7 +137,7 @@ impl<'a> Builder<'a> {
             span,
             parent,
             owner,
-            names: Map::default(),
+            names: FastMap::default(),
             order: Vec::new(),
             uses: Vec::new(),
         });
@@ -145,24 +145,24 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds the inner scope of a definition.
-    fn inner(&mut self, at: At<'a>, owner: DefId) -> ScopeId {
+    fn inner(&mut self, at: DefPosition<'a>, owner: DefId) -> ScopeId {
         self.scope(at.whole, Some(at.scope), Some(owner))
     }
 
     fn push(&mut self, def: Def) -> DefId {
         let id = DefId(u32::try_from(self.index.defs.len()).unwrap_or(u32::MAX));
         self.index.defs.push(def);
-        self.index.inside.push(Inside::default());
+        self.index.inner_scopes.push(InnerScopes::default());
         id
     }
 
     /// Defines a name in a scope. The first definition of a name takes precedence.
-    fn define(&mut self, at: At<'a>, name: &'a Ident, kind: DefKind) -> DefId {
+    fn define(&mut self, at: DefPosition<'a>, name: &'a Ident, kind: DefKind) -> DefId {
         let id = self.push(Def {
             name: name.name.clone(),
             kind,
             span: name.span,
-            whole: at.whole,
+            full_span: at.whole,
             doc: at.doc.cloned(),
             parent: self.index.scope(at.scope).owner,
             ty: None,
@@ -183,18 +183,20 @@ impl<'a> Builder<'a> {
     }
 
     /// Records the declared type of a definition.
-    fn typed(&mut self, def: DefId, scope: ScopeId, ty: &'a Type) {
+    fn set_type(&mut self, def: DefId, scope: ScopeId, ty: &'a Type) {
         self.index.defs[def.0 as usize].ty = Some(ty.span);
-        self.shapes.set(def, scope, Origin::Type(ty));
+        self.shapes.set(def, scope, ShapeOrigin::Type(ty));
     }
 
-    fn later(&mut self, scope: ScopeId, work: Work<'a>) {
-        self.work.push((scope, work));
+    fn defer(&mut self, scope: ScopeId, work: PendingRef<'a>) {
+        self.pending.push((scope, work));
     }
 
     fn exprs(&mut self, scope: ScopeId, exprs: impl IntoIterator<Item = &'a Expr>) {
-        let work = exprs.into_iter().map(|expr| (scope, Work::Expr(expr)));
-        self.work.extend(work);
+        let work = exprs
+            .into_iter()
+            .map(|expr| (scope, PendingRef::Expr(expr)));
+        self.pending.extend(work);
     }
 }
 

@@ -2,31 +2,32 @@
 
 use super::shapes;
 use crate::query::build::{
-    Builder, Callee, Clock, DefId, Dotted, Expr, Ident, Run, ScopeId, Target, Type, Update, Work,
+    Builder, Callee, Clock, DefId, Dotted, Expr, Ident, PendingRef, Run, ScopeId, Target, Type,
+    Update,
 };
 use crate::query::def::DefKind;
 use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    Access, Activation, Arg, Branch, Call, ExprKind, Match, NamedType, Next, OnResult, Pattern,
-    Quantified, Slice, StaticArg, StaticValue, StructExpr, Tick, TypeKind,
+    Access, Activation, Arg, Branch, Call, ClockValue, ExprKind, Match, NamedType, NextStep,
+    Pattern, Quantified, ResultPattern, SliceBounds, StaticArg, StaticValue, StructExpr, TypeKind,
 };
 
 /// Resolves everything on the worklist and computes the shape of every definition.
 pub(super) fn resolve_pending(builder: &mut Builder<'_>) {
-    for (scope, work) in std::mem::take(&mut builder.work) {
+    for (scope, work) in std::mem::take(&mut builder.pending) {
         match work {
-            Work::Expr(expr) => index_expr(builder, scope, expr),
-            Work::Type(ty) => index_ty(builder, scope, ty),
-            Work::Clock(clock) => index_clock(builder, scope, clock),
-            Work::Target(target) => target_part(builder, scope, target),
-            Work::Dotted(dotted) => index_dotted(builder, scope, dotted),
-            Work::Callee(callee) => index_callee(builder, scope, callee),
-            Work::Run(run) => index_run(builder, scope, run),
-            Work::Name(name) => {
-                index_name(builder, scope, &name.name, name.span);
+            PendingRef::Expr(expr) => index_expr(builder, scope, expr),
+            PendingRef::Type(ty) => index_ty(builder, scope, ty),
+            PendingRef::Clock(clock) => index_clock(builder, scope, clock),
+            PendingRef::Target(target) => target_part(builder, scope, target),
+            PendingRef::Dotted(dotted) => index_dotted(builder, scope, dotted),
+            PendingRef::Callee(callee) => index_callee(builder, scope, callee),
+            PendingRef::Run(run) => index_run(builder, scope, run),
+            PendingRef::Name(name) => {
+                elementwise_array_name(builder, scope, &name.name, name.span);
             }
-            Work::Module(name) => {
+            PendingRef::Module(name) => {
                 if let Some(def) = builder.modules.get(&name.name).copied() {
                     builder.refer(name.span, def);
                 }
@@ -39,7 +40,12 @@ pub(super) fn resolve_pending(builder: &mut Builder<'_>) {
     }
 }
 
-fn index_name(builder: &mut Builder<'_>, scope: ScopeId, name: &Name, span: Span) -> Option<DefId> {
+fn elementwise_array_name(
+    builder: &mut Builder<'_>,
+    scope: ScopeId,
+    name: &Name,
+    span: Span,
+) -> Option<DefId> {
     let def = builder.index.lookup(scope, name)?;
     builder.refer(span, def);
     Some(def)
@@ -59,7 +65,7 @@ fn index_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, expr: &'a Expr) {
     match &expr.kind {
         ExprKind::Bool(_) | ExprKind::Number(_) | ExprKind::Quantity(_) | ExprKind::Str(_) => {}
         ExprKind::Name(name) => {
-            index_name(builder, scope, name, expr.span);
+            elementwise_array_name(builder, scope, name, expr.span);
         }
         ExprKind::Field(field) => {
             index_expr(builder, scope, &field.base);
@@ -71,33 +77,35 @@ fn index_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, expr: &'a Expr) {
             index_expr(builder, scope, &of.base);
             index_slice(builder, scope, &of.slice);
         }
-        ExprKind::Bits(of) => exprs_in(builder, scope, [&of.base, &of.high, &of.low]),
+        ExprKind::BitRange(of) => exprs_in(builder, scope, [&of.base, &of.high, &of.low]),
         ExprKind::Unary(_, inner) | ExprKind::Paren(inner) => index_expr(builder, scope, inner),
         ExprKind::Binary(binary) => exprs_in(builder, scope, [&binary.lhs, &binary.rhs]),
         ExprKind::When(when) => {
             index_expr(builder, scope, &when.value);
             index_clock(builder, scope, &when.clock);
         }
-        ExprKind::If(choice) => {
-            exprs_in(builder, scope, [&choice.condition, &choice.yes, &choice.no])
-        }
+        ExprKind::If(choice) => exprs_in(
+            builder,
+            scope,
+            [&choice.condition, &choice.then_value, &choice.else_value],
+        ),
         ExprKind::Call(call) => index_call(builder, scope, call),
-        ExprKind::Among(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
+        ExprKind::BoolList(_, all) | ExprKind::Tuple(all) | ExprKind::Array(all) => {
             exprs_in(builder, scope, &**all);
         }
         ExprKind::Merge(merge) => {
-            index_expr(builder, scope, &merge.on);
+            index_expr(builder, scope, &merge.selector);
             for case in &merge.cases {
-                index_name(builder, scope, &case.value.name, case.value.span);
+                elementwise_array_name(builder, scope, &case.value.name, case.value.span);
                 index_expr(builder, scope, &case.then);
             }
         }
         ExprKind::Quantified(of) => index_quantified(builder, scope, of),
-        ExprKind::Ascribed(of) => {
+        ExprKind::Ascription(of) => {
             index_expr(builder, scope, &of.value);
             index_ty(builder, scope, &of.ty);
         }
-        ExprKind::IsA(of) => index_expr(builder, scope, &of.value),
+        ExprKind::ConstructorTest(of) => index_expr(builder, scope, &of.value),
         ExprKind::Match(of) => index_match(builder, scope, of),
         ExprKind::EmptySet(types) => index_statics(builder, scope, None, types),
         ExprKind::Struct(of) => struct_expr(builder, scope, of),
@@ -117,7 +125,7 @@ fn index_match<'a>(builder: &mut Builder<'a>, scope: ScopeId, of: &'a Match) {
     index_expr(builder, scope, &of.value);
     for arm in &of.arms {
         let name = &arm.pattern.name;
-        index_name(builder, scope, &name.name, name.span);
+        elementwise_array_name(builder, scope, &name.name, name.span);
         let parts = arm.pattern.parts.iter().flat_map(Pattern::names);
         binder_expr(builder, scope, parts.map(|name| &name.name), &arm.then);
     }
@@ -141,7 +149,7 @@ fn index_member(builder: &mut Builder<'_>, owner: Option<DefId>, field: &Ident) 
     Some(def)
 }
 
-fn index_slice<'a>(builder: &mut Builder<'a>, scope: ScopeId, slice: &'a Slice) {
+fn index_slice<'a>(builder: &mut Builder<'a>, scope: ScopeId, slice: &'a SliceBounds) {
     exprs_in(
         builder,
         scope,
@@ -150,7 +158,7 @@ fn index_slice<'a>(builder: &mut Builder<'a>, scope: ScopeId, slice: &'a Slice) 
 }
 
 fn struct_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, of: &'a StructExpr) {
-    let ty = index_name(builder, scope, &of.ty.name, of.ty.span);
+    let ty = elementwise_array_name(builder, scope, &of.ty.name, of.ty.span);
     let owner = ty.map(|ty| shapes::resolve_type_alias(builder, ty));
     exprs_in(builder, scope, &of.base);
     for field in &of.fields {
@@ -198,7 +206,7 @@ fn index_path<'a>(
 
 fn target_part<'a>(builder: &mut Builder<'a>, scope: ScopeId, target: &'a Target) {
     let name = &target.name;
-    let def = index_name(builder, scope, &name.name, name.span);
+    let def = elementwise_array_name(builder, scope, &name.name, name.span);
     let owner = def.and_then(|def| shapes::owner_of_def(builder, def));
     index_path(builder, scope, owner, &target.path);
 }
@@ -207,7 +215,7 @@ fn index_dotted<'a>(builder: &mut Builder<'a>, scope: ScopeId, dotted: &'a Dotte
     let Some((first, rest)) = dotted.parts.split_first() else {
         return;
     };
-    let mut def = index_name(builder, scope, &first.name, first.span);
+    let mut def = elementwise_array_name(builder, scope, &first.name, first.span);
     for part in rest {
         let owner = def.and_then(|def| shapes::owner_of_def(builder, def));
         def = index_member(builder, owner, part);
@@ -215,9 +223,9 @@ fn index_dotted<'a>(builder: &mut Builder<'a>, scope: ScopeId, dotted: &'a Dotte
 }
 
 fn index_clock<'a>(builder: &mut Builder<'a>, scope: ScopeId, clock: &'a Clock) {
-    index_name(builder, scope, &clock.flow.name, clock.flow.span);
-    if let Tick::Value(value) = &clock.tick {
-        index_name(builder, scope, &value.name, value.span);
+    elementwise_array_name(builder, scope, &clock.flow.name, clock.flow.span);
+    if let ClockValue::Value(value) = &clock.value {
+        elementwise_array_name(builder, scope, &value.name, value.span);
     }
 }
 
@@ -240,7 +248,7 @@ fn index_call<'a>(builder: &mut Builder<'a>, scope: ScopeId, call: &'a Call) {
 }
 
 fn index_callee<'a>(builder: &mut Builder<'a>, scope: ScopeId, callee: &'a Callee) {
-    let def = index_name(builder, scope, &callee.name.name, callee.name.span);
+    let def = elementwise_array_name(builder, scope, &callee.name.name, callee.name.span);
     index_statics(builder, scope, def, &callee.statics);
 }
 
@@ -276,7 +284,7 @@ fn index_args<'a>(builder: &mut Builder<'a>, scope: ScopeId, callee: &Name, args
 /// Resolves the name of an argument.
 fn parameter(builder: &mut Builder<'_>, of: DefId, name: &Ident) {
     let of = shapes::resolve_callable_alias(builder, of);
-    let Some(scope) = builder.index.inside(of).parameters else {
+    let Some(scope) = builder.index.inner_scopes(of).parameters else {
         return;
     };
     let found = builder.index.scope(scope).names.get(&name.name).copied();
@@ -287,18 +295,20 @@ fn parameter(builder: &mut Builder<'_>, of: DefId, name: &Ident) {
 
 fn index_ty<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) {
     match &ty.kind {
-        TypeKind::Bool | TypeKind::Int | TypeKind::Real(_) | TypeKind::Broken => {}
+        TypeKind::Bool | TypeKind::Int | TypeKind::Real(_) | TypeKind::Error => {}
         TypeKind::Named(named) => named_type(builder, scope, named),
         TypeKind::Array(array) => {
             index_ty(builder, scope, &array.element);
             index_expr(builder, scope, &array.size);
         }
         TypeKind::Optional(inner) => index_ty(builder, scope, inner),
-        TypeKind::Subrange(range) => exprs_in(builder, scope, range.from.iter().chain(&range.to)),
+        TypeKind::Subrange(range) => {
+            exprs_in(builder, scope, range.lower.iter().chain(&range.upper))
+        }
         // These occur only in type declarations, which are not on the worklist.
-        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Data(_) => {}
+        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Datatype(_) => {}
         TypeKind::Tuple(types) => types.iter().for_each(|ty| index_ty(builder, scope, ty)),
-        TypeKind::Refined(refined) => {
+        TypeKind::Refinement(refined) => {
             index_ty(builder, scope, &refined.base);
             binder_expr(
                 builder,
@@ -311,12 +321,12 @@ fn index_ty<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) {
 }
 
 fn named_type<'a>(builder: &mut Builder<'a>, scope: ScopeId, named: &'a NamedType) {
-    let def = index_name(builder, scope, &named.name.name, named.name.span);
+    let def = elementwise_array_name(builder, scope, &named.name.name, named.name.span);
     index_statics(builder, scope, def, &named.statics);
     let Some(frames) = &named.frames else {
         return;
     };
-    for frame in frames.of.iter().chain([&frames.in_frame]) {
+    for frame in frames.located.iter().chain([&frames.reference]) {
         index_dotted(builder, scope, frame);
     }
 }
@@ -336,13 +346,13 @@ fn index_branch<'a>(
     command: Option<DefId>,
     branch: &'a Branch,
 ) {
-    for result in &branch.on {
-        if let OnResult::Named(name) = result {
+    for result in &branch.results {
+        if let ResultPattern::Named(name) = result {
             index_member(builder, command, name);
         }
     }
-    if let Next::Step(step) = &branch.then {
-        index_name(builder, scope, &step.name, step.span);
+    if let NextStep::Step(step) = &branch.next {
+        elementwise_array_name(builder, scope, &step.name, step.span);
     }
 }
 

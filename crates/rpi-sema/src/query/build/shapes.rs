@@ -4,8 +4,8 @@
 //! with errors and lead to the declaration of a member.
 
 use super::refs;
-use crate::hash::Map;
-use crate::query::build::{Builder, DefId, Expr, Origin, ScopeId, Type};
+use crate::hash::FastMap;
+use crate::query::build::{Builder, DefId, Expr, ScopeId, ShapeOrigin, Type};
 use crate::query::def::DefKind;
 use rpi_syntax::ast::{Call, ExprKind, TypeKind};
 
@@ -15,18 +15,18 @@ const MAX_DEPTH: u32 = 100;
 /// Origins of shapes, and the shapes found so far.
 #[derive(Default)]
 pub(super) struct Shapes<'a> {
-    origins: Map<DefId, (ScopeId, Origin<'a>)>,
-    known: Map<DefId, Option<DefId>>,
+    origins: FastMap<DefId, (ScopeId, ShapeOrigin<'a>)>,
+    known: FastMap<DefId, Option<DefId>>,
     depth: u32,
 }
 
 impl<'a> Shapes<'a> {
-    pub(super) fn set(&mut self, def: DefId, scope: ScopeId, origin: Origin<'a>) {
+    pub(super) fn set(&mut self, def: DefId, scope: ScopeId, origin: ShapeOrigin<'a>) {
         self.origins.insert(def, (scope, origin));
     }
 
     /// Sets the origin of a flow unless it has one. A flow with several definitions has the shape of the first.
-    pub(super) fn set_if_open(&mut self, def: DefId, scope: ScopeId, origin: Origin<'a>) {
+    pub(super) fn set_if_unset(&mut self, def: DefId, scope: ScopeId, origin: ShapeOrigin<'a>) {
         self.origins.entry(def).or_insert((scope, origin));
     }
 }
@@ -44,9 +44,9 @@ pub(super) fn index_shape(builder: &mut Builder<'_>, def: DefId) -> Option<DefId
     builder.shapes.known.insert(def, None);
     builder.shapes.depth += 1;
     let shape = match origin {
-        Origin::Type(ty) => shape_of_type(builder, scope, ty),
-        Origin::Value(expr) => owner_of(builder, scope, expr),
-        Origin::Alias(callee) => {
+        ShapeOrigin::Type(ty) => shape_of_type(builder, scope, ty),
+        ShapeOrigin::Value(expr) => owner_of(builder, scope, expr),
+        ShapeOrigin::Alias(callee) => {
             let found = builder.index.lookup(scope, &callee.name.name);
             found.map(|callee| resolve_callable_alias(builder, callee))
         }
@@ -90,8 +90,8 @@ pub(super) fn owner_of<'a>(
             left.or_else(|| owner_of(builder, scope, &binary.rhs))
         }
         ExprKind::If(choice) => {
-            let yes = owner_of(builder, scope, &choice.yes);
-            yes.or_else(|| owner_of(builder, scope, &choice.no))
+            let yes = owner_of(builder, scope, &choice.then_value);
+            yes.or_else(|| owner_of(builder, scope, &choice.else_value))
         }
         ExprKind::Merge(merge) => owner_of(builder, scope, &merge.cases.first()?.then),
         ExprKind::Struct(of) => {
@@ -112,7 +112,7 @@ fn owner_of_call<'a>(builder: &mut Builder<'a>, scope: ScopeId, call: &'a Call) 
     if !builder.index.def(callee).kind.is_callable() {
         return None;
     }
-    let outputs = builder.index.inside(callee).members;
+    let outputs = builder.index.inner_scopes(callee).members;
     let order = outputs.map_or(&[][..], |scope| &builder.index.scope(scope).order);
     let is_output = |id: &&DefId| builder.index.def(**id).kind == DefKind::Output;
     let mut outputs = order.iter().filter(is_output).copied();
@@ -148,7 +148,7 @@ pub(super) fn resolve_callable_alias(builder: &mut Builder<'_>, def: DefId) -> D
 }
 
 pub(super) fn member_named(builder: &Builder<'_>, owner: DefId, name: &str) -> Option<DefId> {
-    let scope = builder.index.inside(owner).members?;
+    let scope = builder.index.inner_scopes(owner).members?;
     let found = *builder.index.scope(scope).names.get(name)?;
     let kind = builder.index.def(owner).kind;
     let is_member = builder.index.def(found).kind.is_member_of(kind);

@@ -1,0 +1,202 @@
+//! The reference for the interpreter: the net as C, compiled by gcc and measured in batches.
+//!
+//! Both sides measure the processor time of their own thread. Batches alternate, so that disturbances affect both, and
+//! the best batch of each counts.
+
+use crate::clock::timed;
+use crate::image_compare::lower_net;
+use rpi_core::{CycleContext, Instance};
+use rpi_device::NoDevices;
+use rpi_lower::{LowerOptions, Plan, emit_c};
+use rpi_net::Net;
+use rpi_net::passes::analyse;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+/// Cycles before the first measured batch.
+const WARM_UP_CYCLES: u64 = 20;
+
+/// The input of a cycle, the same in both languages.
+fn x(cycle: u64) -> f64 {
+    (cycle % 200) as f64 * 0.01 - 1.0
+}
+
+/// A net with the input `x` and the export `y`, in the interpreter.
+pub struct InterpretedNet {
+    machine: Instance,
+    cycle: u64,
+}
+
+impl InterpretedNet {
+    /// Lowers and loads a net and runs the warm-up cycles.
+    ///
+    /// # Errors
+    /// Returns the reason why the net cannot run.
+    pub fn new(net: &Net) -> Result<InterpretedNet, String> {
+        let image = lower_net(net, &LowerOptions::running(1_000_000))?;
+        let loaded = Instance::load(image, &mut NoDevices);
+        let machine = loaded.map_err(|f| f.first().map_or(String::new(), ToString::to_string))?;
+        let mut ours = InterpretedNet { machine, cycle: 0 };
+        ours.batch(WARM_UP_CYCLES);
+        Ok(ours)
+    }
+
+    /// Runs a batch of cycles. Returns nanoseconds per cycle.
+    pub fn batch(&mut self, cycles: u64) -> f64 {
+        let ((), ns) = timed(|| (0..cycles).for_each(|_| self.step()));
+        ns / cycles as f64
+    }
+
+    fn step(&mut self) {
+        let machine = &mut self.machine;
+        machine.set_input(0, &[x(self.cycle).to_bits()], 0);
+        machine.read(&mut NoDevices, &CycleContext::default());
+        machine.evaluate(&mut NoDevices);
+        machine.commit();
+        machine.hand_over(&mut NoDevices);
+        self.cycle += 1;
+    }
+
+    /// Number of cycles so far, and the bits of `y` in the last one.
+    #[must_use]
+    pub fn last(&self) -> (u64, u64) {
+        let exports = &self.machine.image().exports;
+        let y = exports.first().and_then(|e| self.machine.value(e.value));
+        (self.cycle, y.map_or(0, |y| y[0]))
+    }
+}
+
+/// The same net compiled by gcc, in a process that runs batches on request.
+pub struct CompiledNet {
+    child: Child,
+    requests: Option<ChildStdin>,
+    replies: BufReader<ChildStdout>,
+    last: (u64, u64),
+}
+
+impl CompiledNet {
+    /// Compiles a net in the directory `dir`, starts the process and runs the warm-up cycles.
+    ///
+    /// # Errors
+    /// Returns the reason for a failure, including a missing compiler.
+    pub fn new(net: &Net, dir: &Path) -> Result<CompiledNet, String> {
+        let program = compile(net, dir)?;
+        let child = Command::new(program)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn();
+        let mut child = child.map_err(|e| e.to_string())?;
+        let (ask, answer) = (child.stdin.take(), child.stdout.take());
+        let mut gcc = CompiledNet {
+            child,
+            requests: ask,
+            replies: BufReader::new(answer.ok_or("no pipe")?),
+            last: (0, 0),
+        };
+        gcc.batch(WARM_UP_CYCLES)?;
+        Ok(gcc)
+    }
+
+    /// Runs a batch of cycles. Returns nanoseconds per cycle.
+    ///
+    /// # Errors
+    /// The process does not answer.
+    pub fn batch(&mut self, cycles: u64) -> Result<f64, String> {
+        let ask = self.requests.as_mut().ok_or("no pipe")?;
+        writeln!(ask, "{cycles}").map_err(|e| e.to_string())?;
+        let mut line = String::new();
+        let read = self.replies.read_line(&mut line);
+        read.map_err(|e| e.to_string())?;
+        let mut words = line.split_whitespace();
+        let ns = words.next().and_then(|w| w.parse().ok());
+        let y = words.next().and_then(|w| u64::from_str_radix(w, 16).ok());
+        let (Some(ns), Some(y)) = (ns, y) else {
+            return Err(format!("unexpected output: {line}"));
+        };
+        self.last = (self.last.0 + cycles, y);
+        Ok(ns)
+    }
+
+    /// Number of cycles so far, and the bits of `y` in the last one.
+    #[must_use]
+    pub fn last(&self) -> (u64, u64) {
+        self.last
+    }
+}
+
+impl Drop for CompiledNet {
+    fn drop(&mut self) {
+        // Closing the pipe ends the process.
+        drop(self.requests.take());
+        let _ = self.child.wait();
+    }
+}
+
+/// The net as C text.
+///
+/// # Errors
+/// Returns the first operation without a C form, or the reason why the net has no schedule.
+pub fn c_text(net: &Net) -> Result<String, String> {
+    let options = LowerOptions::running(1_000_000);
+    let analysis = analyse(net.clone(), |_| false).map_err(|v| v.to_string())?;
+    let plan = Plan::from_analysis(&analysis).ok_or("dependency cycle")?;
+    emit_c(&analysis.net, &plan, &options).map_err(|f| {
+        f.first()
+            .map_or(String::new(), |diagnostic| diagnostic.message.clone())
+    })
+}
+
+/// Compiles a net with gcc. Returns the path of the program.
+fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, String> {
+    let (source, binary) = (dir.join("net.c"), dir.join("net"));
+    std::fs::write(&source, c_text(net)? + C_MAIN).map_err(|e| e.to_string())?;
+    let flags = [
+        "-O2",
+        "-std=c99",
+        "-D_POSIX_C_SOURCE=199309L",
+        "-ffp-contract=off",
+        "-o",
+    ];
+    let compiled = Command::new("cc")
+        .args(flags)
+        .arg(&binary)
+        .arg(&source)
+        .arg("-lm")
+        .output();
+    let compiled = compiled.map_err(|e| format!("cc: {e}"))?;
+    match compiled.status.success() {
+        true => Ok(binary),
+        false => Err(String::from_utf8_lossy(&compiled.stderr).into_owned()),
+    }
+}
+
+/// Main function of the compiled program: reads numbers of cycles, runs that many, and prints nanoseconds per cycle and
+/// the bits of `y`.
+const C_MAIN: &str = r#"
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+int main(void) {
+  static Inputs in; static State state; static Outputs out;
+  unsigned long long n;
+  uint64_t cycle = 0, bits;
+  reset(&state);
+  while (scanf("%llu", &n) == 1) {
+    struct timespec a, b;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &a);
+    for (uint64_t k = 0; k < n; ++k, ++cycle) {
+      in.n0_outValue = (double)(cycle % 200) * 0.01 - 1.0;
+      step(&in, &state, &out);
+      __asm__ volatile("" ::: "memory");
+    }
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b);
+    double ns = ((b.tv_sec - a.tv_sec) * 1e9 + (b.tv_nsec - a.tv_nsec)) / n;
+    memcpy(&bits, &out.y_, sizeof bits);
+    printf("%.3f %llx\n", ns, (unsigned long long)bits);
+    fflush(stdout);
+  }
+  return 0;
+}
+"#;

@@ -1,0 +1,276 @@
+//! Diagnostic: a code, a message, labelled locations, and fixes.
+
+use crate::{Code, FileId, Severity, Span};
+
+/// Error, warning or note about a program.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Diagnostic {
+    /// Code; it determines the severity, the title and the explanation page.
+    pub code: Code,
+    /// Description of the problem for the author of the program: lower case, no full stop.
+    pub message: String,
+    /// Labelled locations; the primary ones are where the error is.
+    pub labels: Vec<Label>,
+    /// Suggestions for the author of the program.
+    pub help: Vec<String>,
+    /// Background information.
+    pub notes: Vec<String>,
+    /// Possible fixes, the best first.
+    pub fixes: Vec<Fix>,
+}
+
+/// Source location with a text.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Label {
+    /// Labelled range.
+    pub span: Span,
+    /// Role of the location; may be empty.
+    pub text: String,
+    /// Whether this is the location of the error itself.
+    pub primary: bool,
+}
+
+/// Change of the source text that fixes a diagnostic.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Fix {
+    /// Description of the change in the imperative: "insert `pre`".
+    pub title: String,
+    /// Edits; they do not overlap.
+    pub edits: Vec<Edit>,
+    /// Whether a tool may apply the fix without asking.
+    pub applicability: Applicability,
+}
+
+/// Replacement of a range of source text.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Edit {
+    /// Replaced range; empty for an insertion.
+    pub span: Span,
+    /// New text; empty for a deletion.
+    pub text: String,
+}
+
+impl Edit {
+    /// Returns whether the edit deletes whole lines of the text, including their line ends.
+    pub(crate) fn deletes_whole_lines(&self, text: &str) -> bool {
+        let (start, end) = (self.span.start as usize, self.span.end as usize);
+        let is_start = |at: usize| at == 0 || text.as_bytes().get(at - 1) == Some(&b'\n');
+        self.text.is_empty() && start < end && is_start(start) && is_start(end)
+    }
+
+    /// Extends a deletion to whole lines if it would otherwise leave blank lines.
+    pub fn extend_to_whole_lines(&mut self, text: &str) {
+        let (start, end) = (self.span.start as usize, self.span.end as usize);
+        let (Some(before), Some(after)) = (text.get(..start), text.get(end..)) else {
+            return;
+        };
+        let lead = before.rfind('\n').map_or(0, |at| at + 1);
+        let Some(rest) = after.find('\n') else {
+            return;
+        };
+        let is_blank = |text: &str| text.trim().is_empty();
+        let leaves_nothing = is_blank(&before[lead..]) && is_blank(&after[..rest]);
+        if self.text.is_empty() && start < end && leaves_nothing {
+            self.span.start = lead as u32;
+            self.span.end = (end + rest + 1) as u32;
+        }
+    }
+}
+
+/// Confidence in a fix.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Applicability {
+    /// Certainly what the author meant; a tool may apply it without asking.
+    Sure,
+    /// One of several possibilities; the author decides.
+    Maybe,
+}
+
+impl Diagnostic {
+    /// Creates a diagnostic without locations; add them with [`Diagnostic::at`].
+    pub fn new(code: Code, message: impl Into<String>) -> Diagnostic {
+        Diagnostic {
+            code,
+            message: message.into(),
+            labels: Vec::new(),
+            help: Vec::new(),
+            notes: Vec::new(),
+            fixes: Vec::new(),
+        }
+    }
+
+    /// Creates an internal compiler error (RPI9901) at the source location being compiled.
+    #[must_use]
+    pub fn internal_error(message: impl Into<String>, place: Span) -> Diagnostic {
+        Diagnostic::new(Code::RPI9901, message)
+            .primary(place, "made from this")
+            .note("this is a bug in the compiler, not an error in the program: please report it")
+            .help("until it is fixed, try to write the expression in another way")
+    }
+
+    /// Adds a primary label: a location of the error.
+    #[must_use]
+    pub fn primary(self, span: Span, text: impl Into<String>) -> Diagnostic {
+        self.label(span, text, true)
+    }
+
+    /// Adds a secondary label: a location related to the error.
+    #[must_use]
+    pub fn secondary(self, span: Span, text: impl Into<String>) -> Diagnostic {
+        self.label(span, text, false)
+    }
+
+    /// Returns the diagnostic with a new primary location: that of an earlier text from which this error follows. The
+    /// previous primary labels become secondary. The fixes are removed because they would edit the wrong location.
+    #[must_use]
+    pub fn with_cause(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
+        for label in &mut self.labels {
+            label.primary = false;
+        }
+        let mut diagnostic = self.primary(span, text);
+        diagnostic.labels.rotate_right(1);
+        diagnostic.fixes.clear();
+        diagnostic
+    }
+
+    /// Adds a suggestion for the author.
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
+        self.help.push(text.into());
+        self
+    }
+
+    /// Adds background information.
+    #[must_use]
+    pub fn note(mut self, text: impl Into<String>) -> Diagnostic {
+        self.notes.push(text.into());
+        self
+    }
+
+    /// Adds a fix.
+    #[must_use]
+    pub fn fix(mut self, fix: Fix) -> Diagnostic {
+        self.fixes.push(fix);
+        self
+    }
+
+    /// Adds a "did you mean" suggestion and its fix, if there is a similar name.
+    #[must_use]
+    pub fn did_you_mean(self, span: Span, near: Option<impl Into<String>>) -> Diagnostic {
+        match near.map(Into::into) {
+            Some(near) => self
+                .help(format!("did you mean `{near}`?"))
+                .fix(Fix::maybe(format!("write `{near}`")).replace(span, near)),
+            None => self,
+        }
+    }
+
+    /// Returns the severity, which the table of codes defines.
+    pub fn severity(&self) -> Severity {
+        self.code.severity()
+    }
+
+    /// Returns the location of the error: the first primary label, else the first label, else [`Span::NONE`].
+    pub fn span(&self) -> Span {
+        let primary = self.labels.iter().find(|label| label.primary);
+        primary
+            .or(self.labels.first())
+            .map_or(Span::NONE, |label| label.span)
+    }
+
+    /// Replaces the file numbers: `files[old]` is the new number of file `old`.
+    #[must_use]
+    pub fn renumbered(mut self, files: &[FileId]) -> Diagnostic {
+        let renumber = |span: &mut Span| {
+            if let Some(file) = files.get(span.file.0 as usize) {
+                span.file = *file;
+            }
+        };
+        self.labels
+            .iter_mut()
+            .for_each(|label| renumber(&mut label.span));
+        let edits = self.fixes.iter_mut().flat_map(|fix| &mut fix.edits);
+        edits.for_each(|edit| renumber(&mut edit.span));
+        self
+    }
+
+    fn label(mut self, span: Span, text: impl Into<String>, primary: bool) -> Diagnostic {
+        self.labels.push(Label {
+            span,
+            text: text.into(),
+            primary,
+        });
+        self
+    }
+}
+
+impl Fix {
+    /// Returns the fix with [`Applicability::Maybe`].
+    #[must_use]
+    pub fn into_maybe(self) -> Fix {
+        Fix {
+            applicability: Applicability::Maybe,
+            ..self
+        }
+    }
+
+    /// Creates a fix that is certainly what the author meant.
+    pub fn sure(title: impl Into<String>) -> Fix {
+        Fix::new(title, Applicability::Sure)
+    }
+
+    /// Creates a fix that is one of several possibilities.
+    pub fn maybe(title: impl Into<String>) -> Fix {
+        Fix::new(title, Applicability::Maybe)
+    }
+
+    /// Returns the edits in source order, without those of [`Span::NONE`].
+    pub(crate) fn in_order(&self) -> Vec<&Edit> {
+        let mut edits: Vec<&Edit> = self.edits.iter().collect();
+        edits.retain(|edit| !edit.span.is_none());
+        edits.sort_by_key(|edit| edit.span);
+        edits
+    }
+
+    /// Adds an edit that replaces the text of `span`.
+    #[must_use]
+    pub fn replace(mut self, span: Span, text: impl Into<String>) -> Fix {
+        self.edits.push(Edit {
+            span,
+            text: text.into(),
+        });
+        self
+    }
+
+    /// Adds an edit that inserts `text` before `span`.
+    #[must_use]
+    pub fn insert_before(self, span: Span, text: impl Into<String>) -> Fix {
+        self.replace(
+            Span {
+                end: span.start,
+                ..span
+            },
+            text,
+        )
+    }
+
+    /// Adds an edit that inserts `text` after `span`.
+    #[must_use]
+    pub fn insert_after(self, span: Span, text: impl Into<String>) -> Fix {
+        self.replace(
+            Span {
+                start: span.end,
+                ..span
+            },
+            text,
+        )
+    }
+
+    fn new(title: impl Into<String>, applicability: Applicability) -> Fix {
+        Fix {
+            title: title.into(),
+            edits: Vec::new(),
+            applicability,
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Access to the texts of other files: on disk, or as changed in an editor.
+
+use std::path::Path;
+
+/// Source of file texts.
+pub trait FileLoader {
+    /// Returns the text of a file; `None` if there is no such file or it is not text.
+    fn text(&self, path: &Path) -> Option<String>;
+}
+
+/// File system.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DiskLoader;
+
+impl FileLoader for DiskLoader {
+    fn text(&self, path: &Path) -> Option<String> {
+        // Pipes and devices are rejected, because reading them may block for ever.
+        let is_file = std::fs::metadata(path).is_ok_and(|meta| meta.is_file());
+        is_file.then(|| std::fs::read_to_string(path).ok())?
+    }
+}

@@ -1,0 +1,81 @@
+//! Diagnostics of the instances of each unit, and their merging into diagnostics of the unit.
+
+use std::collections::BTreeMap;
+
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_net::passes::{is_endless, is_unreachable};
+use rpi_sema::typed::UnitId;
+
+/// Instance of a command for the arguments of a task: its name, and the location of the call. `None` for the unit with
+/// its default arguments.
+type InstanceCall = Option<(String, Span)>;
+
+/// Diagnostics by instance. A unit has one instance with its default arguments, and one for each argument list of the
+/// tasks.
+#[derive(Default)]
+pub(crate) struct InstanceDiagnostics(Vec<(UnitId, InstanceCall, Vec<Diagnostic>)>);
+
+/// Key by which equal diagnostics of several instances are merged.
+type Key = (UnitId, Code, Span);
+
+impl InstanceDiagnostics {
+    /// Adds an instance of a unit and returns the list for its diagnostics.
+    pub(crate) fn add_instance(&mut self, unit: UnitId, run: InstanceCall) -> &mut Vec<Diagnostic> {
+        self.0.push((unit, run, Vec::new()));
+        let at = self.0.len() - 1;
+        &mut self.0[at].2
+    }
+
+    /// Merges the diagnostics of all instances. A diagnostic about unused or unreachable text is kept only if all
+    /// instances of the unit report it, because the text may be used for other arguments. An error of some instances
+    /// only is kept, with labels at the calls of these instances.
+    pub(crate) fn merge(self) -> Vec<Diagnostic> {
+        let mut nets: BTreeMap<UnitId, usize> = BTreeMap::new();
+        let mut runs: BTreeMap<Key, Vec<InstanceCall>> = BTreeMap::new();
+        for (unit, run, found) in &self.0 {
+            *nets.entry(*unit).or_default() += 1;
+            let counted = found
+                .iter()
+                .filter(|f| is_about_unused_text(f) || is_endless(f));
+            let mut places: Vec<(Code, Span)> = counted.map(|f| (f.code, f.span())).collect();
+            places.sort_unstable();
+            places.dedup();
+            for (code, span) in places {
+                runs.entry((*unit, code, span))
+                    .or_default()
+                    .push(run.clone());
+            }
+        }
+        let all = self.0.into_iter();
+        let all = all.flat_map(|(unit, _, found)| found.into_iter().map(move |f| (unit, f)));
+        let told = all.filter_map(|(unit, diagnostic)| {
+            let key = (unit, diagnostic.code, diagnostic.span());
+            match runs.get_mut(&key) {
+                None => Some(diagnostic),
+                Some(of) if of.len() == nets[&unit] => Some(diagnostic),
+                Some(_) if is_about_unused_text(&diagnostic) => None,
+                Some(of) => with_instance_labels(diagnostic, std::mem::take(of)),
+            }
+        });
+        told.collect()
+    }
+}
+
+/// Largest number of instances shown in one diagnostic.
+const MAX_INSTANCES_SHOWN: usize = 3;
+
+/// Adds labels for the instances to a diagnostic; returns `None` if the diagnostic was already reported.
+fn with_instance_labels(diagnostic: Diagnostic, runs: Vec<InstanceCall>) -> Option<Diagnostic> {
+    if runs.is_empty() {
+        return None;
+    }
+    let runs = runs.into_iter().flatten().take(MAX_INSTANCES_SHOWN);
+    Some(runs.fold(diagnostic, |diagnostic, (name, span)| {
+        diagnostic.secondary(span, format!("as `{name}`, run here"))
+    }))
+}
+
+/// Returns whether a diagnostic is about unused or unreachable text.
+fn is_about_unused_text(diagnostic: &Diagnostic) -> bool {
+    is_unreachable(diagnostic) || diagnostic.code.is_unnecessary()
+}

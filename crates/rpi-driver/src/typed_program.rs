@@ -1,0 +1,54 @@
+//! Typed program, for interpreters that do not use nets.
+
+use rpi_diag::{Diagnostic, SourceMap};
+use rpi_sema::facts::Facts;
+use rpi_sema::typed::{Unit, UnitId};
+
+use crate::compile::{display, program_text};
+use crate::input::{Input, InputError};
+use crate::program;
+
+/// Checked program.
+#[derive(Debug)]
+pub struct TypedProgram {
+    /// Units of the program.
+    pub units: Vec<Unit>,
+    /// Presence facts of each unit.
+    pub facts: Vec<Facts>,
+    /// Units that can be run on their own, by name.
+    pub runnable: Vec<(String, UnitId)>,
+}
+
+impl TypedProgram {
+    /// Returns the runnable unit of this name.
+    #[must_use]
+    pub fn unit(&self, name: &str) -> Option<UnitId> {
+        let found = self.runnable.iter().find(|(known, _)| known == name);
+        found.map(|(_, unit)| *unit)
+    }
+}
+
+/// Checks a program and returns its typed units, or its diagnostics if there are errors.
+///
+/// # Errors
+/// If the file is not text.
+pub fn check_typed(input: &Input) -> Result<Result<TypedProgram, Vec<Diagnostic>>, InputError> {
+    let (stem, path, text) = (input.stem(), display(&input.path), input.text()?);
+    let mut sources = SourceMap::new();
+    let modules = program_text(input, &stem, &path, text).modules(&mut sources);
+    let (known, diagnostics, checked) =
+        program::with_checked_program(&modules, &sources, |front, diagnostics| {
+            let name = |decl| front.program.decl(decl).name.to_string();
+            let runnable = front.checked.runnable.iter();
+            let runnable = runnable.map(|(decl, unit)| (name(*decl), *unit)).collect();
+            (!program::has_errors(diagnostics)).then(|| (front.facts.to_vec(), runnable))
+        });
+    Ok(match known {
+        None => Err(diagnostics),
+        Some((facts, runnable)) => Ok(TypedProgram {
+            units: checked.units,
+            facts,
+            runnable,
+        }),
+    })
+}

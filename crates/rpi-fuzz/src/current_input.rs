@@ -1,0 +1,17 @@
+//! File with the current input. A stack overflow ends the fuzzer before it can write down the input itself.
+
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// Environment variable with the name of the file. If it is unset, no input is saved.
+const VARIABLE: &str = "RPI_FUZZ_LAST";
+
+/// Saves an input until the next one.
+pub(crate) fn save(input: &[u8]) {
+    static FILE: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let file = FILE.get_or_init(|| std::env::var_os(VARIABLE).map(PathBuf::from));
+    if let Some(file) = file {
+        // A write error is ignored: the run remains valid, only a crash would be harder to reproduce.
+        let _ = std::fs::write(file, input);
+    }
+}

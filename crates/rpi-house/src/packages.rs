@@ -1,0 +1,103 @@
+//! Crates of the workspace and their dependencies, from `cargo metadata`.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use rpi_testkit::workspace_root;
+use serde_json::Value;
+
+/// Crate of the workspace.
+#[derive(Clone, Debug)]
+pub struct Package {
+    /// Name, as used by `cargo -p`.
+    pub name: String,
+    /// Folder of its manifest.
+    pub dir: PathBuf,
+    /// Dependencies, sorted by name.
+    pub dependencies: Vec<Dependency>,
+}
+
+/// Dependency of a [`Package`].
+#[derive(Clone, Debug)]
+pub struct Dependency {
+    /// Name of the crate depended on.
+    pub name: String,
+    /// Whether it is a crate of this workspace.
+    pub is_workspace: bool,
+    /// Whether it is a development dependency, visible only to tests, benches and examples.
+    pub is_dev: bool,
+    /// Whether its default features are enabled.
+    pub default_features: bool,
+}
+
+impl Package {
+    /// Returns the workspace crates that it depends on, without development dependencies.
+    pub fn workspace_dependencies(&self) -> Vec<&str> {
+        let kept = self
+            .dependencies
+            .iter()
+            .filter(|d| d.is_workspace && !d.is_dev);
+        kept.map(|d| d.name.as_str()).collect()
+    }
+
+    /// Returns its third-party dependencies, including development dependencies.
+    pub fn third_party(&self) -> impl Iterator<Item = &Dependency> {
+        self.dependencies.iter().filter(|d| !d.is_workspace)
+    }
+}
+
+/// Returns all crates of the workspace, sorted by name.
+///
+/// # Panics
+///
+/// If cargo cannot be run. The tests are run by cargo, so this indicates a broken installation.
+pub fn packages() -> Vec<Package> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args([
+            "metadata",
+            "--no-deps",
+            "--offline",
+            "--format-version",
+            "1",
+        ])
+        .current_dir(workspace_root())
+        .output()
+        .expect("cargo runs");
+    let metadata: Value =
+        serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
+    let mut packages: Vec<Package> = list(&metadata["packages"]).iter().map(package).collect();
+    packages.sort_by(|a, b| a.name.cmp(&b.name));
+    packages
+}
+
+fn package(value: &Value) -> Package {
+    let manifest = PathBuf::from(text(&value["manifest_path"]));
+    let mut dependencies: Vec<Dependency> = list(&value["dependencies"])
+        .iter()
+        .map(dependency)
+        .collect();
+    dependencies.sort_by(|a, b| a.name.cmp(&b.name));
+    Package {
+        name: text(&value["name"]),
+        dir: manifest.parent().map(Into::into).unwrap_or_default(),
+        dependencies,
+    }
+}
+
+fn dependency(value: &Value) -> Dependency {
+    Dependency {
+        name: text(&value["name"]),
+        is_workspace: value.get("path").is_some_and(Value::is_string),
+        is_dev: value["kind"] == "dev",
+        default_features: value["uses_default_features"] == true,
+    }
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_owned()
+}

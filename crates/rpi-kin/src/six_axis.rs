@@ -1,0 +1,75 @@
+//! Common parts of the closed forms for six-axis arms: up to eight solutions, and the choice by a hint.
+
+use crate::angle::{SinCos, turn_within};
+use crate::{InverseKinematicsError, Range};
+
+/// Joint values of a six-axis arm, in rad.
+pub type Joints = [f64; 6];
+
+/// Up to eight solutions. Entries that do not exist are NaN.
+pub type Solutions = [Joints; 8];
+
+/// Solution that does not exist.
+pub(crate) const MISSING: Joints = [f64::NAN; 6];
+
+/// Tolerance by which a cosine may exceed 1 due to rounding. It moves the flange by less than 1e-9 m.
+const REACH_TOLERANCE: f64 = 1e-9;
+
+/// Returns the solution nearest to `hint` (rad) with all joints in `ranges`. The distance is the largest difference of
+/// a joint; each joint is first moved by full turns to the value in its range nearest to the hint.
+///
+/// # Errors
+/// [`NoSolution::NotFinite`] if a hint is NaN or infinite, [`NoSolution::OutOfReach`] if there is no solution,
+/// [`NoSolution::OutOfLimits`] if no solution is in range.
+pub fn choose_nearest(
+    solutions: &Solutions,
+    hint: &Joints,
+    ranges: &[Range; 6],
+) -> Result<Joints, InverseKinematicsError> {
+    if hint.iter().any(|joint| !joint.is_finite()) {
+        return Err(InverseKinematicsError::NotFinite);
+    }
+    let mut existing = solutions
+        .iter()
+        .filter(|joints| joints.iter().all(|joint| joint.is_finite()))
+        .peekable();
+    if existing.peek().is_none() {
+        return Err(InverseKinematicsError::OutOfReach);
+    }
+    let fitting = existing.filter_map(|joints| moved_into_range(joints, hint, ranges));
+    let nearest =
+        fitting.min_by(|one, other| distance(one, hint).total_cmp(&distance(other, hint)));
+    nearest.ok_or(InverseKinematicsError::OutOfLimits)
+}
+
+fn moved_into_range(joints: &Joints, hint: &Joints, ranges: &[Range; 6]) -> Option<Joints> {
+    let mut turned = *joints;
+    for (axis, joint) in turned.iter_mut().enumerate() {
+        *joint = turn_within(*joint, hint[axis], ranges[axis])?;
+    }
+    Some(turned)
+}
+
+fn distance(joints: &Joints, hint: &Joints) -> f64 {
+    let differences = joints
+        .iter()
+        .zip(hint)
+        .map(|(joint, hint)| (joint - hint).abs());
+    differences.fold(0.0, f64::max)
+}
+
+/// Returns the two bend angles between two limbs for which the end of the second has a distance from the start of the
+/// first (law of cosines); NaN if there is none.
+pub(crate) fn elbow_bends(first: f64, second: f64, distance_squared: f64) -> [f64; 2] {
+    let cos = (distance_squared - first * first - second * second) / (2.0 * first * second);
+    if cos.abs() > 1.0 + REACH_TOLERANCE {
+        return [f64::NAN; 2];
+    }
+    let cos = cos.clamp(-1.0, 1.0);
+    let bend = SinCos {
+        sin: libm::sqrt((1.0 - cos) * (1.0 + cos)),
+        cos,
+    }
+    .angle();
+    [bend, -bend]
+}

@@ -1,0 +1,165 @@
+//! Arm angles at which a joint is at a limit of its range.
+//!
+//! Each entry of the rotations of the joints has the form `c + a cos(psi) + b sin(psi)`, where psi is the arm angle.
+//! The condition that a joint has a given value has the same form, and therefore at most two solutions.
+
+use super::elbow::ElbowCircle;
+use super::{ElbowTriangle, Joints};
+use crate::Range;
+use crate::angle::SinCos;
+use nalgebra::Vector3;
+
+/// Maximum number of arm angles: two for each limit of six ranges. The bend of the elbow does not depend on the arm
+/// angle.
+pub const MAX_LIMIT_ARM_ANGLES: usize = 24;
+
+/// Function `constant + cos * cos(psi) + sin * sin(psi)` of the arm angle psi.
+#[derive(Clone, Copy, Debug)]
+struct Sinusoid {
+    constant: f64,
+    cos: f64,
+    sin: f64,
+}
+
+impl Sinusoid {
+    fn scaled_sum(self, own: f64, other: Self, others: f64) -> Self {
+        Self {
+            constant: own * self.constant + others * other.constant,
+            cos: own * self.cos + others * other.cos,
+            sin: own * self.sin + others * other.sin,
+        }
+    }
+
+    /// Returns the two zeros; NaN if there are none.
+    fn zeros(self) -> [f64; 2] {
+        let height = libm::sqrt(self.cos * self.cos + self.sin * self.sin);
+        let middle = libm::atan2(self.sin, self.cos);
+        // The arc cosine outside its domain is NaN, which means no zero.
+        let half = libm::acos(-self.constant / height);
+        [middle - half, middle + half]
+    }
+}
+
+/// Vector that rotates with the elbow: components along the line, towards the elbow, and orthogonal to both.
+#[derive(Clone, Copy)]
+struct ElbowPlaneVector {
+    along: f64,
+    outward: f64,
+    across: f64,
+}
+
+impl ElbowPlaneVector {
+    fn dot(self, circle: &ElbowCircle, fixed: &Vector3<f64>) -> Sinusoid {
+        let (up, side) = (circle.up.dot(fixed), circle.side.dot(fixed));
+        Sinusoid {
+            constant: self.along * circle.axis.dot(fixed),
+            cos: self.outward * up + self.across * side,
+            sin: self.outward * side - self.across * up,
+        }
+    }
+}
+
+/// Frame of a limb at a fixed angle from the line: z along the limb, y orthogonal to the plane of the arm.
+struct LimbFrame {
+    x: ElbowPlaneVector,
+    y: ElbowPlaneVector,
+    z: ElbowPlaneVector,
+}
+
+impl LimbFrame {
+    fn new(tilt: SinCos) -> Self {
+        Self {
+            x: ElbowPlaneVector {
+                along: tilt.sin,
+                outward: -tilt.cos,
+                across: 0.0,
+            },
+            y: ElbowPlaneVector {
+                along: 0.0,
+                outward: 0.0,
+                across: -1.0,
+            },
+            z: ElbowPlaneVector {
+                along: tilt.cos,
+                outward: tilt.sin,
+                across: 0.0,
+            },
+        }
+    }
+}
+
+/// Returns the arm angles, not necessarily wrapped, at which a joint is at a limit of its range, for any branch.
+/// `ranges` are those of the canonical angles. Entries that do not exist are NaN.
+#[must_use]
+pub fn limit_arm_angles(
+    reach: &ElbowTriangle,
+    circle: &ElbowCircle,
+    ranges: &[Range; 7],
+) -> [f64; MAX_LIMIT_ARM_ANGLES] {
+    let upper = LimbFrame::new(reach.shoulder_angle);
+    let fore = LimbFrame::new(reach.shoulder_angle.difference(reach.elbow_bend));
+    let base: [Vector3<f64>; 3] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let hand: [Vector3<f64>; 3] =
+        core::array::from_fn(|column| reach.flange_rotation.column(column).into());
+    let wave = |spoke: ElbowPlaneVector, fixed: &Vector3<f64>| spoke.dot(circle, fixed);
+    let minus = |wave: Sinusoid| wave.scaled_sum(-1.0, wave, 0.0);
+    let turns = [
+        (0, wave(upper.z, &base[1]), wave(upper.z, &base[0])),
+        (2, wave(upper.y, &base[2]), minus(wave(upper.x, &base[2]))),
+        (4, wave(fore.y, &hand[2]), wave(fore.x, &hand[2])),
+        (6, wave(fore.z, &hand[1]), minus(wave(fore.z, &hand[0]))),
+    ];
+    let bends = [(1, wave(upper.z, &base[2])), (5, wave(fore.z, &hand[2]))];
+    let at_turns = turns.into_iter().flat_map(|(axis, sin, cos)| {
+        limits_sin_cos(ranges[axis]).map(|end| zeros_of_turn(sin, cos, end))
+    });
+    let at_bends = bends
+        .into_iter()
+        .flat_map(|(axis, cos)| limits_sin_cos(ranges[axis]).map(|end| zeros_of_bend(cos, end)));
+    collect(at_turns.chain(at_bends).flatten())
+}
+
+fn limits_sin_cos(range: Range) -> [SinCos; 2] {
+    [
+        SinCos::from_angle(range.lower),
+        SinCos::from_angle(range.upper),
+    ]
+}
+
+/// Returns the arm angles at which the direction (cos, sin), of any length, is parallel or antiparallel to `end`.
+fn zeros_of_turn(sin: Sinusoid, cos: Sinusoid, end: SinCos) -> [f64; 2] {
+    sin.scaled_sum(end.cos, cos, -end.sin).zeros()
+}
+
+/// Returns the arm angles at which a cosine equals that of `end`.
+fn zeros_of_bend(cos: Sinusoid, end: SinCos) -> [f64; 2] {
+    Sinusoid {
+        constant: cos.constant - end.cos,
+        ..cos
+    }
+    .zeros()
+}
+
+fn collect(angles: impl Iterator<Item = f64>) -> [f64; MAX_LIMIT_ARM_ANGLES] {
+    let mut all = [f64::NAN; MAX_LIMIT_ARM_ANGLES];
+    all.iter_mut()
+        .zip(angles)
+        .for_each(|(slot, angle)| *slot = angle);
+    all
+}
+
+/// Converts the ranges of joint values to ranges of canonical angles.
+#[must_use]
+pub fn canonical_ranges(ranges: &[Range; 7], sense: &Joints) -> [Range; 7] {
+    core::array::from_fn(|axis| {
+        let Range { lower, upper } = ranges[axis];
+        if sense[axis] < 0.0 {
+            Range {
+                lower: -upper,
+                upper: -lower,
+            }
+        } else {
+            ranges[axis]
+        }
+    })
+}

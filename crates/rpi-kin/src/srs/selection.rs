@@ -1,0 +1,252 @@
+//! Choice among all solutions by a hint.
+//!
+//! The first of these rules with a solution that has all joints in range:
+//!
+//! 1. The arm angle of the hint and, of the eight branches, the one nearest to the hint.
+//! 2. The same branch with every joint at most half a turn from the hint and the smallest change of the arm angle.
+//! 3. Any branch with the smallest change of the arm angle; of several branches, the one nearest to the hint.
+//!
+//! The distance is the largest difference of a joint, with each joint moved by full turns to the value nearest to the
+//! hint (for rule 3, within its range). So a path that stays in range keeps its configuration. A path that meets a
+//! limit moves the elbow instead of jumping.
+
+use super::arm_angle_limits::{MAX_LIMIT_ARM_ANGLES, canonical_ranges, limit_arm_angles};
+use super::branches::{Branch, first_branch};
+use super::elbow::{ElbowCircle, ElbowPosition};
+use super::{ElbowTriangle, Geometry, Joints};
+use crate::angle::{HALF_TURN, SinCos, nearest_turn, turn_within, wrap};
+use crate::{InverseKinematicsError, Range, Transform};
+
+/// Distance from a limit, in rad, at which a joint is placed that must be at the limit: larger than rounding errors,
+/// too small to matter in practice.
+const LIMIT_MARGIN: f64 = 1e-9;
+
+/// Solution of the inverse kinematics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    /// Joint values, rad.
+    pub joints: Joints,
+    /// Arm angle, rad.
+    pub arm_angle: f64,
+    /// Change of the arm angle from that of the hint, rad; 0 if it is kept.
+    pub arm_angle_change: f64,
+    /// Branch of the solution.
+    pub branch: Branch,
+}
+
+impl Geometry {
+    /// Returns the joint values for a pose of the flange in the base frame, chosen by `hint` (rad) within `ranges`.
+    ///
+    /// # Errors
+    /// [`NoSolution::OutOfReach`], [`NoSolution::OutOfLimits`], or [`NoSolution::NotFinite`].
+    pub fn inverse(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        ranges: &[Range; 7],
+    ) -> Result<Solution, InverseKinematicsError> {
+        self.inverse_with_elbow(flange, hint, hint, ranges)
+    }
+
+    /// As [`inverse`](Self::inverse), but with the arm angle of the joint values `elbow` instead of those of the hint.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_with_elbow(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        elbow: &Joints,
+        ranges: &[Range; 7],
+    ) -> Result<Solution, InverseKinematicsError> {
+        if hint.iter().chain(elbow).any(|joint| !joint.is_finite()) {
+            return Err(InverseKinematicsError::NotFinite);
+        }
+        let reach = self.elbow_triangle(flange)?;
+        let (hint, elbow) = (
+            self.apply_sense(hint),
+            ElbowPosition::from_joints(self, &self.apply_sense(elbow)),
+        );
+        let ranges = canonical_ranges(ranges, &self.sense);
+        let search = Search::new(&reach, elbow, &hint, &ranges);
+        let found = search
+            .keep_arm_angle()
+            .or_else(|| search.change_arm_angle())
+            .ok_or(InverseKinematicsError::OutOfLimits)?;
+        Ok(Solution {
+            joints: self.apply_sense(&found.joints),
+            ..found
+        })
+    }
+
+    /// Returns all eight solutions for a pose and an arm angle, in rad within half a turn, without regard to ranges.
+    /// Angles that the pose does not determine are 0.
+    ///
+    /// # Errors
+    /// [`NoSolution::OutOfReach`] or [`NoSolution::NotFinite`].
+    pub fn branches(
+        &self,
+        flange: &Transform,
+        arm_angle: f64,
+    ) -> Result<[Joints; 8], InverseKinematicsError> {
+        let reach = self.elbow_triangle(flange)?;
+        let elbow = ElbowCircle::new(reach.line).direction(SinCos::from_angle(arm_angle));
+        let first = first_branch(&reach, &elbow, &[0.0; 7]);
+        Ok(Branch::ALL.map(|branch| self.apply_sense(&branch.apply(&first).map(wrap))))
+    }
+
+    /// Returns the arm angle of a set of joint values, in rad; 0 if the forearm is folded back to the shoulder.
+    #[must_use]
+    pub fn arm_angle(&self, joints: &Joints) -> f64 {
+        ElbowPosition::from_joints(self, &self.apply_sense(joints))
+            .map_or(0.0, |elbow| elbow.arm_angle().angle())
+    }
+}
+
+/// Data of one search, in canonical angles.
+struct Search<'a> {
+    reach: &'a ElbowTriangle,
+    circle: ElbowCircle,
+    hint: &'a Joints,
+    ranges: &'a [Range; 7],
+    kept_arm_angle: SinCos,
+    nearest: Solution,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        reach: &'a ElbowTriangle,
+        elbow: Option<ElbowPosition>,
+        hint: &'a Joints,
+        ranges: &'a [Range; 7],
+    ) -> Self {
+        let circle = ElbowCircle::new(reach.line);
+        let kept = elbow.map_or(SinCos { sin: 0.0, cos: 1.0 }, |elbow| {
+            elbow.arm_angle_on(&circle)
+        });
+        let first = first_branch(reach, &circle.direction(kept), hint);
+        let turned = |branch: Branch| -> Joints {
+            let joints = branch.apply(&first);
+            core::array::from_fn(|axis| nearest_turn(joints[axis], hint[axis]))
+        };
+        let (branch, joints) = nearest(
+            Branch::ALL
+                .map(|branch| (branch, turned(branch)))
+                .into_iter(),
+            hint,
+        )
+        .unwrap_or((Branch::ALL[0], first));
+        let nearest = Solution {
+            joints,
+            arm_angle: kept.angle(),
+            arm_angle_change: 0.0,
+            branch,
+        };
+        Self {
+            reach,
+            circle,
+            hint,
+            ranges,
+            kept_arm_angle: kept,
+            nearest,
+        }
+    }
+
+    /// Applies rule 1: keeps the arm angle.
+    fn keep_arm_angle(&self) -> Option<Solution> {
+        self.fits(&self.nearest.joints).then_some(self.nearest)
+    }
+
+    /// Applies rules 2 and 3: changes the arm angle.
+    fn change_arm_angle(&self) -> Option<Solution> {
+        let near = core::array::from_fn(|axis| self.near_hint(axis));
+        let own = [self.nearest.branch];
+        let mut angles = self.candidates(&near).into_iter();
+        angles
+            .find_map(|angle| self.at(angle, &own, &near))
+            .or_else(|| {
+                let kept = core::iter::once(self.nearest.arm_angle);
+                let mut angles = kept.chain(self.candidates(self.ranges));
+                angles.find_map(|angle| self.at(angle, &Branch::ALL, self.ranges))
+            })
+    }
+
+    /// Returns the part of the range of an axis that is at most half a turn from the hint.
+    fn near_hint(&self, axis: usize) -> Range {
+        let (range, hint) = (self.ranges[axis], self.hint[axis]);
+        Range {
+            lower: range.lower.max(hint - HALF_TURN),
+            upper: range.upper.min(hint + HALF_TURN),
+        }
+    }
+
+    /// Returns the arm angles at which a joint enters its range, in order of their distance from the kept arm angle.
+    fn candidates(&self, ranges: &[Range; 7]) -> [f64; MAX_LIMIT_ARM_ANGLES] {
+        let inner = ranges.map(|range| range.shrunk(LIMIT_MARGIN));
+        let mut angles = limit_arm_angles(self.reach, &self.circle, &inner);
+        angles.sort_unstable_by(|one, other| self.distance(*one).total_cmp(&self.distance(*other)));
+        angles
+    }
+
+    fn distance(&self, arm_angle: f64) -> f64 {
+        wrap(arm_angle - self.nearest.arm_angle).abs()
+    }
+
+    /// Returns the solution of `branches` nearest to the hint at an arm angle, with all joints in `ranges`.
+    fn at(&self, arm_angle: f64, branches: &[Branch], ranges: &[Range; 7]) -> Option<Solution> {
+        if arm_angle.is_nan() {
+            return None;
+        }
+        let moved = wrap(arm_angle - self.nearest.arm_angle);
+        let elbow = if moved == 0.0 {
+            self.kept_arm_angle
+        } else {
+            SinCos::from_angle(arm_angle)
+        };
+        let first = first_branch(self.reach, &self.circle.direction(elbow), self.hint);
+        let fitting = branches.iter().filter_map(|branch| {
+            Some((
+                *branch,
+                self.moved_into_range(ranges, &branch.apply(&first))?,
+            ))
+        });
+        let (branch, joints) = nearest(fitting, self.hint)?;
+        Some(Solution {
+            joints,
+            arm_angle: wrap(arm_angle),
+            arm_angle_change: moved,
+            branch,
+        })
+    }
+
+    fn moved_into_range(&self, ranges: &[Range; 7], joints: &Joints) -> Option<Joints> {
+        let mut turned = *joints;
+        for (axis, joint) in turned.iter_mut().enumerate() {
+            *joint = turn_within(*joint, self.hint[axis], ranges[axis])?;
+        }
+        Some(turned)
+    }
+
+    fn fits(&self, joints: &Joints) -> bool {
+        joints
+            .iter()
+            .zip(self.ranges)
+            .all(|(joint, range)| range.contains(*joint))
+    }
+}
+
+/// Returns the candidate with the smallest distance from the hint; the first one of several.
+fn nearest(
+    candidates: impl Iterator<Item = (Branch, Joints)>,
+    hint: &Joints,
+) -> Option<(Branch, Joints)> {
+    let distance = |joints: &Joints| {
+        joints
+            .iter()
+            .zip(hint)
+            .fold(0.0_f64, |largest, (joint, hint)| {
+                largest.max((joint - hint).abs())
+            })
+    };
+    candidates.min_by(|(_, one), (_, other)| distance(one).total_cmp(&distance(other)))
+}

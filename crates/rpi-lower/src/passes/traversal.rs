@@ -1,0 +1,89 @@
+//! Traversal of a flat net in execution order.
+
+use crate::flat_net::{FlatNet, Item, ScopeId};
+use crate::registers::Register;
+
+/// An event of a traversal.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum TraversalEvent {
+    /// Start of a scope.
+    Enter(ScopeId),
+    /// An operation, with its scope.
+    Op(u32, ScopeId),
+    /// End of a scope.
+    Leave(ScopeId),
+}
+
+/// All events of a traversal in order. Scopes nest as deep as fragments, so the stack is on the heap.
+pub(super) fn traverse(flat: &FlatNet) -> Vec<TraversalEvent> {
+    let mut stops = Vec::with_capacity(flat.ops.len() + 2 * flat.scopes.len());
+    visit(flat, |stop| stops.push(stop));
+    stops
+}
+
+fn visit(flat: &FlatNet, mut with: impl FnMut(TraversalEvent)) {
+    let mut open = vec![(ScopeId::ROOT, 0)];
+    with(TraversalEvent::Enter(ScopeId::ROOT));
+    while let Some((scope, at)) = open.last_mut() {
+        let scope = *scope;
+        let item = flat.scopes[scope.index()].items.get(*at).copied();
+        *at += 1;
+        match item {
+            Some(Item::Op(op)) => with(TraversalEvent::Op(op, scope)),
+            Some(Item::Scope(inner)) => {
+                with(TraversalEvent::Enter(inner));
+                open.push((inner, 0));
+            }
+            None => {
+                with(TraversalEvent::Leave(scope));
+                open.pop();
+            }
+        }
+    }
+}
+
+/// All operations in execution order, each with its scope.
+pub(crate) fn ops_in_order(flat: &FlatNet) -> Vec<(u32, ScopeId)> {
+    let mut ops = Vec::with_capacity(flat.ops.len());
+    visit(flat, |stop| match stop {
+        TraversalEvent::Op(op, scope) => ops.push((op, scope)),
+        TraversalEvent::Enter(_) | TraversalEvent::Leave(_) => {}
+    });
+    ops
+}
+
+/// All operations in execution order, with the writer of each register.
+pub(super) struct Writers {
+    /// All operations in execution order, each with its scope.
+    pub(super) order: Vec<(u32, ScopeId)>,
+    /// For each register, the index of its writer in `order`.
+    writer_index: Vec<u32>,
+}
+
+impl Writers {
+    pub(super) fn new(flat: &FlatNet) -> Self {
+        let mut writers = Writers {
+            order: ops_in_order(flat),
+            writer_index: vec![u32::MAX; flat.registers.len()],
+        };
+        for (place, (number, _)) in (0..).zip(&writers.order) {
+            for slot in flat.writes(flat.ops[*number as usize]) {
+                writers.writer_index[slot.index()] = place;
+            }
+        }
+        writers
+    }
+
+    /// The writer of a register: its position, its operation and its scope.
+    pub(super) fn writer_of(&self, slot: Register) -> Option<(u32, u32, ScopeId)> {
+        let place = self.writer_index[slot.index()];
+        let (number, scope) = self.order.get(place as usize)?;
+        Some((place, *number, *scope))
+    }
+}
+
+/// True if `inner` is `outer` or nested inside it.
+pub(super) fn encloses(flat: &FlatNet, outer: ScopeId, inner: ScopeId) -> bool {
+    let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
+    std::iter::successors(Some(inner), parent).any(|s| s == outer)
+}

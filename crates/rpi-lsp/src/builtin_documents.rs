@@ -1,0 +1,66 @@
+//! Built-in texts as files that an editor can open: the standard library and the pages of diagnostic codes.
+//!
+//! Copies are written to the user's cache directory on first use. They are for reading only: the compiler uses the
+//! embedded texts.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+use rpi_diag::Code;
+
+/// Prefix of the source names of the standard library.
+const LIBRARY_PREFIX: &str = "stdlib/";
+
+/// Environment variables with a base directory, and the subdirectory of the cache below it.
+const CACHE_VARIABLES: &[(&str, &str)] = &[
+    ("XDG_CACHE_HOME", "rpi"),
+    ("LOCALAPPDATA", "rpi"),
+    ("HOME", ".cache/rpi"),
+];
+
+/// Cache directory of this version of the tool.
+static CACHE_DIR: LazyLock<PathBuf> = LazyLock::new(|| {
+    let set = |(name, below): &(&str, &str)| {
+        let folder = std::env::var_os(name).map(PathBuf::from);
+        folder.filter(|f| f.is_absolute()).map(|f| f.join(below))
+    };
+    let cache = CACHE_VARIABLES.iter().find_map(set);
+    let cache = cache.unwrap_or_else(|| std::env::temp_dir().join("rpi"));
+    cache.join(env!("CARGO_PKG_VERSION"))
+});
+
+/// Returns the path of a source file; for the standard library, the path of the copy in the cache.
+pub(crate) fn source_path(name: &str) -> PathBuf {
+    library_path(name).unwrap_or_else(|| PathBuf::from(name))
+}
+
+fn library_path(name: &str) -> Option<PathBuf> {
+    let module = name.strip_prefix(LIBRARY_PREFIX)?.strip_suffix(".rpi")?;
+    write_once(name, rpi_driver::library_text(module)?)
+}
+
+/// Returns the path of the page of a code, with the text that `rpic explain` prints.
+pub(crate) fn code_page_path(code: Code) -> Option<PathBuf> {
+    write_once(&format!("findings/{code}.md"), code.page())
+}
+
+/// Paths of the copies written by this process, by name; [`None`] if writing failed.
+static WRITTEN: Mutex<BTreeMap<String, Option<PathBuf>>> = Mutex::new(BTreeMap::new());
+
+fn write_once(name: &str, text: &str) -> Option<PathBuf> {
+    let mut laid = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let path = laid.entry(name.to_owned());
+    path.or_insert_with(|| write_copy(name, text)).clone()
+}
+
+/// Writes a text to the cache unless the file already has this content. Returns its path.
+fn write_copy(name: &str, text: &str) -> Option<PathBuf> {
+    let path = CACHE_DIR.join(name);
+    let is_there = std::fs::read(&path).is_ok_and(|old| old == text.as_bytes());
+    if !is_there {
+        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).ok()?;
+        std::fs::write(&path, text).ok()?;
+    }
+    Some(path)
+}

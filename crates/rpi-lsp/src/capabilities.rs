@@ -1,0 +1,85 @@
+//! Capabilities of the client and of the server.
+
+use lsp_types::{
+    CodeActionKind, CodeActionOptions, CompletionOptions, HoverProviderCapability,
+    InitializeParams, InitializeResult, OneOf, ServerCapabilities, ServerInfo,
+    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions,
+};
+
+use crate::line_index::Encoding;
+
+/// Kind of the code action that applies all sure fixes.
+pub(crate) const FIX_ALL: CodeActionKind = CodeActionKind::new("source.fixAll.rpi");
+
+/// Capabilities of the client.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClientFeatures {
+    /// Unit in which the client counts columns.
+    pub(crate) encoding: Encoding,
+    /// Whether the client supports edits with document versions.
+    pub(crate) versioned_edits: bool,
+    /// Whether the client can report changed files on disk (dynamic registration).
+    pub(crate) watches_files: bool,
+}
+
+impl ClientFeatures {
+    /// Reads the capabilities from the `initialize` request.
+    pub(crate) fn from_params(params: &InitializeParams) -> ClientFeatures {
+        let all = &params.capabilities;
+        let encodings = all
+            .general
+            .as_ref()
+            .and_then(|g| g.position_encodings.as_deref());
+        let workspace = all.workspace.as_ref();
+        let edits = workspace.and_then(|w| w.workspace_edit.as_ref());
+        let watching = workspace.and_then(|w| w.did_change_watched_files.as_ref());
+        ClientFeatures {
+            encoding: Encoding::negotiate(encodings),
+            versioned_edits: edits.is_some_and(|e| e.document_changes == Some(true)),
+            watches_files: watching.is_some_and(|w| w.dynamic_registration == Some(true)),
+        }
+    }
+
+    /// Creates the response to `initialize`, with the capabilities of the server.
+    pub(crate) fn initialize_result(&self) -> InitializeResult {
+        InitializeResult {
+            capabilities: self.server_capabilities(),
+            server_info: Some(ServerInfo {
+                name: "rpic lsp".to_owned(),
+                version: Some(env!("CARGO_PKG_VERSION").to_owned()),
+            }),
+        }
+    }
+
+    fn server_capabilities(&self) -> ServerCapabilities {
+        let triggers = [".", ":", "<", "(", "["].map(str::to_owned);
+        ServerCapabilities {
+            position_encoding: Some(self.encoding.kind()),
+            text_document_sync: Some(TextDocumentSyncCapability::Options(
+                TextDocumentSyncOptions {
+                    open_close: Some(true),
+                    change: Some(TextDocumentSyncKind::INCREMENTAL),
+                    ..TextDocumentSyncOptions::default()
+                },
+            )),
+            hover_provider: Some(HoverProviderCapability::Simple(true)),
+            definition_provider: Some(OneOf::Left(true)),
+            references_provider: Some(OneOf::Left(true)),
+            document_highlight_provider: Some(OneOf::Left(true)),
+            document_symbol_provider: Some(OneOf::Left(true)),
+            document_formatting_provider: Some(OneOf::Left(true)),
+            completion_provider: Some(CompletionOptions {
+                trigger_characters: Some(triggers.to_vec()),
+                ..CompletionOptions::default()
+            }),
+            code_action_provider: Some(
+                CodeActionOptions {
+                    code_action_kinds: Some(vec![CodeActionKind::QUICKFIX, FIX_ALL]),
+                    ..CodeActionOptions::default()
+                }
+                .into(),
+            ),
+            ..ServerCapabilities::default()
+        }
+    }
+}

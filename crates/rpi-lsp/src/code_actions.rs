@@ -1,0 +1,118 @@
+//! Code actions: one for each fix of a diagnostic in the requested range, and one that applies all sure fixes.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
+
+use lsp_types::{
+    CodeAction, CodeActionKind, CodeActionParams, CodeActionResponse, DocumentChanges, OneOf,
+    OptionalVersionedTextDocumentIdentifier, Range, TextDocumentEdit, TextEdit, WorkspaceEdit,
+};
+use rpi_diag::{Applicability, Diagnostic, Edit, Fix};
+
+use crate::capabilities::FIX_ALL;
+use crate::locations::LocationMap;
+use crate::workspace::Workspace;
+
+/// Handles `textDocument/codeAction`.
+pub(crate) fn code_actions(
+    world: &mut Workspace,
+    params: CodeActionParams,
+) -> Option<CodeActionResponse> {
+    let uri = params.text_document.uri;
+    let seen = world.analysis(&uri)?;
+    let places = world.locations(&seen);
+    let here = places.file(rpi_diag::Span::NONE);
+    let asked = |diagnostic: &&Diagnostic| {
+        let span = diagnostic.span();
+        places.file(span) == here && overlaps(places.range(span), params.range)
+    };
+    let diagnostics: Vec<&Diagnostic> = seen.diagnostics.iter().filter(asked).collect();
+    let mut actions = Vec::new();
+    for diagnostic in diagnostics {
+        for fix in &diagnostic.fixes {
+            actions.push(quick_fix(world, &places, diagnostic, fix));
+        }
+    }
+    let edits = rpi_diag::sure_edits(&seen.diagnostics);
+    if !edits.is_empty() {
+        actions.push(CodeAction {
+            title: "apply all sure fixes".to_owned(),
+            kind: Some(FIX_ALL),
+            edit: Some(workspace_edit(world, &places, &edits)),
+            ..CodeAction::default()
+        });
+    }
+    let wanted = |action: &CodeAction| matches_filter(params.context.only.as_deref(), action);
+    Some(actions.into_iter().filter(wanted).map(Into::into).collect())
+}
+
+fn quick_fix(
+    world: &Workspace,
+    places: &LocationMap<'_>,
+    diagnostic: &Diagnostic,
+    fix: &Fix,
+) -> CodeAction {
+    CodeAction {
+        title: format!("{} ({})", fix.title, diagnostic.code),
+        kind: Some(CodeActionKind::QUICKFIX),
+        edit: Some(workspace_edit(world, places, &fix.edits)),
+        is_preferred: Some(fix.applicability == Applicability::Sure),
+        ..CodeAction::default()
+    }
+}
+
+/// Returns whether the client requested this kind of action. Kinds are hierarchical: `source` includes
+/// `source.fixAll.rpi`.
+fn matches_filter(only: Option<&[CodeActionKind]>, action: &CodeAction) -> bool {
+    let kind = action.kind.as_ref().map_or("", |kind| kind.as_str());
+    let covers = |wanted: &CodeActionKind| {
+        let rest = kind.strip_prefix(wanted.as_str());
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    only.is_none_or(|only| only.iter().any(covers))
+}
+
+fn overlaps(a: Range, b: Range) -> bool {
+    a.start <= b.end && b.start <= a.end
+}
+
+fn workspace_edit(world: &Workspace, places: &LocationMap<'_>, edits: &[Edit]) -> WorkspaceEdit {
+    let mut files: BTreeMap<PathBuf, Vec<TextEdit>> = BTreeMap::new();
+    for edit in edits {
+        let of_file = files.entry(places.file(edit.span)).or_default();
+        of_file.push(TextEdit::new(places.range(edit.span), edit.text.clone()));
+    }
+    match world.client.versioned_edits {
+        true => versioned_edit(world, files),
+        false => unversioned_edit(world, files),
+    }
+}
+
+/// Creates edits with document versions. The client rejects them for any other version.
+fn versioned_edit(world: &Workspace, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
+    let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| {
+        Some(TextDocumentEdit {
+            text_document: OptionalVersionedTextDocumentIdentifier {
+                uri: world.uri_of(&path)?,
+                version: world.version_of(&path),
+            },
+            edits: edits.into_iter().map(OneOf::Left).collect(),
+        })
+    };
+    let edits = files.into_iter().filter_map(edit).collect();
+    WorkspaceEdit {
+        document_changes: Some(DocumentChanges::Edits(edits)),
+        ..WorkspaceEdit::default()
+    }
+}
+
+// The type is given by the protocol, and its keys are never mutated.
+#[allow(clippy::mutable_key_type)]
+fn unversioned_edit(world: &Workspace, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
+    let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| Some((world.uri_of(&path)?, edits));
+    let changes: HashMap<_, _> = files.into_iter().filter_map(edit).collect();
+    WorkspaceEdit {
+        changes: Some(changes),
+        ..WorkspaceEdit::default()
+    }
+}

@@ -1,0 +1,171 @@
+//! Truth tables of Boolean gates in three-valued logic with absence.
+//!
+//! The registry has the code of every primitive but not its logic. Proofs need the logic of the few gates from which
+//! activations are built. A test compares this table with the code.
+
+use crate::net::Node;
+use rpi_image::{Presence, Role, Scalar, Type, Value};
+
+/// Set of possible values of a flow in a cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct ValueSet(u8);
+
+impl ValueSet {
+    /// True; for a flow that is not a Boolean: present.
+    pub(crate) const TRUE: ValueSet = ValueSet(1);
+    pub(crate) const FALSE: ValueSet = ValueSet(2);
+    pub(crate) const ABSENT: ValueSet = ValueSet(4);
+    pub(crate) const EMPTY: ValueSet = ValueSet(0);
+    /// Present with any value.
+    pub(crate) const PRESENT: ValueSet = ValueSet(3);
+
+    pub(crate) const fn intersection(self, other: ValueSet) -> ValueSet {
+        ValueSet(self.0 & other.0)
+    }
+
+    pub(crate) const fn union(self, other: ValueSet) -> ValueSet {
+        ValueSet(self.0 | other.0)
+    }
+
+    pub(crate) const fn intersects(self, other: ValueSet) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Whether the set is a subset of `other`.
+    pub(crate) const fn is_subset(self, other: ValueSet) -> bool {
+        self.0 & !other.0 == 0
+    }
+
+    pub(crate) fn from_bool(value: bool) -> ValueSet {
+        if value {
+            ValueSet::TRUE
+        } else {
+            ValueSet::FALSE
+        }
+    }
+
+    /// Members of the set as singletons.
+    pub(crate) fn members(self) -> impl Iterator<Item = ValueSet> {
+        [ValueSet::TRUE, ValueSet::FALSE, ValueSet::ABSENT]
+            .into_iter()
+            .filter(move |m| self.intersects(*m))
+    }
+}
+
+/// Possible outputs of a gate for single values of its inputs.
+type Gate = fn(&Node, &[ValueSet]) -> ValueSet;
+
+/// Gates with a truth table, by registered name.
+const GATES: &[(&str, Gate)] = &[
+    ("Core::BooleanAnd", |_, i| and(i[0], i[1])),
+    ("Core::BooleanOr", |_, i| not(and(not(i[0]), not(i[1])))),
+    ("Core::BooleanNot", |_, i| not(i[0])),
+    ("Core::BooleanConditional", |_, i| choose(i[0], i[1], i[2])),
+    ("Core::BooleanSetNull", |_, i| {
+        if i[1] == ValueSet::FALSE {
+            i[0]
+        } else {
+            ValueSet::ABSENT
+        }
+    }),
+    ("Core::EdgeDetection", |node, i| edge(node, i[0])),
+    ("Core::Trigger", |_, i| {
+        if i[1] == ValueSet::TRUE {
+            ValueSet::FALSE
+        } else {
+            ValueSet::PRESENT
+        }
+    }),
+    ("Rpi::BooleanXor", |_, i| strict(i, i[0] != i[1])),
+    ("Rpi::BooleanEquals", |_, i| strict(i, i[0] == i[1])),
+    ("Rpi::BooleanImplies", |_, i| not(and(i[0], not(i[1])))),
+    ("Rpi::BooleanCoalesce", |_, i| {
+        if i[0] == ValueSet::ABSENT { i[1] } else { i[0] }
+    }),
+];
+
+/// Truth table of a node's gate, if it has one.
+pub(crate) fn gate(node: &Node) -> Option<Gate> {
+    let desc = node.desc();
+    if desc.role == Role::IsAbsent {
+        return Some(|_, i| ValueSet::from_bool(i[0] == ValueSet::ABSENT));
+    }
+    GATES
+        .iter()
+        .find(|(name, _)| *name == desc.name)
+        .map(|(_, gate)| *gate)
+}
+
+/// Possible values of an output by its presence rule alone, for the sets of its connected inputs.
+pub(crate) fn by_rule(rule: Presence, inputs: &[ValueSet], ty: Type) -> ValueSet {
+    let present = if is_boolean(ty) {
+        ValueSet::PRESENT
+    } else {
+        ValueSet::TRUE
+    };
+    match rule {
+        Presence::Strict if inputs.contains(&ValueSet::ABSENT) => ValueSet::ABSENT,
+        Presence::Strict if inputs.iter().any(|i| i.intersects(ValueSet::ABSENT)) => {
+            present.union(ValueSet::ABSENT)
+        }
+        Presence::Strict | Presence::Always => present,
+        Presence::IfAll | Presence::IfAny | Presence::Maybe => present.union(ValueSet::ABSENT),
+    }
+}
+
+pub(crate) fn is_boolean(ty: Type) -> bool {
+    ty == Type::Scalar(Scalar::Bool)
+}
+
+/// Value of a constant as a set.
+pub(crate) fn constant(value: &Value) -> ValueSet {
+    value.as_bool().map_or(ValueSet::TRUE, ValueSet::from_bool)
+}
+
+fn not(a: ValueSet) -> ValueSet {
+    match a {
+        ValueSet::TRUE => ValueSet::FALSE,
+        ValueSet::FALSE => ValueSet::TRUE,
+        other => other,
+    }
+}
+
+/// Conjunction in strong Kleene logic (1952).
+fn and(a: ValueSet, b: ValueSet) -> ValueSet {
+    match (a, b) {
+        (ValueSet::FALSE, _) | (_, ValueSet::FALSE) => ValueSet::FALSE,
+        (ValueSet::TRUE, ValueSet::TRUE) => ValueSet::TRUE,
+        _ => ValueSet::ABSENT,
+    }
+}
+
+fn choose(condition: ValueSet, yes: ValueSet, no: ValueSet) -> ValueSet {
+    match condition {
+        ValueSet::TRUE => yes,
+        ValueSet::FALSE => no,
+        _ => ValueSet::ABSENT,
+    }
+}
+
+fn strict(inputs: &[ValueSet], value: bool) -> ValueSet {
+    if inputs.contains(&ValueSet::ABSENT) {
+        ValueSet::ABSENT
+    } else {
+        ValueSet::from_bool(value)
+    }
+}
+
+/// Output of an edge detector: it may be true only if the input has the value that it detects.
+fn edge(node: &Node, value: ValueSet) -> ValueSet {
+    let wanted = node.params.first().and_then(Value::as_bool).unwrap_or(true);
+    match value {
+        ValueSet::ABSENT => ValueSet::ABSENT,
+        value if value == ValueSet::from_bool(wanted) => ValueSet::PRESENT,
+        _ => ValueSet::FALSE,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod bench;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,161 @@
+//! Run-time faults: the operations of a net that may overflow, divide by zero, use an invalid index, convert an
+//! unrepresentable real, or violate a subrange or contract. Operations that an interval analysis proves safe are left
+//! out.
+//!
+//! | file | content |
+//! |---|---|
+//! | `range.rs` | intervals of integers, and arithmetic on them |
+//! | `known.rs` | interval of every flow: least fixed point |
+//! | `transfer.rs`, `truth.rs` | interval of a node's output |
+//! | `refine.rs` | limits that a condition implies for the flows that it compares |
+//! | `growth.rs` | counters, which do not overflow within a run |
+
+mod growth;
+mod intervals;
+mod range;
+mod refine;
+mod transfer;
+mod truth;
+
+use crate::net::{Input, Net, Node, NodeId};
+use crate::passes::Schedule;
+use intervals::IntervalAnalysis;
+use rpi_diag::Span;
+use rpi_image::Role;
+use std::fmt;
+use transfer::IntOperation;
+
+/// Kind of a run-time fault.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum FaultKind {
+    /// The result does not fit in 64 bits.
+    Overflow,
+    /// A divisor may be 0.
+    Division,
+    /// An index is out of range.
+    Index,
+    /// A real cannot be converted to an integer.
+    Conversion,
+    /// A value is outside its subrange.
+    Subrange,
+    /// An assertion or a clause of a contract is false.
+    Contract,
+    /// A primitive has its own kind of fault; the field is its name.
+    Primitive(&'static str),
+}
+
+impl fmt::Display for FaultKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FaultKind::Overflow => f.write_str("integer overflow"),
+            FaultKind::Division => f.write_str("division by zero"),
+            FaultKind::Index => f.write_str("index outside of the array"),
+            FaultKind::Conversion => f.write_str("conversion of a real that has no integer value"),
+            FaultKind::Subrange => f.write_str("value outside of its subrange"),
+            FaultKind::Contract => f.write_str("violated contract"),
+            FaultKind::Primitive(name) => write!(f, "fault of `{name}`"),
+        }
+    }
+}
+
+/// Operation that is not proved free of faults.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct PossibleFault {
+    /// Node of the operation.
+    pub node: NodeId,
+    /// Location of the operation in the source text.
+    pub span: Span,
+    /// Kind of the possible fault.
+    pub kind: FaultKind,
+    /// Whether the fault counts only in cycles in which the result is needed.
+    pub is_guarded: bool,
+}
+
+/// Returns the operations of a net that may fault, in the order of the net. Each kind occurs once per node.
+#[must_use]
+pub fn possible_faults(net: &Net, schedule: &Schedule) -> Vec<PossibleFault> {
+    if !net.nodes.iter().any(|node| node.desc().may_fault) {
+        return Vec::new();
+    }
+    let known = IntervalAnalysis::new(net, schedule);
+    let mut found = Vec::new();
+    for (id, node) in net.node_ids().zip(&net.nodes) {
+        for kind in kinds(&known, node) {
+            found.push(PossibleFault {
+                node: id,
+                span: node.origin.span,
+                kind,
+                is_guarded: is_guarded(net, node),
+            });
+        }
+    }
+    found
+}
+
+/// Kinds of faults of a node that are not proved impossible.
+fn kinds(known: &IntervalAnalysis<'_>, node: &Node) -> Vec<FaultKind> {
+    let desc = node.desc();
+    if !desc.may_fault || matches!(desc.role, Role::Actuator(_)) {
+        return Vec::new();
+    }
+    if IntOperation::from_primitive(desc.name).is_some() {
+        return of_operation(known, node);
+    }
+    let kind = match desc.name {
+        "Core::IntFromDouble" | "Rpi::GuardedIntFromDouble" => FaultKind::Conversion,
+        "Rpi::IntWithin" => match is_within(known, node) {
+            true => return Vec::new(),
+            false => FaultKind::Subrange,
+        },
+        "Rpi::AssertIndex" => match truth::always_holds(known, node) {
+            true => return Vec::new(),
+            false => FaultKind::Index,
+        },
+        "Rpi::Assert" | "Rpi::Assume" => FaultKind::Contract,
+        name if name.ends_with("ArrayGet") || name.ends_with("ArraySet") => FaultKind::Index,
+        name => FaultKind::Primitive(name),
+    };
+    vec![kind]
+}
+
+fn of_operation(known: &IntervalAnalysis<'_>, node: &Node) -> Vec<FaultKind> {
+    let Some((op, a, b)) = transfer::operands(known, node) else {
+        return Vec::new();
+    };
+    let mut kinds = Vec::new();
+    if matches!(op, IntOperation::Divide | IntOperation::Modulo) && b.has_zero() {
+        kinds.push(FaultKind::Division);
+    }
+    // `apply` ignores the divisor 0, which was reported above.
+    if op.apply(a, b).is_none() {
+        kinds.push(FaultKind::Overflow);
+    }
+    kinds
+}
+
+/// Whether a checked value is always within its range when the check is active.
+fn is_within(known: &IntervalAnalysis<'_>, node: &Node) -> bool {
+    let mut limits = refine::Limits::new();
+    if let Some(Input::Port(guard)) = node.inputs.first() {
+        known.assume(*guard, true, &mut limits);
+    }
+    let of = |k: usize| known.input_where(node, k, &limits);
+    let (Some(value), Some(from), Some(to)) = (of(1), of(2), of(3)) else {
+        // The check is never reached.
+        return true;
+    };
+    from.hi <= value.lo && value.hi <= to.lo
+}
+
+/// Whether a node is active only while a guard is true.
+fn is_guarded(net: &Net, node: &Node) -> bool {
+    let first = node.inputs.first();
+    let ports = &node.desc().inputs;
+    match first {
+        Some(Input::Port(_)) if ports.first().is_some_and(|port| port.name == "inActive") => true,
+        Some(Input::Port(port)) if node.desc().name == "Rpi::AssertIndex" => {
+            net.node(port.node).desc().name == "Rpi::BooleanImplies"
+        }
+        _ => false,
+    }
+}

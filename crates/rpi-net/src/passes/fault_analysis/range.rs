@@ -1,0 +1,206 @@
+//! Intervals of integers, and arithmetic on them. A Boolean is 0 or 1.
+
+use rpi_image::{Scalar, Type, Value};
+
+/// Inclusive interval of the values of a flow while it is present.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Interval {
+    pub(super) lo: i64,
+    pub(super) hi: i64,
+    /// Whether 0 is excluded.
+    pub(super) no_zero: bool,
+}
+
+impl Interval {
+    pub(super) const ALL: Interval = Interval::new(i64::MIN, i64::MAX);
+    pub(super) const BOOL: Interval = Interval::new(0, 1);
+    pub(super) const TRUE: Interval = Interval::new(1, 1);
+    pub(super) const FALSE: Interval = Interval::new(0, 0);
+
+    pub(super) const fn new(lo: i64, hi: i64) -> Interval {
+        Interval {
+            lo,
+            hi,
+            no_zero: false,
+        }
+    }
+
+    /// All values of a type; `None` for a type that is not analysed.
+    pub(super) fn from_type(ty: Type) -> Option<Interval> {
+        match ty {
+            Type::Scalar(Scalar::Bool) => Some(Interval::BOOL),
+            Type::Scalar(Scalar::Int) => Some(Interval::ALL),
+            _ => None,
+        }
+    }
+
+    pub(super) fn from_value(value: &Value) -> Option<Interval> {
+        let number = value.as_int().or(value.as_bool().map(i64::from))?;
+        Some(Interval::new(number, number))
+    }
+
+    pub(super) fn from_bool(truth: Option<bool>) -> Interval {
+        match truth {
+            Some(true) => Interval::TRUE,
+            Some(false) => Interval::FALSE,
+            None => Interval::BOOL,
+        }
+    }
+
+    /// Value of a Boolean, if it is constant.
+    pub(super) fn as_bool(self) -> Option<bool> {
+        (self.lo == self.hi).then_some(self.lo != 0)
+    }
+
+    pub(super) fn has_zero(self) -> bool {
+        !self.no_zero && self.lo <= 0 && self.hi >= 0
+    }
+
+    /// Smallest interval that contains both intervals (join).
+    pub(super) fn join(self, other: Interval) -> Interval {
+        Interval {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+            no_zero: !self.has_zero() && !other.has_zero(),
+        }
+    }
+
+    /// Intersection (meet). Returns `self` if it is empty: the flow is then never present, so any interval is sound.
+    pub(super) fn meet(self, other: Interval) -> Interval {
+        let both = Interval {
+            lo: self.lo.max(other.lo),
+            hi: self.hi.min(other.hi),
+            no_zero: self.no_zero || other.no_zero,
+        };
+        if both.lo > both.hi {
+            self
+        } else {
+            both.trimmed()
+        }
+    }
+
+    /// Moves a bound that is 0 by one if 0 is excluded.
+    fn trimmed(self) -> Interval {
+        let mut range = self;
+        if range.no_zero && range.lo == 0 && range.hi > 0 {
+            range.lo = 1;
+        }
+        if range.no_zero && range.hi == 0 && range.lo < 0 {
+            range.hi = -1;
+        }
+        range
+    }
+
+    /// Removes one value, if the result is an interval.
+    pub(super) fn without(self, value: i64) -> Interval {
+        let mut range = self;
+        if value == 0 {
+            range.no_zero = true;
+        } else if range.lo == value && range.lo < range.hi {
+            range.lo += 1;
+        } else if range.hi == value && range.lo < range.hi {
+            range.hi -= 1;
+        }
+        range.trimmed()
+    }
+
+    /// Results of an operation that is monotonic in each operand, computed from the bounds; `None` on overflow.
+    pub(super) fn from_bounds(
+        self,
+        other: Interval,
+        op: impl Fn(i128, i128) -> i128,
+    ) -> Option<Interval> {
+        let all = [self.lo, self.hi].into_iter().flat_map(|a| {
+            let op = &op;
+            [other.lo, other.hi].map(move |b| op(a.into(), b.into()))
+        });
+        let (mut lo, mut hi) = (i128::MAX, i128::MIN);
+        for value in all {
+            (lo, hi) = (lo.min(value), hi.max(value));
+        }
+        Some(Interval::new(
+            i64::try_from(lo).ok()?,
+            i64::try_from(hi).ok()?,
+        ))
+    }
+
+    /// Quotients; the divisor 0 is ignored. `None` on overflow.
+    pub(super) fn div(self, by: Interval) -> Option<Interval> {
+        let mut parts = [(by.lo, by.hi.min(-1)), (by.lo.max(1), by.hi)]
+            .into_iter()
+            .filter(|(lo, hi)| lo <= hi)
+            .map(|(lo, hi)| self.from_bounds(Interval::new(lo, hi), |a, b| a / b));
+        let first = parts.next().unwrap_or(Some(Interval::FALSE))?;
+        parts.try_fold(first, |all, part| Some(all.join(part?)))
+    }
+
+    /// Remainders; the divisor 0 is ignored. They have the sign of the dividend, are smaller in size than the divisor,
+    /// and at most the size of the dividend.
+    pub(super) fn modulo(self, by: Interval) -> Interval {
+        let size = by.lo.unsigned_abs().max(by.hi.unsigned_abs());
+        let size = i64::try_from(size.saturating_sub(1)).unwrap_or(i64::MAX);
+        Interval::new(
+            if self.lo < 0 { self.lo.max(-size) } else { 0 },
+            if self.hi > 0 { self.hi.min(size) } else { 0 },
+        )
+    }
+
+    /// Powers with non-negative exponents; `None` on overflow, or if an exponent may be negative.
+    pub(super) fn power(self, by: Interval) -> Option<Interval> {
+        if by.lo < 0 {
+            return None;
+        }
+        let exponent = u32::try_from(by.hi).ok()?;
+        let most = self.lo.unsigned_abs().max(self.hi.unsigned_abs()).max(1);
+        let most = i64::try_from(most).ok()?.checked_pow(exponent)?;
+        Some(Interval::new(if self.lo < 0 { -most } else { 0 }, most))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_stay_within_the_ranges() {
+        let some = [-7_i64, -3, -1, 0, 1, 2, 5, 9];
+        for (a, b) in pairs(&some) {
+            for (c, d) in pairs(&some) {
+                let (left, right) = (Interval::new(a, b), Interval::new(c, d).without(0));
+                for x in a..=b {
+                    for y in (c..=d).filter(|y| *y != 0) {
+                        holds(left.div(right), x / y);
+                        holds(Some(left.modulo(right)), x % y);
+                        holds(left.from_bounds(right, |a, b| a * b), x * y);
+                        if right.lo >= 0 && y < 5 {
+                            let power = left.power(Interval::new(right.lo, right.hi.min(4)));
+                            holds(power, x.pow(u32::try_from(y).unwrap_or(0)));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn pairs(all: &[i64]) -> Vec<(i64, i64)> {
+        let pairs = all.iter().flat_map(|a| all.iter().map(|b| (*a, *b)));
+        pairs.filter(|(a, b)| a <= b).collect()
+    }
+
+    fn holds(range: Option<Interval>, value: i64) {
+        assert!(
+            range.is_none_or(|range| range.lo <= value && value <= range.hi),
+            "{range:?} {value}"
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_has_no_range() {
+        assert_eq!(
+            Interval::ALL.from_bounds(Interval::TRUE, |a, b| a + b),
+            None
+        );
+        assert_eq!(Interval::ALL.div(Interval::new(-1, 1).without(0)), None);
+        assert!(Interval::new(0, 10).div(Interval::new(2, 5)) == Some(Interval::new(0, 5)));
+    }
+}

@@ -1,0 +1,115 @@
+//! Refinement by conditions: limits that a condition implies for the flows that it compares. Where `x > 0` holds, 0 is
+//! excluded.
+
+use super::intervals::IntervalAnalysis;
+use super::range::Interval;
+use crate::net::{Input, Node, PortRef};
+use smallvec::SmallVec;
+
+/// Maximal nesting depth of conditions.
+const DEPTH: usize = 12;
+/// Maximal number of limits derived from a condition.
+const MAX_LIMITS: usize = 32;
+
+/// Flows with additional limits on their ranges.
+pub(super) type Limits = SmallVec<[(PortRef, Limit); 4]>;
+
+/// Limit of one flow.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Limit {
+    Within(Interval),
+    Not(i64),
+}
+
+impl Limit {
+    pub(super) fn apply(self, range: Interval) -> Interval {
+        match self {
+            Limit::Within(limit) => range.meet(limit),
+            Limit::Not(value) => range.without(value),
+        }
+    }
+}
+
+impl IntervalAnalysis<'_> {
+    /// Adds the limits that hold where a Boolean is `truth` or absent. An absent condition implies the same limits for
+    /// present flows: a comparison of a present flow with a constant is present.
+    pub(super) fn assume(&self, port: PortRef, truth: bool, limits: &mut Limits) {
+        self.assume_within(port, truth, DEPTH, limits);
+    }
+
+    fn assume_within(&self, port: PortRef, truth: bool, depth: usize, limits: &mut Limits) {
+        if depth == 0 || limits.len() >= MAX_LIMITS {
+            return;
+        }
+        limits.push((port, Limit::Within(Interval::from_bool(Some(truth)))));
+        let node = self.net.node(port.node);
+        let mut below = |input: usize, truth: bool| {
+            if let Some(Input::Port(port)) = node.inputs.get(input) {
+                self.assume_within(*port, truth, depth - 1, limits);
+            }
+        };
+        match (node.desc().name, truth) {
+            ("Core::BooleanNot", _) => below(0, !truth),
+            ("Core::BooleanAnd", true) | ("Core::BooleanOr", false) => {
+                below(0, truth);
+                below(1, truth);
+            }
+            ("Rpi::BooleanImplies", false) => {
+                below(0, true);
+                below(1, false);
+            }
+            ("Rpi::BooleanCoalesce", _) if constant(node, 1).is_some() => below(0, truth),
+            // If the condition is absent, nothing is known about the branches.
+            ("Core::BooleanConditional", _) => match [1, 2].map(|k| constant(node, k)) {
+                [_, Some(no)] if (no != 0) != truth => below(0, true),
+                [Some(yes), _] if (yes != 0) != truth => below(0, false),
+                _ => {}
+            },
+            _ => assume_comparison(node, truth, limits),
+        }
+    }
+}
+
+fn constant(node: &Node, input: usize) -> Option<i64> {
+    match node.inputs.get(input)? {
+        Input::Const(value) => value.as_int().or(value.as_bool().map(i64::from)),
+        _ => None,
+    }
+}
+
+/// Adds the limits from a comparison of an integer with a constant.
+fn assume_comparison(node: &Node, truth: bool, limits: &mut Limits) {
+    let (port, value, is_first) = match (node.inputs.first(), node.inputs.get(1)) {
+        (Some(Input::Port(port)), Some(Input::Const(value))) => (*port, value.as_int(), true),
+        (Some(Input::Const(value)), Some(Input::Port(port))) => (*port, value.as_int(), false),
+        _ => return,
+    };
+    let Some(value) = value else {
+        return;
+    };
+    let up = |from: Option<i64>| from.map(|from| Interval::new(from, i64::MAX));
+    let down = |to: Option<i64>| to.map(|to| Interval::new(i64::MIN, to));
+    let (above, below) = (value.checked_add(1), value.checked_sub(1));
+    let within = match (node.desc().name, is_first == truth) {
+        ("Core::IntEquals", _) if !is_exact(node) => return,
+        ("Core::IntEquals", _) if truth => Some(Interval::new(value, value)),
+        ("Core::IntEquals", _) => return limits.push((port, Limit::Not(value))),
+        // `x > k` and `not (k >= x)` are the same: exchanging the operands and negating gives the other comparison.
+        ("Core::IntGreater", true) if is_first => up(above),
+        ("Core::IntGreater", true) => up(Some(value)),
+        ("Core::IntGreater", false) if is_first => down(Some(value)),
+        ("Core::IntGreater", false) => down(below),
+        ("Rpi::IntGreaterOrEqual", true) if is_first => up(Some(value)),
+        ("Rpi::IntGreaterOrEqual", true) => up(above),
+        ("Rpi::IntGreaterOrEqual", false) if is_first => down(below),
+        ("Rpi::IntGreaterOrEqual", false) => down(Some(value)),
+        _ => None,
+    };
+    limits.extend(within.map(|within| (port, Limit::Within(within))));
+}
+
+/// Whether an equality has no tolerance.
+fn is_exact(node: &Node) -> bool {
+    let slack = node.params.first();
+    slack.is_none_or(|slack| slack.as_int() == Some(0) || slack.as_real() == Some(0.0))
+}

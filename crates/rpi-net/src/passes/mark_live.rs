@@ -1,0 +1,162 @@
+//! Liveness: nodes with an effect outside the net, and unused flows of a program.
+
+use super::dead_state;
+use crate::net::{
+    Activation, FragmentId, Input, Net, NodeId, Restart, Termination, strip_unnamed_calls,
+};
+use rpi_diag::{Code, Diagnostic, Span};
+use rpi_image::{PrimDesc, Role};
+use std::collections::BTreeSet;
+
+/// For each node, whether a result, an export or an effect depends on it.
+#[must_use]
+pub fn mark_live(net: &Net) -> Vec<bool> {
+    let mut search = Search::new(net);
+    effects(net).for_each(|id| search.mark(id));
+    // Most nodes read earlier ones, so one backward sweep in memory order marks nearly all live nodes.
+    for id in net.node_ids().rev() {
+        search.sweep = id.index();
+        if search.live[id.index()] {
+            search.follow(id);
+        }
+    }
+    while let Some(id) = search.open.pop() {
+        search.follow(id);
+    }
+    search.live
+}
+
+/// State of the search for live nodes.
+struct Search<'n> {
+    net: &'n Net,
+    live: Vec<bool>,
+    seen: Vec<bool>,
+    /// Index of the node that the sweep has reached.
+    sweep: usize,
+    /// Live nodes behind the sweep that still have to be followed.
+    open: Vec<NodeId>,
+}
+
+impl<'n> Search<'n> {
+    fn new(net: &'n Net) -> Self {
+        Search {
+            net,
+            live: vec![false; net.nodes.len()],
+            seen: vec![false; net.fragments.len()],
+            sweep: net.nodes.len(),
+            open: Vec::new(),
+        }
+    }
+
+    fn mark(&mut self, id: NodeId) {
+        let known = std::mem::replace(&mut self.live[id.index()], true);
+        if !known && id.index() >= self.sweep {
+            self.open.push(id);
+        }
+    }
+
+    /// Marks the nodes that a live node depends on.
+    fn follow(&mut self, id: NodeId) {
+        let net = self.net;
+        let node = net.node(id);
+        let sources = node.inputs.iter().filter_map(Input::port);
+        sources.for_each(|port| self.mark(port.node));
+        let mut around = Some(node.fragment);
+        while let Some(fragment) = around {
+            if std::mem::replace(&mut self.seen[fragment.index()], true) {
+                break;
+            }
+            conditions(net, fragment).for_each(|id| self.mark(id));
+            around = net.fragment(fragment).parent;
+        }
+    }
+}
+
+/// Whether a primitive is used for its effect rather than a value.
+#[must_use]
+pub fn has_effect(desc: &PrimDesc) -> bool {
+    matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
+}
+
+/// Nodes with an effect outside, and the sources of the command's results and exports.
+fn effects(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
+    let acting = net.node_ids().filter(|id| has_effect(net.node(*id).desc()));
+    let ends: Vec<&Input> = match &net.termination {
+        Termination::Results(results) => results.iter().map(|r| &r.condition).collect(),
+        Termination::Ports { terminate, fail } => terminate.iter().chain(fail).collect(),
+    };
+    let ends = ends.into_iter().filter_map(|i| Some(i.port()?.node));
+    acting
+        .chain(ends)
+        .chain(net.exports.iter().map(|e| e.source.node))
+}
+
+fn conditions(net: &Net, id: FragmentId) -> impl Iterator<Item = NodeId> {
+    let fragment = net.fragment(id);
+    let activation = match fragment.activation {
+        Activation::Always => None,
+        Activation::When { condition, .. } => Some(condition.node),
+    };
+    let restart = match fragment.restart {
+        Restart::Never | Restart::OnActivation => None,
+        Restart::Every(condition) => Some(condition.node),
+    };
+    activation.into_iter().chain(restart)
+}
+
+/// Returns a warning for each named flow of a program that is never used: no instance of it is read or is a port of a
+/// fragment. A name that begins with `_` suppresses the warning.
+pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Diagnostic> {
+    let used = used(net, live);
+    // Inputs are set from outside rather than computed, so an unused one is not reported here.
+    let dead = net.nodes.iter().zip(&used);
+    let dead = dead.filter(|(node, used)| !**used && node.desc().role != Role::Input);
+    let dead = dead.filter_map(|(n, _)| Some((n.origin.span, n.origin.flow.as_deref()?)));
+    let mut dead: Vec<(Span, &str)> = dead
+        .filter(|(span, name)| !span.is_none() && !name.starts_with('_'))
+        .collect();
+    if dead.is_empty() {
+        return dead_state::check(net, live, &used);
+    }
+    let elsewhere = net.nodes.iter().zip(&used).filter(|(_, used)| **used);
+    let mut elsewhere: Vec<Span> = elsewhere.map(|(node, _)| node.origin.span).collect();
+    elsewhere.sort_unstable();
+    dead.retain(|(span, _)| elsewhere.binary_search(span).is_err());
+    let mut reported: BTreeSet<Span> = BTreeSet::new();
+    dead.retain(|(span, _)| reported.insert(*span));
+    let dead = dead.into_iter().map(|(span, name)| unused(span, name));
+    dead.chain(dead_state::check(net, live, &used)).collect()
+}
+
+/// For each node, whether it is live, is read by another node or is a port of a fragment.
+fn used(net: &Net, live: &[bool]) -> Vec<bool> {
+    let mut used = live.to_vec();
+    let read = net.nodes.iter().flat_map(|node| &node.inputs);
+    for port in read.filter_map(Input::port) {
+        used[port.node.index()] = true;
+    }
+    port_sources(net).for_each(|id| used[id.index()] = true);
+    used
+}
+
+/// Nodes that are sources of fragment ports.
+pub(super) fn port_sources(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
+    let ports = net.fragments.iter();
+    let ports = ports.flat_map(|f| f.inputs.iter().chain(&f.outputs));
+    ports.filter_map(|port| Some(port.source.port()?.node))
+}
+
+/// Returns the diagnostic for a flow that is never used.
+#[must_use]
+pub fn unused(span: Span, name: &str) -> Diagnostic {
+    let name = strip_unnamed_calls(name);
+    Diagnostic::new(Code::RPI3101, format!("`{name}` is never used"))
+        .primary(span, "computed here")
+        .help(
+            match name.contains(|c: char| !c.is_alphanumeric() && c != '_') {
+                // A path cannot be declared, so no name is suggested; the label shows which part is the flow's name.
+                true => "delete it, or start its name with `_` to keep it".to_owned(),
+                false => format!("delete it, or rename it to `_{name}` to keep it"),
+            },
+        )
+}

@@ -1,0 +1,187 @@
+//! Parts of matrices: blocks, elements of a block as an array, and selected rows and columns.
+
+use super::matrix::index;
+use crate::aggregates::{Array, Matrix};
+use crate::macros::primitive;
+use crate::registry::Prim;
+use rpi_image::{Scalar, ShapeArgs, ShapeRule, Type};
+
+pub(super) const ALL: &[Prim] = &[BLOCK_GET, BLOCK_SET, ARRAY_GET, ARRAY_SET, SELECT];
+
+primitive! {
+    /// Block of `BlockHeight` rows and `BlockWidth` columns that starts at row `StartRow` and column `StartCol`,
+    /// counted from 0.
+    BLOCK_GET = "Core::MatrixBlockGet";
+    in { inMatrix: Matrix }
+    param { StartRow: i64 = Int(0); StartCol: i64 = Int(0); BlockWidth: i64 = Int(1); BlockHeight: i64 = Int(1) }
+    out { outMatrix: Matrix }
+    shape ShapeRule::Computed(block);
+    presence strict work 36;
+    bulk |cx, _, (start_row, start_col, _, _), (from,), (to,)| {
+        let (top, left) = (index(start_row), index(start_col));
+        to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, top + row, left + col));
+    }
+}
+
+primitive! {
+    /// Matrix with the block at row `StartRow` and column `StartCol`, counted from 0, replaced by `inBlock`. The other
+    /// parameters are not used.
+    BLOCK_SET = "Core::MatrixBlockSet";
+    in { inMatrix: Matrix; inBlock: Matrix }
+    param {
+        Rows: i64 = Int(0);
+        Cols: i64 = Int(0);
+        StartRow: i64 = Int(0);
+        StartCol: i64 = Int(0);
+        BlockWidth: i64 = Int(1);
+        BlockHeight: i64 = Int(1)
+    }
+    out { outMatrix: Matrix }
+    shape ShapeRule::Computed(with_block);
+    presence strict work 36;
+    bulk |cx, _, (_, _, start_row, start_col, _, _), (from, block), (to,)| {
+        to.elements().copy(cx.slots, from.elements(), 0);
+        let (top, left) = (index(start_row), index(start_col));
+        for (row, col) in block.indices() {
+            let value = block.get_or_zero(cx.slots, row, col);
+            to.set(cx.slots, top + row, left + col, value);
+        }
+    }
+}
+
+primitive! {
+    /// Array of the first `Size` elements, row by row, of the block that starts at row `StartRow` and column
+    /// `StartCol`, counted from 0, and is `BlockWidth` columns wide.
+    ARRAY_GET = "Core::MatrixArrayGet";
+    in { inMatrix: Matrix }
+    param { StartRow: i64 = Int(0); StartCol: i64 = Int(0); BlockWidth: i64 = Int(1); Size: i64 = Int(1) }
+    out { outArray: Array<f64> }
+    shape ShapeRule::Computed(row_by_row);
+    presence strict work 16;
+    bulk |cx, _, (start_row, start_col, width, _), (from,), (to,)| {
+        for k in 0..to.len() {
+            let (row, col) = block_index(k, start_row, start_col, width);
+            let value = from.get_or_zero(cx.slots, row, col);
+            to.set(cx.slots, k as i64, value);
+        }
+    }
+}
+
+primitive! {
+    /// Matrix with elements replaced by those of `inArray`, row by row, in the block that starts at row `StartRow` and
+    /// column `StartCol`, counted from 0, and is `BlockWidth` columns wide. `Rows` and `Cols` are not used.
+    ARRAY_SET = "Core::MatrixArraySet";
+    in { inMatrix: Matrix; inArray: Array<f64> = Array(Neutral) }
+    param {
+        Rows: i64 = Int(0);
+        Cols: i64 = Int(0);
+        StartRow: i64 = Int(0);
+        StartCol: i64 = Int(0);
+        BlockWidth: i64 = Int(1)
+    }
+    out { outMatrix: Matrix }
+    shape ShapeRule::Computed(with_array);
+    presence strict work 36;
+    bulk |cx, _, (_, _, start_row, start_col, width), (from, array), (to,)| {
+        to.elements().copy(cx.slots, from.elements(), 0);
+        for k in 0..array.len() {
+            let (row, col) = block_index(k, start_row, start_col, width);
+            let value = array.get(cx.slots, k as i64).unwrap_or(0.0);
+            to.set(cx.slots, row, col, value);
+        }
+    }
+}
+
+primitive! {
+    /// Rows and columns with the given indices, counted from 0, in the given order. An empty list selects all.
+    /// `RowDimension` and `ColumnDimension` are not used.
+    SELECT = "Core::MatrixSelect";
+    in { inMatrix: Matrix }
+    param {
+        RowDimension: i64 = Int(0);
+        ColumnDimension: i64 = Int(0);
+        SelectedRows: Array<i64> = Neutral;
+        SelectedCols: Array<i64> = Neutral
+    }
+    out { outMatrix: Matrix }
+    shape ShapeRule::Computed(selection);
+    presence strict work 36;
+    bulk |cx, _, (_, _, rows, cols), (from,), (to,)| {
+        to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, nth_index(cells, rows, row), nth_index(cells, cols, col)));
+    }
+}
+
+/// Returns the `k`-th index of a list; `k` itself if the list is empty.
+fn nth_index(cells: &[u64], list: Array<i64>, k: usize) -> usize {
+    if list.is_empty() {
+        k
+    } else {
+        list.get(cells, k as i64).map_or(usize::MAX, index)
+    }
+}
+
+/// Returns row and column of the `k`-th element of a block, row by row.
+fn block_index(k: usize, start_row: i64, start_col: i64, width: i64) -> (usize, usize) {
+    let width = index(width.max(1));
+    (index(start_row) + k / width, index(start_col) + k % width)
+}
+
+/// Returns whether a block lies inside matrix input 0.
+fn inside(
+    args: &ShapeArgs<'_>,
+    row: Option<u32>,
+    col: Option<u32>,
+    height: u32,
+    width: u32,
+) -> bool {
+    let ends = |start: Option<u32>, len, size| {
+        start
+            .and_then(|s: u32| s.checked_add(len))
+            .is_some_and(|end| end <= size)
+    };
+    args.shape(0)
+        .is_some_and(|(rows, cols)| ends(row, height, rows) && ends(col, width, cols))
+}
+
+fn block(args: &ShapeArgs<'_>) -> Option<Type> {
+    let (width, height) = (args.size(2)?, args.size(3)?);
+    inside(args, args.size(0), args.size(1), height, width).then_some(Type::Matrix(height, width))
+}
+
+fn with_block(args: &ShapeArgs<'_>) -> Option<Type> {
+    let (height, width) = args.shape(1)?;
+    inside(args, args.size(2), args.size(3), height, width).then_some(*args.inputs.first()?)?
+}
+
+fn row_by_row(args: &ShapeArgs<'_>) -> Option<Type> {
+    let (width, size) = (args.size(2)?.max(1), args.size(3)?);
+    let height = size.div_ceil(width);
+    inside(args, args.size(0), args.size(1), height, width)
+        .then_some(Type::Array(Scalar::Real, size))
+}
+
+fn with_array(args: &ShapeArgs<'_>) -> Option<Type> {
+    let width = args.size(4)?.max(1);
+    let height = args.len(1)?.div_ceil(width);
+    inside(args, args.size(2), args.size(3), height, width).then_some(*args.inputs.first()?)?
+}
+
+fn selection(args: &ShapeArgs<'_>) -> Option<Type> {
+    let (rows, cols) = args.shape(0)?;
+    Some(Type::Matrix(
+        selected(args, 2, rows)?,
+        selected(args, 3, cols)?,
+    ))
+}
+
+/// Returns the number of rows or columns (out of `size`) that a parameter selects; `None` if an index is out of range.
+fn selected(args: &ShapeArgs<'_>, param: usize, size: u32) -> Option<u32> {
+    let list = args.params.get(param)?.slots();
+    let fits = list.iter().all(|&i| i < u64::from(size));
+    let count = if list.is_empty() {
+        size
+    } else {
+        u32::try_from(list.len()).ok()?
+    };
+    fits.then_some(count)
+}

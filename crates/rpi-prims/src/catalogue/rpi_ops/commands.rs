@@ -1,0 +1,70 @@
+//! Flows that the core provides to a command, and checks that end the command.
+
+use crate::context::{Context, FaultCode};
+use crate::macros::{interface, primitive};
+use crate::registry::Prim;
+use rpi_image::{CommandFlow, Role};
+
+pub(in crate::catalogue) const ALL: &[Prim] =
+    &[FIRST, TIME, PREDECESSOR, ASSERT, ASSERT_INDEX, ASSUME];
+
+interface! {
+    /// True in the first cycle in which the enclosing fragment is active, and again in the first cycle after its reset.
+    FIRST = "Rpi::First";
+    in {}
+    out { outValue: bool }
+    presence always work 1;
+    role Role::First
+}
+
+interface! {
+    /// Time since the first cycle of the command, in s; 0 in the first cycle.
+    TIME = "Rpi::Time";
+    in {}
+    out { outValue: f64 }
+    presence always work 0;
+    role Role::Flow(CommandFlow::Time)
+}
+
+interface! {
+    /// Identity of the result with which the preceding command ended; absent if there is no preceding command.
+    PREDECESSOR = "Rpi::Predecessor";
+    in {}
+    out { outValue: i64 }
+    presence maybe work 0;
+    role Role::Flow(CommandFlow::Predecessor)
+}
+
+primitive! {
+    /// Outputs the value. A fault ends the command if the value is false.
+    ASSERT = "Rpi::Assert";
+    in { inValue: bool }
+    out { outValue: bool }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (holds,)| fault_unless(cx, place, holds, FaultCode::AssertionFailed)
+}
+
+primitive! {
+    /// Outputs the value, which is the result of an index check. A fault ends the command if the value is false.
+    ASSERT_INDEX = "Rpi::AssertIndex";
+    in { inValue: bool }
+    out { outValue: bool }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (holds,)| fault_unless(cx, place, holds, FaultCode::IndexOutOfRange)
+}
+
+primitive! {
+    /// Outputs the value. A fault ends the command if the value is false. The prover assumes that the value is true.
+    ASSUME = "Rpi::Assume";
+    in { inValue: bool }
+    out { outValue: bool }
+    presence strict work 1 faults;
+    full |cx, place, _, _, (holds,)| fault_unless(cx, place, holds, FaultCode::AssertionFailed)
+}
+
+fn fault_unless(cx: &mut Context<'_>, place: u32, holds: bool, otherwise: FaultCode) -> (bool,) {
+    if !holds {
+        cx.fault(otherwise, place);
+    }
+    (holds,)
+}

@@ -1,0 +1,14 @@
+//! Primitives of the language beyond those of the reference system, in the namespace `Rpi`.
+
+pub(super) mod commands;
+mod devices;
+pub(super) mod guarded;
+pub(super) mod int;
+pub(super) mod logic;
+pub(super) mod machine_int;
+pub(super) mod per_type;
+pub(super) mod profile;
+pub(super) mod real;
+pub(super) mod spatial;
+pub(super) mod state_to_rest;
+pub(super) mod ticks;

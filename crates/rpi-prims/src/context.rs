@@ -1,0 +1,134 @@
+//! Execution context of a primitive: memory, clocks, devices and faults.
+
+use core::cmp::Ordering;
+use rpi_device::DeviceBank;
+
+/// Clocks of one cycle, equal for all primitives.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CycleTime {
+    /// Period, s.
+    pub dt: f64,
+    /// Length of a tick, ns: the unit of values of type `time`.
+    pub tick_ns: u64,
+    /// Period in ticks.
+    pub period_ticks: u64,
+    /// Number of the cycle of the command, from 0.
+    pub cycle_index: u64,
+    /// Logical time of the cycle, ns since the Unix epoch.
+    pub net_ns: i64,
+    /// Time of the system clock at the start of the cycle, ns since the Unix epoch.
+    pub wall_ns: i64,
+}
+
+impl CycleTime {
+    /// Returns the duration of `ticks` in s, as the nearest real.
+    #[must_use]
+    pub fn seconds(&self, ticks: i64) -> f64 {
+        seconds(ticks, self.tick_ns)
+    }
+
+    /// Returns the smallest whole number of ticks that is not shorter than `seconds`. `None` for not-a-number and for
+    /// values out of the 64-bit range.
+    #[must_use]
+    pub fn whole_ticks(&self, seconds: f64) -> Option<i64> {
+        checked_whole_ticks(seconds, self.tick_ns)
+    }
+}
+
+/// Returns the smallest whole number of ticks of `tick_ns` nanoseconds that is not shorter than `seconds`. Values out
+/// of the 64-bit range saturate: `1e300[s]` means never. Not-a-number becomes 0.
+#[must_use]
+pub fn whole_ticks(seconds: f64, tick_ns: u64) -> i64 {
+    let ends = match seconds.partial_cmp(&0.0) {
+        Some(Ordering::Greater) => i64::MAX,
+        Some(Ordering::Less) => i64::MIN,
+        _ => 0,
+    };
+    checked_whole_ticks(seconds, tick_ns).unwrap_or(ends)
+}
+
+fn checked_whole_ticks(seconds: f64, tick_ns: u64) -> Option<i64> {
+    /// Largest time, ns, at which a real resolves fractions of 1 ns (2^53). Above it, the quotient cannot be improved.
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    /// Largest real below 2^63.
+    const MOST: f64 = 9_223_372_036_854_774_784.0;
+    let about = libm::floor(seconds * 1e9 / tick_ns as f64);
+    if !(-MOST..=MOST).contains(&about) {
+        return None;
+    }
+    let about = about as i64;
+    if libm::fabs(seconds * 1e9) > EXACT {
+        return Some(about);
+    }
+    // The quotient is rounded: 1.1 s are 11 ticks of 100 ms, although 1.1 / 0.1 is above 11. So the neighbours are
+    // tested.
+    let takes = |ticks: &i64| self::seconds(*ticks, tick_ns) >= seconds;
+    (about.saturating_sub(2)..=about.saturating_add(2)).find(takes)
+}
+
+/// Returns the duration of `ticks` of `tick_ns` nanoseconds in s. The result is the real nearest to the decimal number
+/// of seconds.
+#[must_use]
+pub fn seconds(ticks: i64, tick_ns: u64) -> f64 {
+    ticks as f64 * tick_ns as f64 / 1e9
+}
+
+/// Cause of a fault of a cycle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum FaultCode {
+    /// Integer result out of the 64-bit range.
+    IntegerOverflow,
+    /// Integer division or remainder by zero.
+    DivisionByZero,
+    /// Conversion of a real to an integer: not a number, infinite or out of range.
+    LossyConversion,
+    /// Array or matrix index out of range.
+    IndexOutOfRange,
+    /// Array lengths or matrix shapes that do not match.
+    ShapeMismatch,
+    /// Two writers of one resource in the same cycle.
+    ConcurrentAccess,
+    /// Missing sample of a sensor that must always have one.
+    MissingSample,
+    /// Rejected set-point or failed device.
+    DeviceFailed,
+    /// No set-point for a moving resource; the resource was stopped.
+    SetPointMissing,
+    /// First set-point after a switch that does not continue the previous ones within the limits of the device.
+    Discontinuity,
+    /// False assertion or contract.
+    AssertionFailed,
+    /// Value outside its declared subrange.
+    OutsideSubrange,
+    /// Emergency stop requested by the command.
+    EmergencyStop,
+}
+
+/// First fault of a cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Fault {
+    /// Cause of the fault.
+    pub code: FaultCode,
+    /// First output slot of the primitive that raised the fault. The image maps it to a source location.
+    pub slot: u32,
+}
+
+/// Execution context of a primitive: memory, clocks and devices for one call.
+pub struct Context<'a> {
+    /// All memory slots of the command.
+    pub slots: &'a mut [u64],
+    /// Clocks of the cycle.
+    pub time: CycleTime,
+    /// Devices of the robot cell.
+    pub devices: &'a mut dyn DeviceBank,
+    /// First fault of the cycle.
+    pub fault: Option<Fault>,
+}
+
+impl Context<'_> {
+    /// Records a fault, unless the cycle already has one. The cycle continues, and its set-points are discarded.
+    #[cold]
+    pub fn fault(&mut self, code: FaultCode, cell: u32) {
+        self.fault.get_or_insert(Fault { code, slot: cell });
+    }
+}

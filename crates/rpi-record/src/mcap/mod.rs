@@ -1,0 +1,39 @@
+//! Recordings of everything a control core did: MCAP files that viewers can open and that can be replayed.
+//!
+//! ```text
+//! cycle thread: Taped devices, Watcher -> tape (bounded ring, losses are counted) -> Scribe (a thread) -> MCAP
+//! host:         requests before they are sent, events as they arrive -----------------^
+//! ```
+//! | in the file | content |
+//! |---|---|
+//! | `/command/NAME` | exported flows of a command in each cycle, JSON |
+//! | `/sensors/DEVICE`, `/set_points/DEVICE` | values that commands read from a device and set-points that they wrote to it, JSON |
+//! | `/device/DEVICE` | state of a device after each tick, JSON |
+//! | `/events` | starts, ends, takeovers, faults, answers to requests, lost ticks, JSON |
+//! | `/rpi/requests` | requests to the core, JSON |
+//! | `/rpi/tape` | the [tape](rpi_runtime::tape): bit-exact log of each tick |
+//! | attachments | cell description, source of the program, images |
+//! | metadata `rpi`, `rpi-end` | tick length, policy, program; number of ticks written and lost |
+//!
+//! [`rerun()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the tape,
+//! and compares every flow, set-point and event. This module must not depend on the compiler.
+
+mod checksum;
+mod error;
+mod event_json;
+mod mcap_file;
+mod names;
+mod reader;
+mod recorder;
+mod replay;
+mod replay_report;
+mod request_json;
+mod value_json;
+mod writer;
+
+pub use error::RecordingError;
+pub use mcap_file::Output;
+pub use reader::Recording;
+pub use recorder::{Recorder, RecordingOptions, RunSources, record};
+pub use replay::replay;
+pub use replay_report::{Difference, ReplayReport};

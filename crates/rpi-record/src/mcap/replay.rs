@@ -1,0 +1,331 @@
+//! Replays a recording: the same requests in the same ticks, with the tape in place of the devices.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use rpi_core::{CommandId, Notice};
+use rpi_sim::SimBank;
+use serde_json::Value;
+
+use super::error::RecordingError;
+use super::event_json;
+use super::names::NameTable;
+use super::reader::Recording;
+use super::replay_report::{Difference, ReplayReport};
+use super::request_json::RequestDecoder;
+use rpi_runtime::control::{
+    Event, Executive, Options, RawControl, Request, Ticket, open_for_replay,
+};
+use rpi_runtime::run::FlowProbe;
+use rpi_runtime::tick_log::{
+    EntryKind, LogEntry, LoggedTick, Mismatch, ReplayBank, decode_entries,
+};
+
+/// Replays a recording and compares every flow, set-point and event, up to the first difference.
+///
+/// # Errors
+/// Returns an error if the recording is not complete enough to be replayed.
+pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
+    let mut stage = ReplayRun::new(recording)?;
+    stage.report.lost = recording.lost;
+    for words in &recording.ticks {
+        let tick = LoggedTick::from_words(words);
+        let tick =
+            tick.ok_or_else(|| RecordingError::Damaged("invalid tick on the tape".into()))?;
+        let unknown = stage.report.devices.is_some_and(|from| tick.number >= from);
+        if tick.lost > 0 || unknown || stage.report.difference.is_some() {
+            break;
+        }
+        stage.tick(&tick);
+    }
+    if stage.report.agrees() {
+        stage.check_missing_events();
+    }
+    Ok(stage.report)
+}
+
+/// A replay in progress.
+struct ReplayRun<'a> {
+    executive: Executive<ReplayBank>,
+    control: RawControl<()>,
+    /// Requests by the tick that carries them out, in recorded order.
+    requests: BTreeMap<u64, Vec<(Ticket, Request<()>)>>,
+    sights: FlowProbe,
+    names: NameTable,
+    /// Recorded events that the replay has not produced yet.
+    expected: VecDeque<&'a Value>,
+    latest: u64,
+    report: ReplayReport,
+}
+
+impl<'a> ReplayRun<'a> {
+    fn new(recording: &'a Recording) -> Result<ReplayRun<'a>, RecordingError> {
+        let mut names = NameTable::new(&recording.cell, recording.tick_ns);
+        let devices = first_device_change(recording);
+        let requests = requests(recording, devices.unwrap_or(u64::MAX), &mut names)?;
+        let most = recording.requests.len() + 1;
+        let places = recording
+            .requests
+            .iter()
+            .filter_map(|r| r["command"].as_u64());
+        let places = places
+            .map(|number| CommandId::from_number(number).slot() + 1)
+            .max();
+        let options = Options {
+            tick_ns: recording.tick_ns,
+            continuity: recording.continuity,
+            requests: most.max(Options::default().requests),
+            commands: places.unwrap_or(0).max(Options::default().commands),
+            ..Options::default()
+        };
+        let player = ReplayBank::new(recording.cell.devices.len());
+        let (control, executive) = open_for_replay(player, options);
+        Ok(ReplayRun {
+            executive,
+            control,
+            requests,
+            sights: FlowProbe::new(&recording.images),
+            names,
+            expected: recording
+                .events
+                .iter()
+                .filter(|e| is_core_event(e))
+                .collect(),
+            latest: 0,
+            report: ReplayReport {
+                devices,
+                ..ReplayReport::default()
+            },
+        })
+    }
+
+    fn tick(&mut self, tick: &LoggedTick<'_>) {
+        for request in self.requests.remove(&tick.number).unwrap_or_default() {
+            // The queue has room: its capacity is at least the number of recorded requests.
+            self.control.request(request.0, request.1);
+        }
+        self.executive.plant().load_tick(tick.exchange);
+        self.apply_halts();
+        if tick.ticked {
+            self.sights.begin();
+            self.executive.tick(tick.wall_ns, &mut self.sights);
+            self.apply_halts();
+            self.report.ticks += 1;
+        }
+        let writes = decode_entries(tick.exchange).filter(|e| e.kind == EntryKind::Write);
+        self.report.values += writes.count() as u64;
+        let difference = self.executive.plant().mismatch();
+        let difference = difference.map(|mismatch| self.exchange_difference(tick.number, mismatch));
+        let difference = difference.or_else(|| self.compare_flows(tick));
+        let difference = difference.or_else(|| self.compare_events(tick.number));
+        self.report.difference = difference;
+        self.control.free();
+    }
+
+    fn apply_halts(&mut self) {
+        while let Some(late) = self.executive.plant().take_overrun() {
+            // If the overrun policy stops all commands, the tape has a halt entry next, which is handled below.
+            self.executive.attribute_overrun(&late);
+        }
+        while let Some(why) = self.executive.plant().take_halt() {
+            self.executive.halt(why);
+        }
+    }
+
+    /// Compares the flows of a tick with the recording.
+    fn compare_flows(&mut self, tick: &LoggedTick<'_>) -> Option<Difference> {
+        let recorded = decode_entries(tick.observations).filter(|e| e.kind == EntryKind::Flow);
+        let mut now = decode_entries(self.sights.stage().words().unwrap_or(&[]));
+        for recorded in recorded {
+            self.report.values += 1;
+            let same = now.next();
+            if same.as_ref() != Some(&recorded) {
+                return Some(self.flow_difference(tick.number, &recorded, same.as_ref()));
+            }
+        }
+        None
+    }
+
+    fn flow_difference(
+        &self,
+        tick: u64,
+        recorded: &LogEntry<'_>,
+        now: Option<&LogEntry<'_>>,
+    ) -> Difference {
+        let command = recorded.words.first().copied().unwrap_or(0);
+        let named = self.names.flow_name(command, recorded.key);
+        let text = |entry: &LogEntry<'_>| {
+            let cells = entry.words.get(1..).unwrap_or(&[]);
+            named.map_or_else(String::new, |n| {
+                n.value_to_json(entry.flag.then_some(cells))
+            })
+        };
+        let same_flow = |e: &&LogEntry<'_>| {
+            (e.kind, e.key, e.words.first())
+                == (EntryKind::Flow, recorded.key, recorded.words.first())
+        };
+        Difference {
+            tick,
+            of: named.map_or_else(|| format!("command {command}"), |n| n.owner.clone()),
+            what: named.map_or_else(|| format!("flow {}", recorded.key), |n| n.name.clone()),
+            recorded: text(recorded),
+            now: now
+                .filter(same_flow)
+                .map_or_else(|| "the command does not run".to_owned(), text),
+        }
+    }
+
+    fn exchange_difference(&self, tick: u64, mismatch: Mismatch) -> Difference {
+        let port = |number: u32| self.names.port_name(number);
+        let say = |kind: EntryKind, key: u32| format!("{kind:?} of {key}").to_lowercase();
+        let told = |of: Option<u32>, what: String, recorded: String, now: String| Difference {
+            tick,
+            of: of
+                .and_then(port)
+                .map_or_else(|| "the core".to_owned(), |n| n.owner.clone()),
+            what,
+            recorded,
+            now,
+        };
+        match mismatch {
+            Mismatch::SetPoint {
+                port: number,
+                recorded,
+                now,
+            } => {
+                let named = port(number);
+                let text = |cells: &[u64]| {
+                    named.map_or_else(String::new, |n| n.value_to_json(Some(cells)))
+                };
+                let what = named.map_or_else(String::new, |n| format!("set-point {}", n.name));
+                told(Some(number), what, text(&recorded), text(&now))
+            }
+            Mismatch::UnexpectedAccess { recorded, now } => {
+                let recorded =
+                    recorded.map_or_else(|| "nothing more".into(), |(k, key)| say(k, key));
+                told(
+                    None,
+                    "the next device access".into(),
+                    recorded,
+                    say(now.0, now.1),
+                )
+            }
+            Mismatch::MissingAccess(kind, key) => told(
+                None,
+                "the next device access".into(),
+                say(kind, key),
+                "nothing more".into(),
+            ),
+        }
+    }
+
+    /// Compares the events of a tick with the next recorded events.
+    fn compare_events(&mut self, tick: u64) -> Option<Difference> {
+        while let Some(event) = self.control.poll() {
+            if matches!(event, Event::Notice(Notice::Started { .. })) {
+                self.report.commands += 1;
+            }
+            self.latest = event_json::event_tick(&event).unwrap_or(self.latest);
+            let now = event_json::encode_event(&event, self.latest, &self.names);
+            let recorded = self.expected.pop_front();
+            self.report.events += 1;
+            if !recorded.is_some_and(|recorded| events_match(recorded, &now)) {
+                let recorded = recorded.map_or_else(|| "nothing".to_owned(), Value::to_string);
+                return Some(Difference {
+                    tick,
+                    of: "the core".to_owned(),
+                    what: "an event".to_owned(),
+                    recorded,
+                    now: now.to_string(),
+                });
+            }
+        }
+        None
+    }
+
+    /// Reports a difference if a recorded event was not produced.
+    fn check_missing_events(&mut self) {
+        if let Some(missing) = self.expected.pop_front() {
+            self.report.difference = Some(Difference {
+                tick: self.executive.now(),
+                of: "the core".to_owned(),
+                what: "an event".to_owned(),
+                recorded: missing.to_string(),
+                now: "nothing".to_owned(),
+            });
+        }
+    }
+}
+
+/// Returns true for events of the core, false for events that the host or the writer added.
+fn is_core_event(event: &Value) -> bool {
+    let own = ["freed", "lost", "overrun"];
+    !own.iter().any(|own| event["event"] == *own)
+}
+
+/// Compares two events.
+///
+/// Events without a tick of their own carry the tick of an earlier event, which depends on timing, so it is ignored.
+fn events_match(recorded: &Value, now: &Value) -> bool {
+    let fields = now.as_object().into_iter().flatten();
+    let told = ["answer", "started", "ended", "braked", "device"];
+    let told = told.iter().any(|e| now["event"] == *e);
+    let mut fields = fields.filter(|(key, _)| told || *key != "tick");
+    fields.all(|(key, value)| recorded[key] == *value)
+}
+
+/// Requests by tick, in the order in which they were carried out.
+type RequestsByTick = BTreeMap<u64, Vec<(Ticket, Request<()>)>>;
+
+/// Returns ticket and tick of each recorded answer.
+fn answers(recording: &Recording) -> impl Iterator<Item = Result<(u64, u64), RecordingError>> {
+    let answers = recording.events.iter().filter(|e| e["event"] == "answer");
+    answers.map(|answer| {
+        let told = answer["ticket"].as_u64().zip(answer["tick"].as_u64());
+        told.ok_or_else(|| RecordingError::Damaged(format!("invalid answer: {answer}")))
+    })
+}
+
+/// Returns the first tick in which a device was inserted or removed. The recording does not identify the device.
+fn first_device_change(recording: &Recording) -> Option<u64> {
+    let changes = recording.requests.iter().filter(|r| r["ask"] == "device");
+    let tickets: BTreeSet<u64> = changes.filter_map(|r| r["ticket"].as_u64()).collect();
+    let mut answers = answers(recording).flatten();
+    answers
+        .find(|(ticket, _)| tickets.contains(ticket))
+        .map(|(_, tick)| tick)
+}
+
+/// Returns the requests that were carried out before tick `until`.
+fn requests(
+    recording: &Recording,
+    until: u64,
+    names: &mut NameTable,
+) -> Result<RequestsByTick, RecordingError> {
+    let mut bank = SimBank::new(&recording.cell, recording.tick_ns as f64 * 1e-9);
+    let mut maker = RequestDecoder {
+        images: &recording.images,
+        bank: &mut bank,
+        continuity: recording.continuity,
+    };
+    let asked = recording.requests.iter();
+    let asked: BTreeMap<u64, &Value> = asked
+        .filter_map(|object| Some((object["ticket"].as_u64()?, object)))
+        .collect();
+    let mut by_tick = RequestsByTick::new();
+    for answer in answers(recording) {
+        let (ticket, tick) = answer?;
+        if tick >= until {
+            break;
+        }
+        let object = asked.get(&ticket);
+        let object = object.ok_or_else(|| RecordingError::Missing(format!("request {ticket}")))?;
+        let request = maker.decode(object);
+        let request =
+            request.ok_or_else(|| RecordingError::Damaged(format!("invalid request: {object}")))?;
+        if let Request::Insert(id, command, _) = &request.1 {
+            names.insert_command(*id, command.instance().image());
+        }
+        by_tick.entry(tick).or_default().push(request);
+    }
+    Ok(by_tick)
+}

@@ -1,0 +1,106 @@
+//! Report on the replay of a recording.
+
+use std::fmt;
+
+use rpi_words::with_noun;
+use serde::Serialize;
+
+/// Result of replaying a recording.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Serialize)]
+pub struct ReplayReport {
+    /// Number of ticks that were replayed.
+    pub ticks: u64,
+    /// Number of commands that were started.
+    pub commands: u64,
+    /// Number of values of flows, set-points and ports that were compared.
+    pub values: u64,
+    /// Number of events that were compared.
+    pub events: u64,
+    /// Number of ticks that the recording has lost. Lost ticks, and everything after the first of them, cannot be
+    /// replayed.
+    pub lost: u64,
+    /// First tick in which a device was inserted or removed. The replay ends there, because the recording does not
+    /// identify the device.
+    pub devices: Option<u64>,
+    /// First difference from the recording.
+    pub difference: Option<Difference>,
+}
+
+/// A difference between the recording and its replay.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct Difference {
+    /// Tick of the difference.
+    pub tick: u64,
+    /// Name of the command or device.
+    pub of: String,
+    /// Name of the flow, port or event.
+    pub what: String,
+    /// Recorded value.
+    pub recorded: String,
+    /// Value in the replay.
+    pub now: String,
+}
+
+impl ReplayReport {
+    /// Returns true if the recording is complete and the replay had no difference.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        self.difference.is_none() && self.lost == 0 && self.devices.is_none()
+    }
+
+    /// Returns the report as one indented JSON object.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // Serialising strings and numbers cannot fail.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
+impl fmt::Display for ReplayReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ReplayReport {
+            ticks,
+            commands,
+            values,
+            events,
+            ..
+        } = self;
+        let told = [
+            with_noun(ticks, "tick"),
+            with_noun(commands, "command"),
+            with_noun(values, "value"),
+            with_noun(events, "event"),
+        ];
+        writeln!(f, "{}", told.join(", "))?;
+        if self.lost > 0 {
+            writeln!(
+                f,
+                "the recording has lost {}: later ticks are not replayed",
+                with_noun(self.lost, "tick")
+            )?;
+        }
+        if let Some(tick) = self.devices {
+            writeln!(
+                f,
+                "a device was inserted or removed in tick {tick}: later ticks are not replayed"
+            )?;
+        }
+        match &self.difference {
+            Some(difference) => write!(f, "{difference}"),
+            None if !self.agrees() => writeln!(f, "the same bits up to there"),
+            None => writeln!(f, "the same bits throughout"),
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "DIFFERENT from tick {} on: {} of {}",
+            self.tick, self.what, self.of
+        )?;
+        writeln!(f, "  recorded  {}", self.recorded)?;
+        writeln!(f, "  now       {}", self.now)
+    }
+}

@@ -1,0 +1,201 @@
+//! Trace in memory. The rows are ranges of one text buffer.
+
+use std::collections::BTreeMap;
+use std::io::{ErrorKind, Read};
+use std::ops::Range;
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+use super::{FileReadError, TraceError, csv, tsv};
+
+/// Index of a port in a [`Trace`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct TracePortId(pub u32);
+
+/// Recorded value of one port in one cycle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TraceRow {
+    /// The recorded port.
+    pub port: TracePortId,
+    start: u32,
+    end: u32,
+}
+
+/// Rows recorded in one cycle.
+#[derive(Clone, Debug, Default)]
+pub struct TraceCycle {
+    /// True if every out-port of the net was recorded. An out-port without a row was then absent.
+    pub complete: bool,
+    /// Rows in the order of the file.
+    pub rows: Vec<TraceRow>,
+}
+
+/// A recorded trace.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// Clock of the net in its first cycle, milliseconds since the Unix epoch.
+    pub start_ms: Option<i64>,
+    names: Vec<String>,
+    index: BTreeMap<String, TracePortId>,
+    /// Ports that were recorded in every cycle of the given range. A port without a row in such a cycle was absent.
+    listed: BTreeMap<TracePortId, Range<u64>>,
+    cycles: BTreeMap<u64, TraceCycle>,
+    text: String,
+}
+
+impl Trace {
+    /// Reads a trace file in either format, plain or compressed with gzip.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be opened or decompressed, or if a line is invalid.
+    pub fn read(path: &Path) -> Result<Trace, FileReadError> {
+        let text = read_text(path)?;
+        Trace::parse(&text).map_err(|e| FileReadError {
+            path: path.to_owned(),
+            line: Some(e.line),
+            message: e.message,
+        })
+    }
+
+    /// Parses the text of a trace. The first line determines the format.
+    ///
+    /// # Errors
+    /// Returns an error that names the first invalid line.
+    pub fn parse(text: &str) -> Result<Trace, TraceError> {
+        let first = text.lines().next().unwrap_or("");
+        if first.starts_with(csv::HEADER) {
+            csv::parse(text)
+        } else {
+            tsv::parse(text)
+        }
+    }
+
+    /// Adds the rows of another recording of the same run.
+    #[must_use]
+    pub fn merged_with(mut self, other: &Trace) -> Trace {
+        self.start_ms = self.start_ms.or(other.start_ms);
+        for (&number, cycle) in &other.cycles {
+            self.cycle(number).complete |= cycle.complete;
+            for &row in &cycle.rows {
+                self.push_row(number, other.name(row.port), other.value(row));
+            }
+        }
+        for (&port, range) in &other.listed {
+            let port = self.port(other.name(port));
+            self.listed.insert(port, range.clone());
+        }
+        self
+    }
+
+    /// Returns the path of a port, `fragment/primitive.port`.
+    #[must_use]
+    pub fn name(&self, port: TracePortId) -> &str {
+        &self.names[port.0 as usize]
+    }
+
+    /// Iterates over all ports with at least one row, in order of appearance.
+    pub fn ports(&self) -> impl Iterator<Item = (TracePortId, &str)> {
+        let ids = (0..).map(TracePortId);
+        ids.zip(self.names.iter().map(String::as_str))
+    }
+
+    /// Returns the port with this path if it has at least one row.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<TracePortId> {
+        self.index.get(name).copied()
+    }
+
+    /// Returns the text of a recorded value.
+    #[must_use]
+    pub fn value(&self, row: TraceRow) -> &str {
+        &self.text[row.start as usize..row.end as usize]
+    }
+
+    /// Iterates over the recorded cycles with their numbers, from 1.
+    pub fn cycles(&self) -> impl Iterator<Item = (u64, &TraceCycle)> {
+        self.cycles.iter().map(|(&number, cycle)| (number, cycle))
+    }
+
+    /// Returns the rows recorded in the cycle with this number.
+    #[must_use]
+    pub fn cycle_at(&self, number: u64) -> Option<&TraceCycle> {
+        self.cycles.get(&number)
+    }
+
+    /// Returns the number of the last recorded cycle; 0 for an empty trace.
+    #[must_use]
+    pub fn last_cycle(&self) -> u64 {
+        self.cycles.keys().next_back().copied().unwrap_or(0)
+    }
+
+    /// Returns true if a missing row of this port in this cycle means that the port was absent.
+    #[must_use]
+    pub fn is_recorded(&self, port: TracePortId, number: u64) -> bool {
+        self.listed.get(&port).is_some_and(|r| r.contains(&number))
+    }
+
+    /// Adds a row to a cycle.
+    pub(super) fn push_row(&mut self, number: u64, name: &str, value: &str) {
+        let start = self.offset();
+        self.text.push_str(value);
+        let end = self.offset();
+        let port = self.port(name);
+        self.cycle(number).rows.push(TraceRow { port, start, end });
+    }
+
+    pub(super) fn cycle(&mut self, number: u64) -> &mut TraceCycle {
+        self.cycles.entry(number).or_default()
+    }
+
+    /// Marks every port with a row as recorded in all cycles up to the last one.
+    pub(super) fn mark_all_listed(&mut self) {
+        let range = 1..self.last_cycle() + 1;
+        self.listed = self.ports().map(|(id, _)| (id, range.clone())).collect();
+    }
+
+    /// Marks every cycle as complete: all out-ports were recorded.
+    pub(super) fn mark_all_complete(&mut self) {
+        for cycle in self.cycles.values_mut() {
+            cycle.complete = true;
+        }
+    }
+
+    fn port(&mut self, name: &str) -> TracePortId {
+        if let Some(id) = self.find(name) {
+            return id;
+        }
+        let id = TracePortId(u32::try_from(self.names.len()).unwrap_or(u32::MAX));
+        self.names.push(name.to_owned());
+        self.index.insert(name.to_owned(), id);
+        id
+    }
+
+    fn offset(&self) -> u32 {
+        u32::try_from(self.text.len()).unwrap_or(u32::MAX)
+    }
+}
+
+/// Reads a text file. The file is decompressed if it starts with the magic number of gzip (RFC 1952, section 2.3.1).
+///
+/// # Errors
+/// Returns an error if the file cannot be read or decompressed, or is not UTF-8 text.
+pub fn read_text(path: &Path) -> Result<String, FileReadError> {
+    let failed = |e: std::io::Error| FileReadError {
+        path: path.to_owned(),
+        line: None,
+        message: match e.kind() {
+            ErrorKind::InvalidData => "this is not a text file (invalid UTF-8)".to_owned(),
+            _ => e.to_string(),
+        },
+    };
+    let bytes = std::fs::read(path).map_err(failed)?;
+    let mut text = String::new();
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        MultiGzDecoder::new(bytes.as_slice()).read_to_string(&mut text)
+    } else {
+        bytes.as_slice().read_to_string(&mut text)
+    }
+    .map_err(failed)?;
+    Ok(text)
+}

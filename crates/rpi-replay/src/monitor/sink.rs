@@ -1,0 +1,166 @@
+//! Monitoring of claims during a run. It works on the samples sent by the cycle, so the cycle only computes and
+//! publishes the claims.
+
+use rpi_diag::Diagnostic;
+use rpi_image::Type;
+use rpi_net::Claim;
+
+use super::{ClaimMonitor, ClaimViolation, ExportValues};
+use crate::faults::Faults;
+use rpi_runtime::run::{Channel, CommandEnd, Outcome, RunEnd, Sink};
+
+/// Sink that monitors the claims of the commands of a run.
+#[derive(Debug)]
+pub struct ClaimMonitorSink {
+    commands: Vec<MonitoredCommand>,
+    /// For each channel, the indices of its command and of its flow in the command.
+    channel_owners: Vec<Option<(usize, usize)>>,
+}
+
+#[derive(Debug)]
+struct MonitoredCommand {
+    name: String,
+    claims: Vec<Claim>,
+    watch: ClaimMonitor,
+    /// Values of the current tick.
+    row: SampleRow,
+    tick: Option<u64>,
+    violations: Vec<(u64, ClaimViolation)>,
+}
+
+#[derive(Debug, Default)]
+struct SampleRow(Vec<Option<Vec<u64>>>);
+
+impl ExportValues for SampleRow {
+    fn words(&self, export: usize) -> Option<&[u64]> {
+        self.0[export].as_deref()
+    }
+}
+
+impl ClaimMonitorSink {
+    /// Creates a sink for commands with their names and claims.
+    #[must_use]
+    pub fn new<'n>(commands: impl Iterator<Item = (&'n str, &'n [Claim])>) -> ClaimMonitorSink {
+        let watched = |(name, claims): (&str, &[Claim])| MonitoredCommand {
+            name: name.to_owned(),
+            claims: claims.to_vec(),
+            watch: ClaimMonitor::new(&[], |_| None),
+            row: SampleRow::default(),
+            tick: None,
+            violations: Vec::new(),
+        };
+        ClaimMonitorSink {
+            commands: commands.map(watched).collect(),
+            channel_owners: Vec::new(),
+        }
+    }
+
+    /// Returns the diagnostics of all violated claims and a summary, after the end of a run. A violation that ended a
+    /// command with a fault is merged into the diagnostic of that fault in `faults`.
+    #[must_use]
+    pub fn into_diagnostics(
+        mut self,
+        outcome: &mut Outcome,
+        faults: &mut Faults,
+    ) -> (Vec<Diagnostic>, String) {
+        let (mut diagnostics, mut summary) = (Vec::new(), String::new());
+        let seconds = outcome.tick_ns as f64 * 1e-9;
+        let is_alone = outcome.commands.len() == 1;
+        for command in &mut self.commands {
+            command.evaluate();
+            for (tick, broken) in &command.violations {
+                let run = command_at(outcome, &command.name, *tick);
+                let start = run.as_ref().and_then(|run| run.1.first_tick).unwrap_or(0);
+                let fault = run.and_then(|(index, run)| Some((run, faults.0.get_mut(&index)?)));
+                if fault.is_some_and(|fault| merge_into_fault(fault, &command.watch, *tick, broken))
+                {
+                    continue;
+                }
+                let diagnostic = command.watch.diagnostic(broken, tick - start);
+                let from = start as f64 * seconds;
+                diagnostics.push(match is_alone {
+                    true => diagnostic,
+                    false => diagnostic.note(format!("in `{}` from {from:.3} s on", command.name)),
+                });
+            }
+            summary.push_str(&command.watch.summary());
+        }
+        (diagnostics, summary)
+    }
+}
+
+/// Returns the run of the command with this name that was active in a tick, with its index in the outcome.
+fn command_at<'o>(
+    outcome: &'o mut Outcome,
+    name: &str,
+    tick: u64,
+) -> Option<(usize, &'o mut CommandEnd)> {
+    let runs = outcome.commands.iter_mut().enumerate();
+    let begun = runs
+        .filter(|(_, run)| run.name == name && run.first_tick.is_some_and(|first| first <= tick));
+    begun.max_by_key(|(_, run)| run.first_tick)
+}
+
+/// Merges a violated claim into the fault of its command and the diagnostic of the fault. Returns false if the command
+/// did not fault in this tick because of this claim.
+fn merge_into_fault(
+    (run, diagnostic): (&mut CommandEnd, &mut Diagnostic),
+    watch: &ClaimMonitor,
+    tick: u64,
+    broken: &ClaimViolation,
+) -> bool {
+    let last = run
+        .first_tick
+        .map(|first| first + run.cycles.saturating_sub(1));
+    match &mut run.end {
+        RunEnd::Fault { what, .. } if last == Some(tick) => {
+            let sentence = watch.explain_fault(diagnostic, broken);
+            sentence.map(|sentence| *what = sentence).is_some()
+        }
+        _ => false,
+    }
+}
+
+impl Sink for ClaimMonitorSink {
+    fn channels(&mut self, channels: &[Channel]) {
+        self.channel_owners = vec![None; channels.len()];
+        for (number, command) in self.commands.iter_mut().enumerate() {
+            let mut places: Vec<(String, Type)> = Vec::new();
+            for (channel, of) in channels.iter().zip(&mut self.channel_owners) {
+                let key = channel.name.strip_prefix(&command.name);
+                if let Some(key) = key.and_then(|key| key.strip_prefix('.')) {
+                    *of = Some((number, places.len()));
+                    places.push((key.to_owned(), channel.ty));
+                }
+            }
+            command.row.0 = vec![None; places.len()];
+            command.watch = ClaimMonitor::new(&command.claims, |key| {
+                let place = places.iter().position(|(known, _)| known == key)?;
+                Some((place, places[place].1))
+            });
+        }
+    }
+
+    fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>) {
+        let Some((command, place)) = self.channel_owners[channel] else {
+            return;
+        };
+        let command = &mut self.commands[command];
+        if command.tick != Some(tick) {
+            command.evaluate();
+            command.tick = Some(tick);
+        }
+        command.row.0[place] = value.map(<[u64]>::to_vec);
+    }
+}
+
+impl MonitoredCommand {
+    /// Evaluates the claims on the values of a completed tick.
+    fn evaluate(&mut self) {
+        if let Some(tick) = self.tick.take() {
+            let broken = self.watch.evaluate(&self.row);
+            self.violations
+                .extend(broken.into_iter().map(|b| (tick, b)));
+        }
+    }
+}

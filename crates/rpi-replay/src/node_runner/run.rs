@@ -1,0 +1,152 @@
+//! Executes a single node cycle by cycle.
+
+use std::sync::Arc;
+
+use rpi_core::{CycleContext, Instance};
+use rpi_image::Image;
+use rpi_image::image::Signal;
+use rpi_net::{Claim, Column};
+use rpi_prims::FaultCode;
+use rpi_sim::{Cell, SimBank};
+
+use crate::faults;
+use crate::monitor::{ClaimMonitor, ExportValues};
+use rpi_diag::Diagnostic;
+use rpi_runtime::run::FaultOrigin;
+
+/// Memory words of each column in one cycle; `None` where the flow is absent.
+pub type ColumnValues = Vec<Option<Vec<u64>>>;
+
+/// Result of one cycle of a node.
+#[derive(Debug)]
+pub struct CycleResult {
+    /// Values of the output columns; `None` if the cycle raised a fault.
+    pub row: Option<ColumnValues>,
+    /// Diagnostics raised in this cycle.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A loaded node that is executed without devices.
+pub struct NodeRun {
+    machine: Instance,
+    bank: SimBank,
+    /// For each input column, the index of the image input with the same key; `None` if the image has no such input.
+    inputs: Vec<Option<usize>>,
+    outputs: Vec<Option<Signal>>,
+    exports: Vec<Signal>,
+    claims: ClaimMonitor,
+}
+
+impl NodeRun {
+    /// Loads the image of a node and monitors the `claims` that it publishes.
+    ///
+    /// # Errors
+    /// Returns the load errors as text if the image cannot be loaded.
+    pub fn load(
+        image: Image,
+        inputs: &[Column],
+        shown: &[Column],
+        claims: &[Claim],
+    ) -> Result<NodeRun, String> {
+        let image = Arc::new(image);
+        let cell = Cell::parse("no devices", "").map_err(|errors| errors.to_string())?;
+        let mut bank = SimBank::new(&cell, image.period_ns as f64 * 1e-9);
+        let input = |column: &Column| image.inputs.iter().position(|i| i.key == column.key);
+        let export = |key: &str| image.exports.iter().find(|e| e.key == key).map(|e| e.value);
+        let inputs = inputs.iter().map(input).collect();
+        let shown = shown.iter().map(|column| export(&column.key)).collect();
+        let numbered = |key: &str| {
+            let place = image.exports.iter().position(|e| e.key == key)?;
+            Some((place, image.exports[place].value.ty))
+        };
+        let claims = ClaimMonitor::new(claims, numbered);
+        let exports = image.exports.iter().map(|e| e.value).collect();
+        let machine = Instance::load(Arc::clone(&image), &mut bank);
+        let machine = machine.map_err(|faults| {
+            let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
+            words.join("\n")
+        })?;
+        Ok(NodeRun {
+            machine,
+            bank,
+            inputs,
+            outputs: shown,
+            exports,
+            claims,
+        })
+    }
+
+    /// Executes one cycle. `given` holds the memory words of every in-port, in the order of the input columns.
+    pub fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> CycleResult {
+        let now = CycleContext::default();
+        for (input, cells) in self.inputs.iter().zip(given) {
+            match (input, cells) {
+                (Some(index), Some(cells)) => {
+                    self.machine.set_input(*index, cells, now.net_ns);
+                }
+                (Some(index), None) => self.machine.clear_input(*index),
+                (None, _) => {}
+            }
+        }
+        let number = self.machine.cycle();
+        self.machine.read(&mut self.bank, &now);
+        self.machine.evaluate(&mut self.bank);
+        let cycle = self.cycle_result(number);
+        self.machine.commit();
+        self.machine.hand_over(&mut self.bank);
+        cycle
+    }
+
+    fn cycle_result(&mut self, number: u64) -> CycleResult {
+        let seen = MachineExports {
+            machine: &self.machine,
+            exports: &self.exports,
+        };
+        let fault = self.machine.fault();
+        // After any other fault the values may have been computed from invalid data, so the claims are not evaluated.
+        let counts = fault.is_none_or(|fault| fault.code == FaultCode::AssertionFailed);
+        let broken = match counts {
+            true => self.claims.evaluate(&seen),
+            false => Vec::new(),
+        };
+        if let Some(fault) = fault {
+            let mut diagnostic = faults::fault_diagnostic(
+                &FaultOrigin::of(self.machine.image(), fault, number),
+                None,
+            );
+            let mut broken = broken.iter();
+            broken.find_map(|broken| self.claims.explain_fault(&mut diagnostic, broken));
+            return CycleResult {
+                row: None,
+                diagnostics: vec![diagnostic],
+            };
+        }
+        let shown = self.outputs.iter();
+        let value = |signal: &Option<Signal>| self.machine.value((*signal)?).map(<[u64]>::to_vec);
+        let row = Some(shown.map(value).collect());
+        let diagnostics = broken.iter().map(|b| self.claims.diagnostic(b, number));
+        let diagnostics = diagnostics.collect();
+        CycleResult {
+            row,
+            diagnostics: diagnostics,
+        }
+    }
+
+    /// Returns one line, with the number of violations, for each claim that was violated more than once.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        self.claims.summary()
+    }
+}
+
+/// Read access to the exported flows of the machine.
+struct MachineExports<'m> {
+    machine: &'m Instance,
+    exports: &'m [Signal],
+}
+
+impl ExportValues for MachineExports<'_> {
+    fn words(&self, export: usize) -> Option<&[u64]> {
+        self.machine.value(self.exports[export])
+    }
+}

@@ -1,0 +1,225 @@
+//! Comparison plan of a replay: for every out-port of the net, its memory location and its port in the trace.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_image::Image;
+use rpi_image::Type;
+use rpi_image::image::Signal;
+use rpi_net::{Input, Net, NodeId, PortRef};
+
+use super::angles::{AngleKind, angle_kind};
+use super::inputs::{is_input, is_latched};
+use super::names::PortNames;
+use rpi_record::trace::{Trace, TracePortId};
+
+/// An out-port of a node.
+pub(super) struct OutPort {
+    pub(super) signal: Signal,
+    /// Index of the port's fragment in the image.
+    pub(super) fragment: u32,
+    /// Port of the trace, if it has a row there.
+    pub(super) recorded: Option<TracePortId>,
+    pub(super) measure: AngleKind,
+}
+
+/// A node of the net.
+pub(super) struct ComparedNode {
+    /// Path of the node, `outer/inner/name`.
+    pub(super) path: String,
+    /// Out-ports of the node.
+    pub(super) out_ports: Vec<OutPort>,
+    /// Whether the out-ports are taken from the trace.
+    pub(super) is_input: bool,
+}
+
+/// A named port that forwards an out-port or a constant.
+pub(super) struct Alias {
+    pub(super) name: String,
+    pub(super) ty: Type,
+    pub(super) source: Input,
+    pub(super) place: AliasKind,
+}
+
+/// Kind of an alias.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum AliasKind {
+    /// An out-port of a fragment. It is recorded like the out-ports of nodes.
+    FragmentOutput(Option<TracePortId>),
+    /// An in-port of a node that was selected for recording.
+    InPort(TracePortId),
+}
+
+/// All ports that are compared, and the order of comparison.
+pub(super) struct ComparisonPlan {
+    /// Nodes, by index.
+    pub(super) nodes: Vec<ComparedNode>,
+    pub(super) aliases: Vec<Alias>,
+    /// Nodes whose out-ports have their values before the first step.
+    pub(super) latched: Vec<NodeId>,
+    /// For each step, the nodes that are complete after it.
+    pub(super) completed_after: Vec<Vec<NodeId>>,
+    /// Nodes without a step, such as constants.
+    pub(super) stepless: Vec<NodeId>,
+    /// Ports of the trace that do not exist in the net.
+    pub(super) unmatched: Vec<String>,
+    /// Offset that was added to the numbers in the names of the trace.
+    pub(super) shift: i64,
+}
+
+impl ComparisonPlan {
+    /// Creates the plan for a net, its image (lowered with observable ports) and a trace.
+    pub(super) fn new(net: &Net, image: &Image, trace: &Trace) -> ComparisonPlan {
+        let in_ports = in_ports(net);
+        let known = all_port_names(net, &in_ports);
+        let names = PortNames::new(trace, &known);
+        let nodes = compared_nodes(net, image, &names);
+        let mut aliases = fragment_output_aliases(net, &names);
+        aliases.extend(recorded_in_ports(&in_ports, &names));
+        let unmatched = names.iter().filter(|(name, _)| !known.contains(*name));
+        let (latched, others): (Vec<NodeId>, Vec<NodeId>) = net
+            .node_ids()
+            .partition(|id| is_latched(net.node(*id).desc()));
+        let (done, stepless) = completed_after(image, &nodes, &others);
+        ComparisonPlan {
+            latched,
+            completed_after: done,
+            stepless,
+            unmatched: unmatched.map(|(name, _)| name.to_owned()).collect(),
+            shift: names.shift,
+            nodes,
+            aliases,
+        }
+    }
+
+    /// Returns an out-port.
+    pub(super) fn out_port(&self, port: PortRef) -> &OutPort {
+        &self.nodes[port.node.0 as usize].out_ports[usize::from(port.port)]
+    }
+}
+
+fn compared_nodes(net: &Net, image: &Image, names: &PortNames) -> Vec<ComparedNode> {
+    let probes: BTreeMap<String, usize> = image
+        .probes
+        .iter()
+        .enumerate()
+        .map(|(k, probe)| (image.probe_name(probe), k))
+        .collect();
+    let node = |id: NodeId| {
+        let node = net.node(id);
+        let (desc, path) = (node.desc(), net.path(node.fragment, &node.name));
+        let outs = desc.outputs.iter().enumerate().filter_map(|(k, out)| {
+            let name = format!("{path}.{}", out.name);
+            let probe = &image.probes[*probes.get(&name)?];
+            Some(OutPort {
+                signal: probe.value,
+                fragment: probe.fragment,
+                recorded: names.find(&name),
+                measure: angle_kind(desc, k),
+            })
+        });
+        ComparedNode {
+            out_ports: outs.collect(),
+            is_input: is_input(desc),
+            path,
+        }
+    };
+    net.node_ids().map(node).collect()
+}
+
+/// Iterates over the out-ports of all fragments except the root.
+fn fragment_outputs(net: &Net) -> impl Iterator<Item = (String, &Input)> {
+    let inner = net.fragments.iter().filter_map(|f| Some((f.parent?, f)));
+    inner.flat_map(|(parent, fragment)| {
+        let path = net.path(parent, &fragment.name);
+        let ports = fragment.outputs.iter();
+        ports.map(move |port| (format!("{path}.{}", port.name), &port.source))
+    })
+}
+
+fn fragment_output_aliases(net: &Net, names: &PortNames) -> Vec<Alias> {
+    let alias = |(name, source): (String, &Input)| {
+        Some(Alias {
+            ty: type_of(net, source)?,
+            source: source.clone(),
+            place: AliasKind::FragmentOutput(names.find(&name)),
+            name,
+        })
+    };
+    fragment_outputs(net).filter_map(alias).collect()
+}
+
+fn in_ports(net: &Net) -> BTreeMap<String, (Type, &Input)> {
+    let nodes = net.nodes.iter();
+    let ports = nodes.flat_map(|node| {
+        let path = net.path(node.fragment, &node.name);
+        let ports = node.desc().inputs.iter().zip(&node.inputs);
+        ports.map(move |(port, source)| (format!("{path}.{}", port.name), source))
+    });
+    ports
+        .filter_map(|(name, source)| Some((name, (type_of(net, source)?, source))))
+        .collect()
+}
+
+/// Returns the type of the value at an input; `None` if the input is not connected.
+pub(super) fn type_of(net: &Net, input: &Input) -> Option<Type> {
+    match input {
+        Input::Unconnected => None,
+        Input::Const(value) => value.ty(),
+        Input::Port(port) => net
+            .node(port.node)
+            .outputs
+            .get(usize::from(port.port))
+            .copied(),
+    }
+}
+
+/// Returns the in-ports that were selected for recording.
+fn recorded_in_ports(in_ports: &BTreeMap<String, (Type, &Input)>, names: &PortNames) -> Vec<Alias> {
+    let chosen = names
+        .iter()
+        .filter_map(|(name, id)| Some((name, id, in_ports.get(name)?)));
+    chosen
+        .map(|(name, id, (ty, source))| Alias {
+            name: name.to_owned(),
+            ty: *ty,
+            source: (*source).clone(),
+            place: AliasKind::InPort(id),
+        })
+        .collect()
+}
+
+/// Returns the names of all ports of the net.
+fn all_port_names(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTreeSet<String> {
+    let outs = net.nodes.iter().flat_map(|node| {
+        let path = net.path(node.fragment, &node.name);
+        let outs = node.desc().outputs.iter();
+        outs.map(move |out| format!("{path}.{}", out.name))
+    });
+    let borders = fragment_outputs(net).map(|(name, _)| name);
+    outs.chain(borders)
+        .chain(in_ports.keys().cloned())
+        .collect()
+}
+
+/// Returns the nodes whose last step is a given step, for each step, and the nodes without a step.
+fn completed_after(
+    image: &Image,
+    nodes: &[ComparedNode],
+    ids: &[NodeId],
+) -> (Vec<Vec<NodeId>>, Vec<NodeId>) {
+    let mut last: BTreeMap<&str, usize> = BTreeMap::new();
+    for (pc, &place) in image.step_locations.iter().enumerate() {
+        if let Some(place) = image.locations.get(place as usize) {
+            last.insert(&place.path, pc);
+        }
+    }
+    let mut done = vec![Vec::new(); image.steps.len()];
+    let mut stepless = Vec::new();
+    for &id in ids {
+        match last.get(nodes[id.index()].path.as_str()) {
+            Some(&pc) => done[pc].push(id),
+            None => stepless.push(id),
+        }
+    }
+    (done, stepless)
+}

@@ -1,0 +1,121 @@
+//! Ways in which commands may start, and the order that these ways imply between commands.
+//!
+//! A way is a request or a rule that starts commands. A command *outlives* all commands that have ended for good in
+//! every way by which it may start, and the commands that those outlive.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rpi_core::{CommandId, RuleId};
+
+use crate::control::event::Ticket;
+
+/// A request or rule by which commands start, or have started, together.
+#[derive(Clone, Debug)]
+pub(in crate::control) struct StartCause {
+    /// Ticket of the request until it is answered.
+    pub(super) ticket: Option<Ticket>,
+    /// Rule that starts the commands; `None` if a request starts them directly.
+    pub(super) rule: Option<RuleId>,
+    pub(super) start: Vec<CommandId>,
+    /// Commands that never run again once the commands in `start` run.
+    pub(super) predecessors: Vec<CommandId>,
+}
+
+impl StartCause {
+    /// Returns the way of a direct start request.
+    pub(super) fn immediate(command: CommandId) -> StartCause {
+        StartCause {
+            ticket: None,
+            rule: None,
+            start: vec![command],
+            predecessors: Vec::new(),
+        }
+    }
+}
+
+type Outlived = BTreeSet<CommandId>;
+
+/// For each command, the set of commands that it outlives.
+pub(super) struct StartOrder(BTreeMap<CommandId, Outlived>);
+
+impl StartOrder {
+    pub(super) fn from_causes<'w>(
+        ways: impl Iterator<Item = &'w StartCause> + Clone,
+    ) -> StartOrder {
+        let mut order = StartOrder(BTreeMap::new());
+        for command in ways.clone().flat_map(|way| &way.start) {
+            order.compute_outlived(*command, &ways);
+        }
+        order
+    }
+
+    /// Computes the commands that a command outlives: the intersection over all of its ways.
+    ///
+    /// During the computation the command outlives nothing, so the recursion ends for cyclic rules.
+    fn compute_outlived<'w>(
+        &mut self,
+        command: CommandId,
+        ways: &(impl Iterator<Item = &'w StartCause> + Clone),
+    ) -> &Outlived {
+        if !self.0.contains_key(&command) {
+            self.0.insert(command, Outlived::new());
+            let own = ways.clone().filter(|way| way.start.contains(&command));
+            let by = |way: &StartCause| {
+                let mut all: Outlived = way.predecessors.iter().copied().collect();
+                way.predecessors
+                    .iter()
+                    .for_each(|a| all.extend(self.compute_outlived(*a, ways)));
+                all
+            };
+            let common = |a: Outlived, b: Outlived| a.intersection(&b).copied().collect();
+            let outlived = own.map(by).reduce(common).unwrap_or_default();
+            self.0.insert(command, outlived);
+        }
+        &self.0[&command]
+    }
+
+    /// Returns true if one of two commands has ended for good when the other one starts.
+    pub(super) fn are_exclusive(&self, a: CommandId, b: CommandId) -> bool {
+        let outlives = |a, b| self.0.get(&a).is_some_and(|o| o.contains(&b));
+        outlives(a, b) || outlives(b, a)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn id(number: u64) -> CommandId {
+        CommandId::from_number(number)
+    }
+
+    fn order(ways: &[(u64, &[u64])]) -> StartOrder {
+        let way = |(start, after): &(u64, &[u64])| StartCause {
+            predecessors: after.iter().map(|a| id(*a)).collect(),
+            ..StartCause::immediate(id(*start))
+        };
+        let ways: Vec<StartCause> = ways.iter().map(way).collect();
+        StartOrder::from_causes(ways.iter())
+    }
+
+    #[test]
+    fn who_follows_outlives_all_before() {
+        let chain = order(&[(3, &[2]), (2, &[1])]);
+        assert!(chain.are_exclusive(id(1), id(2)) && chain.are_exclusive(id(3), id(1)));
+        assert!(!chain.are_exclusive(id(1), id(4)));
+    }
+
+    #[test]
+    fn only_what_is_before_by_every_way_counts() {
+        let two = order(&[(3, &[1, 2]), (3, &[2])]);
+        assert!(two.are_exclusive(id(2), id(3)) && !two.are_exclusive(id(1), id(3)));
+        let alone = order(&[(3, &[1, 2]), (3, &[])]);
+        assert!(!alone.are_exclusive(id(2), id(3)));
+    }
+
+    #[test]
+    fn circles_end() {
+        let circle = order(&[(1, &[2]), (2, &[1])]);
+        assert!(circle.are_exclusive(id(1), id(2)));
+    }
+}

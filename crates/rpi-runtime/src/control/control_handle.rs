@@ -1,0 +1,433 @@
+//! Host side of the control core: loads commands, sends requests, receives events, frees memory.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rpi_core::{
+    AbortReason, Command, CommandId, CommandOverrunPolicy, CommandState, Continuity, Ending, Fact,
+    IdAllocator, Notice, Rule, RuleId,
+};
+use rpi_device::DeviceBank;
+use rpi_image::image::CommandEnd;
+use rpi_image::{Image, Scalar, Type};
+
+use super::admission::Admission;
+use super::event::{Event, RequestError, Ticket};
+use super::export_snapshot::ExportSnapshot;
+use super::queue::{HostQueues, InputValue, Options, Released, Request};
+use super::request_log::{RequestLog, RequestRecord};
+use super::subscription::{self, Subscription};
+
+/// Host-side information about a command.
+#[derive(Clone, Debug)]
+pub struct CommandInfo {
+    /// Image that the command runs.
+    pub image: Arc<Image>,
+    /// State according to the latest event.
+    pub state: CommandState,
+    /// How the command ended, if it has ended.
+    pub ending: Option<Ending>,
+    /// Tick of the first cycle, if the command was started.
+    pub first_tick: Option<u64>,
+}
+
+/// A loaded command with a board.
+#[derive(Debug)]
+pub struct AdoptedCommand {
+    /// Identifier of the command.
+    pub id: CommandId,
+    /// Ticket of the insertion. Its answer means that the command is ready.
+    pub ticket: Ticket,
+    /// Board with the exports of the command.
+    pub board: Arc<ExportSnapshot>,
+}
+
+/// Host side of a control core, owned by one thread. No method makes the cycle wait.
+pub struct Control<T = rpi_sim::NamedDevice> {
+    queues: HostQueues<T>,
+    names: Box<dyn DeviceBank + Send>,
+    ids: IdAllocator,
+    commands: BTreeMap<CommandId, CommandInfo>,
+    /// Freed commands that are reported once all earlier events have been reported.
+    freed: Vec<CommandId>,
+    tickets: u64,
+    /// Number of rules in the cycle.
+    rules: usize,
+    max_rules: usize,
+    continuity: Continuity,
+    on_overrun: CommandOverrunPolicy,
+    buffer: Vec<u64>,
+    samples_lost: u64,
+    journal: Option<RequestLog>,
+    admission: Admission,
+}
+
+impl<T> Control<T> {
+    pub(super) fn new(
+        ends: HostQueues<T>,
+        names: Box<dyn DeviceBank + Send>,
+        options: Options,
+    ) -> Control<T> {
+        Control {
+            queues: ends,
+            names,
+            ids: IdAllocator::new(options.commands),
+            commands: BTreeMap::new(),
+            freed: Vec::new(),
+            tickets: 0,
+            rules: 0,
+            max_rules: options.rules(),
+            continuity: options.continuity,
+            on_overrun: options.on_overrun,
+            buffer: Vec::new(),
+            samples_lost: 0,
+            journal: None,
+            admission: Admission::new(options.budget),
+        }
+    }
+
+    /// Registers a callback that receives every request from now on.
+    pub fn set_request_log(&mut self, journal: RequestLog) {
+        self.journal = Some(journal);
+    }
+
+    /// Loads an image and sends the command to the cycle. The returned identifier can be used in requests immediately;
+    /// the command is ready once its insertion is answered.
+    ///
+    /// # Errors
+    /// Returns an error with all load errors if the command cannot run in this cell, or if the command table or the
+    /// queue is full.
+    pub fn load(&mut self, image: Arc<Image>) -> Result<CommandId, RequestError> {
+        let mut command = Command::load(image, &mut *self.names).map_err(RequestError::Load)?;
+        command.set_continuity(self.continuity);
+        command.set_overrun_policy(self.on_overrun);
+        self.adopt(Box::new(command))
+    }
+
+    /// Takes a command that was loaded elsewhere, for example on another thread, against identical devices.
+    ///
+    /// # Errors
+    /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
+    pub fn adopt(&mut self, command: Box<Command>) -> Result<CommandId, RequestError> {
+        self.insert_command(command, None).map(|(id, _)| id)
+    }
+
+    /// Like [`Control::adopt`], with a board to which the command's exports are written in every cycle.
+    ///
+    /// # Errors
+    /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
+    pub fn adopt_with_board(
+        &mut self,
+        command: Box<Command>,
+    ) -> Result<AdoptedCommand, RequestError> {
+        let board = Arc::new(ExportSnapshot::new(&command.instance().image().exports));
+        let (id, ticket) = self.insert_command(command, Some(Arc::clone(&board)))?;
+        Ok(AdoptedCommand { id, ticket, board })
+    }
+
+    fn insert_command(
+        &mut self,
+        command: Box<Command>,
+        board: Option<Arc<ExportSnapshot>>,
+    ) -> Result<(CommandId, Ticket), RequestError> {
+        self.check_room()?;
+        self.admission.check_alone(&command)?;
+        let id = self.ids.allocate().ok_or(RequestError::TableFull)?;
+        self.admission.insert(id, &command);
+        let info = CommandInfo {
+            image: Arc::clone(command.instance().image()),
+            state: CommandState::Ready,
+            ending: None,
+            first_tick: None,
+        };
+        self.commands.insert(id, info);
+        let ticket = self.send_request(Request::Insert(id, command, board))?;
+        Ok((id, ticket))
+    }
+
+    /// Starts a command. Its first cycle is in the tick that takes the request.
+    ///
+    /// # Errors
+    /// Returns an error if the command is unknown, the queue is full, or the time budget left by the other commands is
+    /// exceeded. Other reasons for a refusal are reported in the answer.
+    pub fn start(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
+        let way = self.admission.admit_start(id)?;
+        let ticket = self.send_command_request(id, Request::Start(id))?;
+        self.admission.request_sent(ticket, way);
+        Ok(ticket)
+    }
+
+    /// Requests a command to end: its input `cancel` becomes true.
+    ///
+    /// # Errors
+    /// As for [`Control::start`].
+    pub fn cancel(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
+        self.send_command_request(id, Request::Cancel(id))
+    }
+
+    /// Ends a command immediately. Its devices brake within their own limits.
+    ///
+    /// # Errors
+    /// As for [`Control::start`].
+    pub fn abort(&mut self, id: CommandId, why: AbortReason) -> Result<Ticket, RequestError> {
+        self.send_command_request(id, Request::Abort(id, why))
+    }
+
+    /// Takes a command off the schedule. The command is then ready again.
+    ///
+    /// # Errors
+    /// As for [`Control::start`].
+    pub fn unschedule(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
+        self.send_command_request(id, Request::Unschedule(id))
+    }
+
+    /// Unloads a command that does not run.
+    ///
+    /// # Errors
+    /// As for [`Control::start`].
+    pub fn unload(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
+        self.send_command_request(id, Request::Unload(id))
+    }
+
+    /// Adds a rule; see [`Rule`] and [`Control::fact`].
+    ///
+    /// # Errors
+    /// Returns an error if there are too many rules or pending requests, or if the started commands exceed the time
+    /// budget left by the commands that may run with them. Other reasons for a refusal are reported in the answer.
+    pub fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), RequestError> {
+        if self.rules >= self.max_rules {
+            return Err(RequestError::QueueFull);
+        }
+        let id = self.ids.allocate_rule();
+        let way = self.admission.admit_rule(id, &rule)?;
+        let ticket = self.send_request(Request::Schedule(id, Box::new(rule)))?;
+        self.admission.request_sent(ticket, way);
+        self.rules += 1;
+        Ok((id, ticket))
+    }
+
+    /// Removes a rule.
+    ///
+    /// # Errors
+    /// Returns an error if there are too many pending requests.
+    pub fn withdraw(&mut self, rule: RuleId) -> Result<Ticket, RequestError> {
+        self.send_request(Request::Withdraw(rule))
+    }
+
+    /// Sets inputs of any commands between the same two cycles.
+    ///
+    /// # Errors
+    /// Returns an error if a command is unknown or a value has the wrong size. Nothing is set then.
+    pub fn set(&mut self, settings: Vec<InputValue>) -> Result<Ticket, RequestError> {
+        for setting in &settings {
+            let info = self
+                .get(setting.command)
+                .ok_or(RequestError::UnknownCommand)?;
+            let port = info.image.inputs.get(setting.input);
+            if port.is_none_or(|p| p.value.ty.slots() as usize != setting.value.len()) {
+                let (command, input) = (setting.command, setting.input);
+                return Err(RequestError::ValueSize { command, input });
+            }
+        }
+        self.send_request(Request::Set(settings.into()))
+    }
+
+    /// Subscribes to exported flows of a command (by index). `every` is the sampling period in cycles. The subscription
+    /// replaces an earlier one of the same command.
+    ///
+    /// # Errors
+    /// Returns an error if the command is unknown or there are too many pending requests. Indices without an export are
+    /// ignored.
+    pub fn subscribe(
+        &mut self,
+        id: CommandId,
+        exports: &[u32],
+        every: u64,
+    ) -> Result<Ticket, RequestError> {
+        let image = &self.get(id).ok_or(RequestError::UnknownCommand)?.image;
+        let flow = |k: &u32| Some((*k, image.exports.get(*k as usize)?.value));
+        let flows: Vec<_> = exports.iter().filter_map(flow).collect();
+        self.send_request(Request::Subscribe(Box::new(Subscription::new(
+            id, &flows, every,
+        ))))
+    }
+
+    /// Inserts a device at an index, or removes it if `part` is `None`.
+    ///
+    /// Commands whose ports were resolved against the previous device must have been unloaded.
+    ///
+    /// # Errors
+    /// Returns an error if there are too many pending requests.
+    pub fn replace_device(
+        &mut self,
+        place: usize,
+        part: Option<T>,
+    ) -> Result<Ticket, RequestError> {
+        self.send_request(Request::Device(place, part))
+    }
+
+    /// Ends all commands, drops all rules and brakes all devices.
+    ///
+    /// # Errors
+    /// Returns an error if there are too many pending requests.
+    pub fn emergency_stop(&mut self) -> Result<Ticket, RequestError> {
+        self.send_request(Request::EmergencyStop)
+    }
+
+    /// Returns the next event, and frees objects released by the cycle.
+    pub fn poll(&mut self) -> Option<Event> {
+        if let Some(event) = self.next_event() {
+            return Some(event);
+        }
+        self.free_released();
+        // The events that led to the release of the objects were sent before the objects, so they are reported first.
+        if let Some(event) = self.next_event() {
+            return Some(event);
+        }
+        let id = self.freed.pop()?;
+        self.commands.remove(&id);
+        self.admission.remove(id);
+        self.ids.release(id);
+        Some(Event::Freed(id))
+    }
+
+    fn next_event(&mut self) -> Option<Event> {
+        let event = self.queues.events.pop().ok()?;
+        self.admission.handle_event(&event);
+        self.update_info(&event);
+        Some(event)
+    }
+
+    /// Passes all samples received so far to `take`: command, export index, tick, value. The value is `None` if the
+    /// flow is absent.
+    pub fn samples(&mut self, mut take: impl FnMut(CommandId, u32, u64, Option<&[u64]>)) {
+        let commands = &self.commands;
+        subscription::drain_samples(
+            &mut self.queues.samples,
+            &mut self.buffer,
+            |number, export, tick, value| {
+                if let Some(id) = commands.keys().find(|id| id.to_number() == number) {
+                    take(*id, export, tick, value);
+                }
+            },
+        );
+    }
+
+    /// Returns the number of samples that were lost because they were not taken in time. Only subscriptions that have
+    /// ended are counted.
+    #[must_use]
+    pub fn samples_lost(&self) -> u64 {
+        self.samples_lost
+    }
+
+    /// Returns the information about a command; `None` if it is unknown.
+    #[must_use]
+    pub fn get(&self, id: CommandId) -> Option<&CommandInfo> {
+        self.commands.get(&id)
+    }
+
+    /// Iterates over all commands in the order of their identifiers.
+    pub fn commands(&self) -> impl Iterator<Item = (CommandId, &CommandInfo)> + '_ {
+        self.commands.iter().map(|(id, info)| (*id, info))
+    }
+
+    /// Returns the fact by which a condition refers to an exported Boolean or a named result of a command.
+    #[must_use]
+    pub fn fact(&self, id: CommandId, key: &str) -> Option<Fact> {
+        let image = &self.get(id)?.image;
+        let boolean = Type::Scalar(Scalar::Bool);
+        let mut exports = image.exports.iter();
+        let export = exports.position(|e| e.key == key && e.value.ty == boolean);
+        let result = match &image.end {
+            CommandEnd::Results(results) => results.iter().position(|r| r.name == key),
+            CommandEnd::Ports { .. } => None,
+        };
+        let export = export.and_then(|k| Some(Fact::Export(u32::try_from(k).ok()?)));
+        export.or_else(|| Some(Fact::Result(u32::try_from(result?).ok()?)))
+    }
+
+    /// Returns the worst-case time of a command in a tick in nanoseconds; 0 if admission control is disabled.
+    #[must_use]
+    pub fn bound_ns(&self, id: CommandId) -> u64 {
+        self.admission.bound_ns(id)
+    }
+
+    fn send_command_request(
+        &mut self,
+        id: CommandId,
+        request: Request<T>,
+    ) -> Result<Ticket, RequestError> {
+        match self.commands.contains_key(&id) {
+            true => self.send_request(request),
+            false => Err(RequestError::UnknownCommand),
+        }
+    }
+
+    fn send_request(&mut self, request: Request<T>) -> Result<Ticket, RequestError> {
+        self.check_room()?;
+        self.tickets += 1;
+        let ticket = Ticket(self.tickets);
+        if let Some(journal) = &mut self.journal {
+            journal(ticket, RequestRecord::from_request(&request));
+        }
+        // `has_room` was checked above, and this is the only producer.
+        let _ = self.queues.requests.push((ticket, request));
+        Ok(ticket)
+    }
+
+    /// Returns the number of requests that can still be sent.
+    #[must_use]
+    pub fn free_requests(&self) -> usize {
+        self.queues.requests.slots()
+    }
+
+    fn check_room(&self) -> Result<(), RequestError> {
+        match self.queues.requests.is_full() {
+            true => Err(RequestError::QueueFull),
+            false => Ok(()),
+        }
+    }
+
+    fn free_released(&mut self) {
+        while let Ok(dead) = self.queues.released.pop() {
+            match dead {
+                Released::Command(id, command) => {
+                    drop(command);
+                    self.freed.push(id);
+                }
+                Released::Rule(rule) => {
+                    drop(rule);
+                    self.rules = self.rules.saturating_sub(1);
+                }
+                Released::Subscription(old) => self.samples_lost += old.lost,
+                Released::Settings(settings) => drop(settings),
+                Released::Board(board) => drop(board),
+                Released::Device(part) => drop(part),
+            }
+        }
+    }
+
+    /// Updates the information about a command from an event.
+    fn update_info(&mut self, event: &Event) {
+        let Event::Notice(notice) = event else {
+            return;
+        };
+        let (command, state) = match *notice {
+            Notice::Scheduled { command } => (command, CommandState::Scheduled),
+            Notice::Started { command, .. } => (command, CommandState::Running),
+            Notice::Cancelling { command } => (command, CommandState::Cancelling),
+            Notice::Ended { command, .. } => (command, CommandState::Terminated),
+            Notice::Orphaned { command, .. } => (command, CommandState::Ready),
+            Notice::Braked { .. } | Notice::Discontinuity { .. } | Notice::Rule { .. } => return,
+        };
+        let Some(info) = self.commands.get_mut(&command) else {
+            return;
+        };
+        info.state = state;
+        match *notice {
+            Notice::Started { tick, .. } => info.first_tick = Some(tick),
+            Notice::Ended { ending, .. } => info.ending = Some(ending),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Priority, locked memory and CPU affinity of the tick thread.
+
+use std::fmt;
+
+use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::process::{Resource, geteuid, getrlimit};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+use thread_priority::{
+    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+    set_thread_priority_and_policy, thread_native_id,
+};
+
+/// Scheduling resources to request from the operating system.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SchedulingOptions {
+    /// Priority under the policy `SCHED_FIFO`, 1 to 99.
+    pub priority: u8,
+    /// CPU core of the thread. The default is the last allowed core if there are several, because interrupts are
+    /// usually served by the first.
+    pub core: Option<usize>,
+}
+
+impl Default for SchedulingOptions {
+    /// Priority 80: above the usual priority of interrupt threads (50), below that of the kernel (99).
+    fn default() -> Self {
+        SchedulingOptions {
+            priority: 80,
+            core: None,
+        }
+    }
+}
+
+/// Result of requesting one resource from the operating system.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ResourceGrant {
+    /// Description of the requested resource.
+    pub resource: String,
+    /// Reason of the refusal, with a hint for the user; `None` if the resource was granted.
+    pub refusal: Option<String>,
+}
+
+impl fmt::Display for ResourceGrant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.refusal {
+            None => write!(f, "{}: yes", self.resource),
+            Some(why) => write!(f, "{}: NO, {why}", self.resource),
+        }
+    }
+}
+
+/// Requests the resources for the calling thread. Memory is locked for the whole process, so that no page fault occurs
+/// in a tick.
+#[must_use]
+pub fn request_resources(wanted: SchedulingOptions) -> Vec<ResourceGrant> {
+    let mut grants = vec![lock_memory(), set_priority(wanted.priority)];
+    grants.extend(pin_to_core(wanted.core));
+    grants
+}
+
+fn lock_memory() -> ResourceGrant {
+    // With a memlock limit, `MLOCKALL_FUTURE` would make later allocations above the limit fail, so only current memory
+    // is locked.
+    let unlimited = getrlimit(Resource::Memlock).current.is_none() || geteuid().is_root();
+    let (what, wish) = match unlimited {
+        true => (
+            MlockAllFlags::CURRENT | MlockAllFlags::FUTURE,
+            "memory locked",
+        ),
+        false => (
+            MlockAllFlags::CURRENT,
+            "memory locked, except memory allocated later",
+        ),
+    };
+    let locked = mlockall(what);
+    ResourceGrant {
+        resource: wish.to_owned(),
+        refusal: locked.err().map(|why| {
+            format!("{why}; raise `memlock` in /etc/security/limits.conf or give CAP_IPC_LOCK")
+        }),
+    }
+}
+
+fn set_priority(priority: u8) -> ResourceGrant {
+    let wish = format!("priority {priority} of SCHED_FIFO");
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    let asked = ThreadPriorityValue::try_from(priority)
+        .map_err(|why| why.to_string())
+        .and_then(|value| {
+            let priority = ThreadPriority::Crossplatform(value);
+            set_thread_priority_and_policy(thread_native_id(), priority, policy)
+                .map_err(|why| format!("{why:?}"))
+        });
+    ResourceGrant {
+        resource: wish,
+        refusal: asked.err().map(|why| {
+            format!("{why}; raise `rtprio` in /etc/security/limits.conf or give CAP_SYS_NICE")
+        }),
+    }
+}
+
+/// Pins the calling thread to a core. Returns `None` if there is only one core and none is requested.
+fn pin_to_core(wanted: Option<usize>) -> Option<ResourceGrant> {
+    let allowed = sched_getaffinity(None);
+    let allowed = allowed.as_ref().ok();
+    let cores =
+        |set: &CpuSet| -> Vec<usize> { (0..CpuSet::MAX_CPU).filter(|k| set.is_set(*k)).collect() };
+    let cores = allowed.map(cores).unwrap_or_default();
+    let core = wanted.or_else(|| cores.last().copied().filter(|_| cores.len() > 1))?;
+    let mut set = CpuSet::new();
+    let refused = match cores.contains(&core) {
+        true => {
+            set.set(core);
+            sched_setaffinity(None, &set)
+                .err()
+                .map(|why| why.to_string())
+        }
+        false => Some(format!("this process is restricted to the cores {cores:?}")),
+    };
+    Some(ResourceGrant {
+        resource: format!("core {core}"),
+        refusal: refused,
+    })
+}

@@ -1,0 +1,83 @@
+//! Tick timer: waits for each tick, measures it and handles overruns.
+
+use std::time::Instant;
+
+use super::clock::{Clock, TimeBase};
+use super::overrun::{OverrunAction, OverrunPolicy};
+use super::timing_stats::{TimingHistograms, TimingStats};
+
+/// A running tick timer. The caller repeats [`Beat::wait`], the work of the tick and [`Beat::over`]. No method
+/// allocates.
+pub struct TickTimer {
+    clock: Clock,
+    meter: TimingHistograms,
+    policy: OverrunPolicy,
+    /// Nanoseconds by which the latest tick ended after the next one was due.
+    overrun_ns: u64,
+    /// Nanoseconds by which the latest tick took longer than a period, regardless of when it began.
+    excess_ns: u64,
+    /// Nanoseconds by which the current tick began too late. `begin` is its start time.
+    late_ns: u64,
+    begin: Instant,
+}
+
+impl TickTimer {
+    /// Starts a timer. Tick 0 is due now; `tick_ns` is the period.
+    #[must_use]
+    pub fn start(pace: TimeBase, tick_ns: u64, policy: OverrunPolicy) -> TickTimer {
+        TickTimer {
+            clock: Clock::start(pace, tick_ns),
+            meter: TimingHistograms::new(pace == TimeBase::Real),
+            policy,
+            overrun_ns: 0,
+            excess_ns: 0,
+            late_ns: 0,
+            begin: Instant::now(),
+        }
+    }
+
+    /// Restarts the timer: tick 0 is due now.
+    pub fn restart(&mut self) {
+        self.clock.restart();
+    }
+
+    /// Waits until a tick is due. Returns the wall clock of the commands, nanoseconds since the Unix epoch.
+    pub fn wait(&mut self, tick: u64) -> i64 {
+        self.late_ns = self.clock.wait(tick);
+        self.begin = Instant::now();
+        self.clock.wall_ns(tick)
+    }
+
+    /// Ends the measurement of a tick. Returns true if the overrun policy requires that all commands are ended.
+    #[must_use]
+    pub fn finish_tick(&mut self, tick: u64) -> bool {
+        let took = u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.meter.record(took, self.late_ns);
+        let over = self.clock.overrun(self.late_ns, took);
+        (self.overrun_ns, self.excess_ns) = (over, took.saturating_sub(self.clock.tick_ns()));
+        let overruns = &mut self.meter.overruns;
+        match overruns.record(tick, over, self.clock.tick_ns(), self.policy) {
+            OverrunAction::Continue => false,
+            OverrunAction::Postpone(periods) => {
+                self.clock.postpone(periods);
+                false
+            }
+            OverrunAction::Stop => true,
+        }
+    }
+
+    /// Returns the overrun of the latest tick, or `None` if it ended in time.
+    ///
+    /// The first number is the time in nanoseconds by which the tick ended after the next one was due. The second
+    /// number is the time by which it took longer than a period; 0 if it only began too late.
+    #[must_use]
+    pub fn overrun(&self) -> Option<(u64, u64)> {
+        Some((self.overrun_ns, self.excess_ns)).filter(|(over, _)| *over > 0)
+    }
+
+    /// Returns the statistics of the ticks so far.
+    #[must_use]
+    pub fn figures(&self) -> TimingStats {
+        self.meter.stats()
+    }
+}

@@ -1,0 +1,104 @@
+//! Recording of a core whose commands are not known in advance: the part that runs in the cycle.
+
+use rpi_core::{AbortReason, Command, CommandId, CycleObserver};
+use rpi_sim::{Cell, SimBank};
+
+use super::cycle::DeviceTap;
+use super::devices::{sample, taps};
+use super::probe::FlowProbe;
+use super::samples::Channel;
+use crate::control::Executive;
+use crate::tick_log::{LoggingBank, TickLogReader, TickLogWriter, tick_log};
+
+/// Records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on the tape is
+/// dropped and counted.
+pub struct TickCollector {
+    tape: TickLogWriter,
+    probe: FlowProbe,
+    taps: Box<[DeviceTap]>,
+}
+
+impl TickCollector {
+    /// Starts logging the devices of an executive. Returns the camera, the end of its tape for the recorder, and the
+    /// device ports that are sampled after each tick.
+    pub fn begin(
+        cell: &Cell,
+        executive: &mut Executive<LoggingBank<SimBank>>,
+    ) -> (TickCollector, TickLogReader, Vec<Channel>) {
+        let (tape_in, tape_out) = tick_log();
+        let (taps, channels) = taps(cell, executive.plant().plant());
+        executive.plant().start_logging();
+        let camera = TickCollector {
+            tape: tape_in,
+            probe: FlowProbe::new(&[]),
+            taps,
+        };
+        (camera, tape_out, channels)
+    }
+
+    /// Executes one tick of the executive and records its flows. `watch` observes the tick as well.
+    pub fn tick(
+        &mut self,
+        executive: &mut Executive<LoggingBank<SimBank>>,
+        wall_ns: i64,
+        watch: &mut dyn CycleObserver,
+    ) {
+        self.probe.begin();
+        let mut both = ObserverPair(&mut self.probe, watch);
+        executive.tick(wall_ns, &mut both);
+    }
+
+    /// Ends all commands after a tick and records the reason.
+    pub fn halt(&mut self, executive: &mut Executive<LoggingBank<SimBank>>, why: AbortReason) {
+        executive.plant().log_halt(why);
+        executive.halt(why);
+    }
+
+    /// Records that the tick ended too late, then calls [`Executive::too_late`].
+    pub fn handle_overrun(
+        &mut self,
+        executive: &mut Executive<LoggingBank<SimBank>>,
+        late: (u64, u64),
+    ) -> bool {
+        self.probe.overrun(late.0);
+        executive.handle_overrun(late)
+    }
+
+    /// Records the tick with this number once it has ended.
+    pub fn record_tick(
+        &mut self,
+        executive: &mut Executive<LoggingBank<SimBank>>,
+        (number, wall_ns): (u64, i64),
+    ) {
+        for tap in &mut self.taps {
+            sample(tap, executive.plant().plant(), |channel, value| {
+                self.probe.sample(channel, value);
+            });
+        }
+        if let Some(exchange) = executive.plant().buffer() {
+            self.tape
+                .put((number, wall_ns), true, exchange, self.probe.stage());
+            exchange.clear();
+        }
+    }
+
+    /// Returns the number of ticks that were lost.
+    #[must_use]
+    pub fn lost_ticks(&self) -> u64 {
+        self.tape.lost()
+    }
+}
+
+/// Forwards each notification to two observers.
+struct ObserverPair<'a>(&'a mut FlowProbe, &'a mut dyn CycleObserver);
+
+impl CycleObserver for ObserverPair<'_> {
+    fn cycle_finished(&mut self, id: CommandId, command: &Command) {
+        self.0.cycle_finished(id, command);
+        self.1.cycle_finished(id, command);
+    }
+
+    fn evaluation_starts(&mut self, next: Option<CommandId>) {
+        self.1.evaluation_starts(next);
+    }
+}

@@ -1,0 +1,162 @@
+//! A running task. It plans ahead of its running commands, using only the public interface of the control core.
+//!
+//! All commands that may follow the running ones are loaded and scheduled by rules on their results. The task continues
+//! with the command that the core starts; the core drops the other rules. A command that was not scheduled in time is
+//! started when it is ready and counted as late.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `workshop.rs` | the interface that a task needs from its environment |
+//! | `launch.rs` | loaded commands and the request that starts them |
+//! | `track.rs` | a running command or parallel branches |
+//! | `ahead.rs` | loading and scheduling of successors |
+//!
+//! A task is a tree of tracks. A track is at a command or at a parallel node, whose branches (strands) are tracks as
+//! well.
+
+mod branch;
+mod lookahead;
+mod start_request;
+mod task_core;
+
+use std::borrow::Borrow;
+
+use rpi_core::CommandId;
+
+use super::plan::ExecutablePlan;
+use super::plan_cursor::NextStep;
+use crate::control::Event;
+use branch::{Branch, BranchProgress};
+use lookahead::Planner;
+use start_request::StartError;
+
+pub use task_core::{NotStartedError, TaskCore};
+
+/// How a task ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum TaskEnd {
+    /// The last command finished.
+    Done,
+    /// A command ended with an unhandled error or could not be started.
+    Failed,
+    /// The task was cancelled.
+    Cancelled,
+}
+
+/// A running task with its plan, owned or borrowed.
+#[derive(Debug)]
+pub struct Task<P> {
+    plan: P,
+    root: Option<Branch>,
+    cancelled: bool,
+    failed: bool,
+    end: Option<TaskEnd>,
+}
+
+impl<P: Borrow<ExecutablePlan>> Task<P> {
+    /// Creates a task that has not started yet.
+    pub fn new(plan: P) -> Task<P> {
+        Task {
+            plan,
+            root: None,
+            cancelled: false,
+            failed: false,
+            end: None,
+        }
+    }
+
+    /// Returns how the task ended; `None` while it runs. A task that has ended runs no commands.
+    pub fn end(&self) -> Option<TaskEnd> {
+        self.end
+    }
+
+    /// Returns the commands that run or wait for an immediate start.
+    pub fn running(&self) -> Vec<CommandId> {
+        let root = self.root.iter();
+        let slots = root.flat_map(|track| track.commands());
+        slots
+            .filter(|slot| slot.ending.is_none())
+            .map(|slot| slot.id)
+            .collect()
+    }
+
+    /// Updates the state of the task from an event.
+    pub fn handle_event(&mut self, event: &Event) {
+        self.root
+            .iter_mut()
+            .for_each(|root| root.handle_event(event));
+    }
+
+    /// Cancels the task: no further command is started, and the running commands are requested to end.
+    pub fn cancel(&mut self, shop: &mut dyn TaskCore) {
+        self.cancelled = true;
+        self.request_end(shop);
+    }
+
+    /// Handles a forced stop of all commands: no further command is started, and the task has failed.
+    pub fn abort(&mut self, shop: &mut dyn TaskCore) {
+        self.failed = true;
+        self.request_end(shop);
+    }
+
+    /// Performs all actions that are possible now. Never blocks.
+    pub fn advance(&mut self, shop: &mut dyn TaskCore) {
+        if self.end.is_some() {
+            return;
+        }
+        let mut site = Planner {
+            plan: self.plan.borrow(),
+            core: &mut *shop,
+        };
+        let step = match &mut self.root {
+            Some(root) => root.step(&mut site),
+            None => match site.plan.first() {
+                NextStep::Run(_) | NextStep::Parallel { .. } => {
+                    let begun = site.start_first(site.plan.first());
+                    begun.map(|track| {
+                        self.root = Some(track);
+                        BranchProgress::Running
+                    })
+                }
+                _ => Ok(BranchProgress::Ended),
+            },
+        };
+        match step {
+            Ok(BranchProgress::Running | BranchProgress::Failing(_)) => {}
+            Ok(BranchProgress::Ended) => self.finish(shop),
+            Ok(BranchProgress::Failed(_)) => {
+                self.failed = true;
+                self.finish(shop);
+            }
+            Err(trouble) => self.handle_start_error(trouble, shop),
+        }
+    }
+
+    /// Handles a command that could not be started: the running commands are requested to end.
+    fn handle_start_error(&mut self, trouble: StartError, shop: &mut dyn TaskCore) {
+        shop.report_not_started(&trouble.indices, trouble.why);
+        self.failed = true;
+        self.request_end(shop);
+    }
+
+    fn request_end(&mut self, shop: &mut dyn TaskCore) {
+        match &mut self.root {
+            Some(root) => root.request_end(shop),
+            None if self.end.is_none() => self.finish(shop),
+            None => {}
+        }
+    }
+
+    /// Ends the task once no command of it runs any more.
+    fn finish(&mut self, shop: &mut dyn TaskCore) {
+        self.end = Some(match (self.cancelled, self.failed) {
+            (true, _) => TaskEnd::Cancelled,
+            (false, true) => TaskEnd::Failed,
+            (false, false) => TaskEnd::Done,
+        });
+        if let Some(root) = &mut self.root {
+            root.request_end(shop);
+            root.commands().iter().for_each(|slot| shop.unload(slot.id));
+        }
+    }
+}

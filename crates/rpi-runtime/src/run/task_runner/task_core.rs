@@ -1,0 +1,74 @@
+//! Interface between a task and the control core that runs it.
+
+use std::fmt;
+use std::sync::Arc;
+
+use rpi_core::{CommandError, CommandId, Rule, RuleId};
+use rpi_image::Image;
+
+use crate::control::{RequestError, Ticket};
+
+/// Reason for which a command of a task was not started.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum NotStartedError {
+    /// The request was rejected before it was sent.
+    Rejected(RequestError),
+    /// The core refused the request.
+    Refused(CommandError),
+    /// The rule that would start the command was dropped.
+    Dropped,
+}
+
+impl fmt::Display for NotStartedError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotStartedError::Rejected(why) => why.fmt(f),
+            NotStartedError::Refused(why) => write!(f, "refused by the core: {why:?}"),
+            NotStartedError::Dropped => f.write_str("no rule can start the command any more"),
+        }
+    }
+}
+
+/// Interface of the control core for tasks. Commands are identified by their index in the list of the plan. No method
+/// blocks.
+pub trait TaskCore {
+    /// Returns the image of a command.
+    fn image(&self, index: usize) -> Arc<Image>;
+
+    /// Loads a command.
+    ///
+    /// # Errors
+    /// Returns an error if the command cannot run in the cell or there is no room for it.
+    fn load(&mut self, index: usize) -> Result<CommandId, RequestError>;
+
+    /// Requests the start of a command.
+    ///
+    /// # Errors
+    /// Returns an error if there are too many pending requests.
+    fn start(&mut self, id: CommandId) -> Result<Ticket, RequestError>;
+
+    /// Adds a rule.
+    ///
+    /// # Errors
+    /// Returns an error if there are too many rules or pending requests.
+    fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), RequestError>;
+
+    /// Requests a command to end.
+    fn cancel(&mut self, id: CommandId);
+
+    /// Unloads a command that does not run.
+    fn unload(&mut self, id: CommandId);
+
+    /// Returns true if successors of a command that started in this tick may be planned now.
+    fn can_plan(&self, first_tick: Option<u64>) -> bool;
+
+    /// Reports a successor that was not scheduled when its predecessor ended. `in_motion` is true if it could have
+    /// taken over in motion.
+    fn report_late(&mut self, in_motion: bool);
+
+    /// Reports that a branch of the task handles the error with which a command ended.
+    fn report_handled(&mut self, id: CommandId);
+
+    /// Reports commands that could not be started. `indices` has several entries if they were to start together.
+    fn report_not_started(&mut self, indices: &[usize], why: NotStartedError);
+}

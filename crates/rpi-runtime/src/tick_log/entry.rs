@@ -1,0 +1,146 @@
+//! Encoding of tape entries.
+
+/// Kind of a tape entry. Each description lists the meaning of the key, the flag and the words.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum EntryKind {
+    /// Read of a sensor. Key: port; flag: a sample was available; words: memory words of the sample.
+    Read = 1,
+    /// Check of a set-point by its device. Key: port; words: the reasons for a refusal, as bits.
+    Check = 2,
+    /// Query of a device error. Key: port; words: error code.
+    Error = 3,
+    /// Query of a discontinuity. Key: port; flag: the set-point is discontinuous; words: actuator, quantity, value,
+    /// limit.
+    Discontinuity = 4,
+    /// Call of a device function. Key: port; flag: there was a result; words: memory words of the result.
+    Call = 5,
+    /// Query of an actuator's motion. Key: actuator; flag: the actuator moves.
+    Moving = 6,
+    /// Write of a set-point. Key: port; words: memory words of the set-point.
+    Write = 7,
+    /// Stop of an actuator. Key: actuator.
+    Stop = 8,
+    /// Period of an actuator's set-points. Key: actuator; words: number of ticks.
+    Period = 9,
+    /// State of a device at the end of a tick. Key: device; flag: the device moves; words: error code.
+    DeviceState = 10,
+    /// End of all commands between two ticks. Key: number of the reason.
+    Halt = 11,
+    /// Flow of a command at the end of its cycle. Key: index of the flow; flag: the flow is present; words: number of
+    /// the command, memory words of the value.
+    Flow = 12,
+    /// Sample of a device port after a tick. Key: index of the sampled port; flag: there is a value; words: memory
+    /// words of the value.
+    Sample = 13,
+    /// Overrun of a tick. Words: nanoseconds by which the tick ended after the next one was due.
+    Overrun = 14,
+    /// Attribution of an overrun to a command. Key: fragment with the most work; words: number of the command, its time
+    /// in nanoseconds, nanoseconds by which the tick ended too late.
+    OverrunCause = 15,
+}
+
+impl EntryKind {
+    const ALL: [EntryKind; 15] = [
+        EntryKind::Read,
+        EntryKind::Check,
+        EntryKind::Error,
+        EntryKind::Discontinuity,
+        EntryKind::Call,
+        EntryKind::Moving,
+        EntryKind::Write,
+        EntryKind::Stop,
+        EntryKind::Period,
+        EntryKind::DeviceState,
+        EntryKind::Halt,
+        EntryKind::Flow,
+        EntryKind::Sample,
+        EntryKind::Overrun,
+        EntryKind::OverrunCause,
+    ];
+
+    fn from_number(number: u64) -> Option<EntryKind> {
+        EntryKind::ALL
+            .into_iter()
+            .find(|kind| *kind as u64 == number)
+    }
+}
+
+/// An entry of a tape.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LogEntry<'a> {
+    /// Kind of the entry.
+    pub kind: EntryKind,
+    /// Key; its meaning depends on the kind.
+    pub key: u32,
+    /// Flag; its meaning depends on the kind.
+    pub flag: bool,
+    /// Words; their meaning depends on the kind.
+    pub words: &'a [u64],
+}
+
+const FLAG: u64 = 1 << 55;
+const KIND_SHIFT: u32 = 56;
+const LEN_SHIFT: u32 = 32;
+const MAX_LEN: u64 = (1 << 23) - 1;
+
+/// Encodes the head word of an entry.
+pub(super) fn encode_head(kind: EntryKind, key: u32, flag: bool, len: usize) -> u64 {
+    let flag = if flag { FLAG } else { 0 };
+    (kind as u64) << KIND_SHIFT | flag | (len as u64 & MAX_LEN) << LEN_SHIFT | u64::from(key)
+}
+
+/// Decodes the first entry. Returns the entry and the remaining words; `None` at the end or if the words are invalid.
+pub(super) fn decode_first(words: &[u64]) -> Option<(LogEntry<'_>, &[u64])> {
+    let (head, rest) = words.split_first()?;
+    let len = usize::try_from(head >> LEN_SHIFT & MAX_LEN).ok()?;
+    let (words, rest) = rest.split_at_checked(len)?;
+    let entry = LogEntry {
+        kind: EntryKind::from_number(head >> KIND_SHIFT)?,
+        key: *head as u32,
+        flag: head & FLAG != 0,
+        words,
+    };
+    Some((entry, rest))
+}
+
+/// Decodes a list of entries. The iteration ends at the first invalid entry.
+pub fn decode_entries(mut words: &[u64]) -> impl Iterator<Item = LogEntry<'_>> {
+    std::iter::from_fn(move || {
+        let (entry, rest) = decode_first(words)?;
+        words = rest;
+        Some(entry)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_keep_what_they_are_given() {
+        for kind in EntryKind::ALL {
+            let words = [
+                encode_head(kind, u32::MAX, true, 2),
+                7,
+                8,
+                encode_head(kind, 0, false, 0),
+            ];
+            let all: Vec<_> = decode_entries(&words).collect();
+            assert_eq!(
+                (all[0].kind, all[0].key, all[0].flag),
+                (kind, u32::MAX, true)
+            );
+            assert_eq!((all[0].words, all[1].words), (&[7, 8][..], &[][..]));
+            assert_eq!((all[1].kind, all[1].key, all[1].flag), (kind, 0, false));
+        }
+    }
+
+    #[test]
+    fn a_row_ends_where_no_entry_begins() {
+        assert_eq!(
+            decode_entries(&[encode_head(EntryKind::Read, 0, false, 2), 1]).count(),
+            0
+        );
+        assert_eq!(decode_entries(&[0]).count(), 0);
+    }
+}

@@ -1,0 +1,25 @@
+//! Numbers of the reasons for which all commands are ended.
+
+use rpi_core::AbortReason;
+
+/// Reasons of an abort. The index of a reason is its key on the tape, so the order must not change.
+const REASONS: [AbortReason; 5] = [
+    AbortReason::Request,
+    AbortReason::Overrun,
+    AbortReason::EmergencyStop,
+    AbortReason::ClientLost,
+    AbortReason::Discontinuity,
+];
+
+/// Returns the number of a reason.
+#[must_use]
+pub fn reason_number(why: AbortReason) -> u32 {
+    let place = REASONS.iter().position(|known| *known == why);
+    place.map_or(u32::MAX, |place| place as u32)
+}
+
+/// Returns the reason with this number.
+#[must_use]
+pub fn reason_from_number(number: u32) -> Option<AbortReason> {
+    REASONS.get(number as usize).copied()
+}

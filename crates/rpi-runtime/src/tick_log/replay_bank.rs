@@ -1,0 +1,323 @@
+//! Replays a tape in place of the devices: returns the recorded answers and compares the accesses and set-points with
+//! the tape.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use rpi_core::AbortReason;
+use rpi_device::{DeviceBank, Discontinuity, PortId, PortQuery, Quantity, Rejection, ResolveError};
+
+use super::entry::{EntryKind, LogEntry, decode_first};
+use super::reason::reason_from_number;
+use crate::control::{AttributedOverrun, CommandId, Plant};
+
+/// A difference between the tape and the replay in the device exchange of a tick.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Mismatch {
+    /// The set-point differs.
+    SetPoint {
+        /// Number of the port.
+        port: u32,
+        /// Memory words of the recorded set-point.
+        recorded: Vec<u64>,
+        /// Memory words of the set-point of the replay.
+        now: Vec<u64>,
+    },
+    /// The access is not the next one on the tape.
+    UnexpectedAccess {
+        /// Kind and key of the next access on the tape; `None` at the end of the tick.
+        recorded: Option<(EntryKind, u32)>,
+        /// Kind and key of the access of the replay.
+        now: (EntryKind, u32),
+    },
+    /// The replay did not make an access that is on the tape, with this kind and key.
+    MissingAccess(EntryKind, u32),
+}
+
+/// Device bank of a replay.
+pub struct ReplayBank {
+    devices: usize,
+    // Queries take `&self` but advance the tape. A single thread owns the player, so the cell is never borrowed twice.
+    state: RefCell<ReplayState>,
+}
+
+/// Device exchange of a tick and the read position in it.
+#[derive(Default)]
+struct ReplayState {
+    words: Vec<u64>,
+    at: usize,
+    loaded: bool,
+    mismatch: Option<Mismatch>,
+}
+
+impl ReplayState {
+    fn peek(&self) -> Option<(LogEntry<'_>, usize)> {
+        let rest = self.words.get(self.at..)?;
+        let (entry, after) = decode_first(rest)?;
+        Some((entry, self.words.len() - after.len()))
+    }
+
+    /// Returns the next entry if it has this kind and key, and advances. Otherwise the mismatch is stored, and nothing
+    /// more is replayed.
+    fn next(&mut self, kind: EntryKind, key: u32) -> Option<LogEntry<'_>> {
+        if self.mismatch.is_some() {
+            return None;
+        }
+        let found = self.peek().map(|(entry, end)| (entry.kind, entry.key, end));
+        match found {
+            Some((k, y, end)) if (k, y) == (kind, key) => {
+                let (entry, _) = decode_first(&self.words[self.at..])?;
+                self.at = end;
+                Some(entry)
+            }
+            other => {
+                let recorded = other.map(|(kind, key, _)| (kind, key));
+                let now = (kind, key);
+                self.mismatch = Some(Mismatch::UnexpectedAccess { recorded, now });
+                None
+            }
+        }
+    }
+}
+
+impl ReplayBank {
+    /// Creates a player for this number of devices.
+    #[must_use]
+    pub fn new(devices: usize) -> ReplayBank {
+        ReplayBank {
+            devices,
+            state: RefCell::default(),
+        }
+    }
+
+    /// Loads the device exchange of the next tick.
+    pub fn load_tick(&mut self, exchange: &[u64]) {
+        let state = self.state.get_mut();
+        state.words.clear();
+        state.words.extend_from_slice(exchange);
+        (state.at, state.loaded) = (0, true);
+    }
+
+    /// Returns the reason if the next entry is the end of all commands for a known reason.
+    pub fn take_halt(&mut self) -> Option<AbortReason> {
+        let state = self.state.get_mut();
+        let (entry, end) = state.peek().filter(|(e, _)| e.kind == EntryKind::Halt)?;
+        let why = reason_from_number(entry.key);
+        state.at = end;
+        why
+    }
+
+    /// Returns the attribution of an overrun if it is the next entry.
+    pub fn take_overrun(&mut self) -> Option<AttributedOverrun> {
+        let state = self.state.get_mut();
+        let (entry, end) = state.peek()?;
+        let late = decode_overrun(&entry)?;
+        state.at = end;
+        Some(late)
+    }
+
+    /// Returns the difference of this tick, if any. Called after the tick.
+    pub fn mismatch(&mut self) -> Option<Mismatch> {
+        let state = self.state.get_mut();
+        let left = state
+            .peek()
+            .map(|(e, _)| Mismatch::MissingAccess(e.kind, e.key));
+        state.mismatch.take().or(left)
+    }
+
+    fn replay_entry<T>(
+        &self,
+        kind: EntryKind,
+        key: u32,
+        take: impl FnOnce(LogEntry<'_>) -> T,
+    ) -> Option<T> {
+        let mut state = self.state.try_borrow_mut().ok()?;
+        state.next(kind, key).map(take)
+    }
+
+    /// Copies the answer of an entry into a buffer and returns its flag.
+    fn copy_words(&self, kind: EntryKind, key: u32, into: &mut [u64]) -> bool {
+        let copied = self.replay_entry(kind, key, |entry| {
+            if entry.words.len() == into.len() {
+                into.copy_from_slice(entry.words);
+            }
+            entry.flag
+        });
+        copied.unwrap_or(false)
+    }
+
+    fn word(&self, kind: EntryKind, key: u32) -> u64 {
+        let word = self.replay_entry(kind, key, |entry| entry.words.first().copied());
+        word.flatten().unwrap_or(0)
+    }
+}
+
+/// Decodes the attribution of an overrun; `None` if the entry is of another kind.
+#[must_use]
+pub fn decode_overrun(entry: &LogEntry<'_>) -> Option<AttributedOverrun> {
+    let (EntryKind::OverrunCause, &[command, took_ns, late_ns]) = (entry.kind, entry.words) else {
+        return None;
+    };
+    Some(AttributedOverrun {
+        command: CommandId::from_number(command),
+        took_ns,
+        late_ns,
+        fragment: entry.key,
+    })
+}
+
+fn decode_discontinuity(words: &[u64]) -> Option<Discontinuity> {
+    let &[resource, quantity, value, limit] = words else {
+        return None;
+    };
+    let all = [
+        Quantity::Position,
+        Quantity::Velocity,
+        Quantity::Acceleration,
+    ];
+    Some(Discontinuity {
+        resource: u32::try_from(resource).ok()?,
+        quantity: all.into_iter().find(|q| *q as u64 == quantity)?,
+        value: f64::from_bits(value),
+        limit: f64::from_bits(limit),
+    })
+}
+
+impl DeviceBank for ReplayBank {
+    fn resolve(&mut self, _: &PortQuery<'_>) -> Result<PortId, ResolveError> {
+        Err(ResolveError::UnknownDevice)
+    }
+
+    fn resource(&self, port: PortId) -> u32 {
+        port.0
+    }
+
+    fn resources(&self, port: PortId) -> Range<u32> {
+        port.0..port.0
+    }
+
+    fn begin_command(&mut self, resource: u32, _: u32) {
+        self.word(EntryKind::Period, resource);
+    }
+
+    fn read(&mut self, port: PortId, value: &mut [u64]) -> bool {
+        self.copy_words(EntryKind::Read, port.0, value)
+    }
+
+    fn check_set_point(&mut self, port: PortId, _: &[u64]) -> Rejection {
+        Rejection(self.word(EntryKind::Check, port.0) as u32)
+    }
+
+    fn discontinuity(&self, port: PortId, _: &[u64]) -> Option<Discontinuity> {
+        let jump = self.replay_entry(EntryKind::Discontinuity, port.0, |entry| {
+            decode_discontinuity(entry.words).filter(|_| entry.flag)
+        });
+        jump.flatten()
+    }
+
+    fn error_code(&self, port: PortId) -> i64 {
+        self.word(EntryKind::Error, port.0).cast_signed()
+    }
+
+    fn write(&mut self, port: PortId, value: &[u64]) {
+        let recorded = self.replay_entry(EntryKind::Write, port.0, |e| e.words.to_vec());
+        if let Some(recorded) = recorded.filter(|recorded| recorded != value) {
+            self.state.get_mut().mismatch = Some(Mismatch::SetPoint {
+                port: port.0,
+                recorded,
+                now: value.to_vec(),
+            });
+        }
+    }
+
+    fn call(&mut self, port: PortId, _: &[u64], result: &mut [u64]) -> bool {
+        self.copy_words(EntryKind::Call, port.0, result)
+    }
+
+    fn is_moving(&self, resource: u32) -> bool {
+        let moving = self.replay_entry(EntryKind::Moving, resource, |entry| entry.flag);
+        moving.unwrap_or(false)
+    }
+
+    fn stop(&mut self, resource: u32) {
+        self.replay_entry(EntryKind::Stop, resource, |_| ());
+    }
+}
+
+impl Plant for ReplayBank {
+    type Device = ();
+
+    fn swap(&mut self, _: usize, _: Option<()>) -> Option<()> {
+        None
+    }
+
+    fn step(&mut self) {}
+
+    fn device_states(&self, each: &mut dyn FnMut(usize, i64, bool)) {
+        let loaded = self.state.try_borrow().is_ok_and(|state| state.loaded);
+        for device in 0..self.devices {
+            let condition = |entry: LogEntry<'_>| {
+                let code = entry.words.first().copied().unwrap_or(0);
+                (code.cast_signed(), entry.flag)
+            };
+            // There are fewer than 2^32 devices.
+            let told =
+                loaded.then(|| self.replay_entry(EntryKind::DeviceState, device as u32, condition));
+            let (code, moving) = told.flatten().unwrap_or_default();
+            each(device, code, moving);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::entry_buffer::EntryBuffer;
+    use super::*;
+
+    fn player(fill: impl Fn(&mut EntryBuffer)) -> ReplayBank {
+        let mut stage = EntryBuffer::with_capacity(64);
+        fill(&mut stage);
+        let mut player = ReplayBank::new(0);
+        player.load_tick(stage.words().unwrap());
+        player
+    }
+
+    #[test]
+    fn devices_answer_as_they_did() {
+        let mut player = player(|stage| {
+            stage.push(EntryKind::Read, 3, true, &[&[7, 8]]);
+            stage.push(EntryKind::Moving, 1, true, &[]);
+            stage.push(EntryKind::Write, 4, false, &[&[9]]);
+        });
+        let mut value = [0; 2];
+        assert!(player.read(PortId(3), &mut value) && value == [7, 8]);
+        assert!(player.is_moving(1));
+        player.write(PortId(4), &[9]);
+        assert_eq!(player.mismatch(), None);
+    }
+
+    #[test]
+    fn what_is_done_otherwise_is_told_once() {
+        let fill = |stage: &mut EntryBuffer| stage.push(EntryKind::Write, 4, false, &[&[9]]);
+        let mut other = player(fill);
+        other.write(PortId(4), &[8]);
+        let told = Mismatch::SetPoint {
+            port: 4,
+            recorded: vec![9],
+            now: vec![8],
+        };
+        assert_eq!(other.mismatch(), Some(told));
+        let mut missing = player(fill);
+        assert_eq!(
+            missing.mismatch(),
+            Some(Mismatch::MissingAccess(EntryKind::Write, 4))
+        );
+        let mut more = player(fill);
+        more.stop(2);
+        let told = Mismatch::UnexpectedAccess {
+            recorded: Some((EntryKind::Write, 4)),
+            now: (EntryKind::Stop, 2),
+        };
+        assert_eq!(more.mismatch(), Some(told));
+    }
+}

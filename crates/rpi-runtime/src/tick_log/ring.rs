@@ -1,0 +1,165 @@
+//! Tape between the cycle and the writer thread: a bounded ring on which neither side blocks.
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::entry_buffer::EntryBuffer;
+
+/// Capacity in words: about 15 s of an arm at 1 kHz.
+const CAPACITY: usize = 1 << 20;
+const HEADER: usize = 6;
+
+/// Creates a tape and returns its two ends: the first for the cycle, the second for the writer.
+#[must_use]
+pub fn tick_log() -> (TickLogWriter, TickLogReader) {
+    with_capacity(CAPACITY)
+}
+
+fn with_capacity(words: usize) -> (TickLogWriter, TickLogReader) {
+    let (producer, consumer) = RingBuffer::new(words);
+    let tape_in = TickLogWriter {
+        ring: producer,
+        capacity: words,
+        lost_since_last: 0,
+        lost: 0,
+    };
+    (tape_in, TickLogReader { ring: consumer })
+}
+
+/// Cycle side of a tape.
+pub struct TickLogWriter {
+    ring: Producer<u64>,
+    capacity: usize,
+    /// Number of ticks lost since the last recorded one.
+    lost_since_last: u64,
+    lost: u64,
+}
+
+impl TickLogWriter {
+    /// Writes a complete tick, or counts it as lost. `ticked` is false for entries between two ticks without a tick
+    /// after them.
+    pub fn put(
+        &mut self,
+        (number, wall_ns): (u64, i64),
+        ticked: bool,
+        exchange: &EntryBuffer,
+        sights: &EntryBuffer,
+    ) {
+        let rows = exchange.words().zip(sights.words());
+        let fits = rows.filter(|(a, b)| self.ring.slots() >= HEADER + a.len() + b.len());
+        let Some((exchange, sights)) = fits else {
+            self.lost_since_last += 1;
+            self.lost += 1;
+            return;
+        };
+        let (n, m) = (exchange.len() as u64, sights.len() as u64);
+        let kind = u64::from(!ticked);
+        let header = [
+            self.lost_since_last,
+            number,
+            wall_ns.cast_unsigned(),
+            kind,
+            n,
+            m,
+        ];
+        for word in header.iter().chain(exchange).chain(sights) {
+            // The free slots were checked above, and this is the only producer.
+            let _ = self.ring.push(*word);
+        }
+        self.lost_since_last = 0;
+    }
+
+    /// Returns the total number of lost ticks.
+    #[must_use]
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Returns true while more than half of the ring is free.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.ring.slots() > self.capacity / 2
+    }
+}
+
+/// Writer side of a tape.
+pub struct TickLogReader {
+    ring: Consumer<u64>,
+}
+
+impl TickLogReader {
+    /// Reads the words of the next tick. Returns false if no complete tick is available.
+    pub fn next(&mut self, words: &mut Vec<u64>) -> bool {
+        words.clear();
+        let Ok(header) = self.ring.read_chunk(HEADER) else {
+            return false;
+        };
+        let (first, second) = header.as_slices();
+        let lens = first.iter().chain(second).skip(HEADER - 2);
+        let len = HEADER + lens.map(|len| *len as usize).sum::<usize>();
+        let Ok(tick) = self.ring.read_chunk(len) else {
+            return false;
+        };
+        words.extend(tick);
+        true
+    }
+}
+
+/// A decoded tick of a tape.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LoggedTick<'a> {
+    /// Number of ticks lost before this one.
+    pub lost: u64,
+    /// Number of the tick.
+    pub number: u64,
+    /// Wall clock of the commands, nanoseconds since the Unix epoch.
+    pub wall_ns: i64,
+    /// False for entries between two ticks without a tick after them.
+    pub ticked: bool,
+    /// Entries of the exchange between core and devices.
+    pub exchange: &'a [u64],
+    /// Entries of the observations: flows of commands and device ports.
+    pub observations: &'a [u64],
+}
+
+impl LoggedTick<'_> {
+    /// Decodes a tick; `None` if the words are invalid.
+    pub fn from_words(words: &[u64]) -> Option<LoggedTick<'_>> {
+        let (header, rest) = words.split_first_chunk::<HEADER>()?;
+        let [lost, number, wall, kind, n, m] = *header;
+        let (exchange, sights) = rest.split_at_checked(usize::try_from(n).ok()?)?;
+        (sights.len() as u64 == m).then_some(LoggedTick {
+            lost,
+            number,
+            wall_ns: wall.cast_signed(),
+            ticked: kind == 0,
+            exchange,
+            observations: sights,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::entry::EntryKind;
+    use super::*;
+
+    #[test]
+    fn ticks_arrive_whole_and_losses_are_told_with_the_next() {
+        let (mut tape, mut out) = with_capacity(20);
+        let (mut exchange, mut sights) =
+            (EntryBuffer::with_capacity(8), EntryBuffer::with_capacity(8));
+        exchange.push(EntryKind::Write, 1, false, &[&[5]]);
+        sights.push(EntryKind::Flow, 2, true, &[&[9], &[6]]);
+        (0..3).for_each(|tick| tape.put((tick, 7), true, &exchange, &sights));
+        assert_eq!(tape.lost(), 2);
+        let mut words = Vec::new();
+        assert!(out.next(&mut words));
+        let tick = LoggedTick::from_words(&words).unwrap();
+        assert_eq!((tick.lost, tick.number, tick.wall_ns), (0, 0, 7));
+        assert_eq!((tick.exchange.len(), tick.observations.len()), (2, 3));
+        assert!(!out.next(&mut words));
+        tape.put((3, 8), true, &exchange, &sights);
+        assert!(out.next(&mut words));
+        assert_eq!(LoggedTick::from_words(&words).unwrap().lost, 2);
+    }
+}

@@ -1,0 +1,161 @@
+//! Fair sharing of limited resources: no client can take all of them, however many clients there are.
+//!
+//! A client may hold at most as much as it leaves free for others, and all clients of one peer together at most three
+//! times that. So a single client gets half, two get a third each, and something is always left for the next one
+//! (dynamic thresholds: Choudhury and Hahne 1998, on shared buffers of switch ports; see ADR 0011).
+
+use crate::peer::Peer;
+
+/// All clients of one peer may together hold this many times the free amount.
+const PEER_FACTOR: usize = 3;
+
+/// A client connection.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct Client {
+    number: u64,
+    peer: Peer,
+}
+
+impl Client {
+    pub(crate) fn new(number: u64, peer: Peer) -> Client {
+        Client { number, peer }
+    }
+
+    /// Returns the peer (network origin) of the client.
+    pub(crate) fn peer(&self) -> Peer {
+        self.peer
+    }
+}
+
+/// Owner of a held resource.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Holder {
+    /// A connected client.
+    Connected(Client),
+    /// A disconnected client. The resource still counts for its peer.
+    Disconnected(Client),
+    /// No client in particular.
+    Unowned,
+}
+
+/// Amount of a resource in use, as seen by a client that requests more.
+#[derive(Clone, Copy, Default, Debug)]
+pub(crate) struct Usage {
+    all: usize,
+    of_peer: usize,
+    of_client: usize,
+}
+
+/// Reason for rejecting a request for more of a resource.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum QuotaError {
+    /// Not enough is left.
+    Exhausted,
+    /// The share of the client would be exceeded.
+    ClientShare,
+    /// The share of all clients of the peer would be exceeded.
+    PeerShare,
+}
+
+impl Usage {
+    /// Sums up the held amounts, as seen by `client`.
+    pub(crate) fn for_client(
+        client: Option<Client>,
+        held: impl IntoIterator<Item = (Holder, usize)>,
+    ) -> Usage {
+        let mut taken = Usage::default();
+        for (holder, amount) in held {
+            let (is, was) = match holder {
+                Holder::Connected(owner) => (Some(owner), Some(owner)),
+                Holder::Disconnected(owner) => (None, Some(owner)),
+                Holder::Unowned => (None, None),
+            };
+            taken.all += amount;
+            if client.is_some() && is == client {
+                taken.of_client += amount;
+            }
+            if client.is_some_and(|c| was.is_some_and(|w| w.peer == c.peer)) {
+                taken.of_peer += amount;
+            }
+        }
+        taken
+    }
+
+    /// Usage of a resource that is shared by peer only, not by client.
+    pub(crate) fn for_peer(all: usize, of_peer: usize) -> Usage {
+        Usage {
+            all,
+            of_peer,
+            of_client: 0,
+        }
+    }
+
+    /// Returns an error if `more` would exceed `limit` or a share of it.
+    pub(crate) fn admit(&self, more: usize, limit: usize) -> Result<(), QuotaError> {
+        let free = limit.saturating_sub(self.all);
+        let share = |own: usize, times: usize| own + more <= free.saturating_mul(times);
+        if more > free {
+            return Err(QuotaError::Exhausted);
+        }
+        match (share(self.of_client, 1), share(self.of_peer, PEER_FACTOR)) {
+            (true, true) => Ok(()),
+            (false, _) => Err(QuotaError::ClientShare),
+            (true, false) => Err(QuotaError::PeerShare),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn client(number: u64, peer: u8) -> Client {
+        Client::new(number, Peer::from_ip([10, 0, 0, peer].into()))
+    }
+
+    /// Lets the clients take units of 256 in turn until none gets another one. Returns the units of each client.
+    fn scramble(clients: &[Client]) -> Vec<usize> {
+        let mut has = vec![0; clients.len()];
+        loop {
+            let before = has.clone();
+            for (k, client) in clients.iter().enumerate() {
+                let held = clients
+                    .iter()
+                    .zip(&has)
+                    .map(|(c, n)| (Holder::Connected(*c), *n));
+                let taken = Usage::for_client(Some(*client), held);
+                has[k] += usize::from(taken.admit(1, 256).is_ok());
+            }
+            if has == before {
+                return has;
+            }
+        }
+    }
+
+    #[test]
+    fn whoever_is_alone_gets_half_and_others_as_much_as_one_another() {
+        assert_eq!(scramble(&[client(1, 1)]), [128]);
+        assert_eq!(scramble(&[client(1, 1), client(2, 2)]), [86, 85]);
+        let many: Vec<Client> = (0..63).map(|k| client(k, k as u8)).collect();
+        assert!(scramble(&many).iter().all(|has| *has == 4));
+    }
+
+    #[test]
+    fn those_from_one_place_leave_a_quarter() {
+        let many: Vec<Client> = (0..32).map(|k| client(k, 1)).collect();
+        assert!(scramble(&many).iter().sum::<usize>() <= 192);
+    }
+
+    #[test]
+    fn what_was_left_behind_counts_for_where_its_owner_came_from() {
+        let held = [
+            (Holder::Disconnected(client(1, 1)), 190),
+            (Holder::Unowned, 2),
+        ];
+        let same = Usage::for_client(Some(client(2, 1)), held);
+        assert_eq!(same.admit(3, 256), Err(QuotaError::PeerShare));
+        let other = Usage::for_client(Some(client(3, 2)), held);
+        assert_eq!(other.admit(64, 256), Ok(()));
+        assert_eq!(other.admit(65, 256), Err(QuotaError::Exhausted));
+    }
+}

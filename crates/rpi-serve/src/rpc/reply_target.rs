@@ -1,0 +1,162 @@
+//! Delivery of answers: a single request is answered directly, a batch by one message, a notification not at all
+//! (JSON-RPC 2.0, sections 4.1 and 6).
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use serde_json::{Value, json};
+
+use crate::state::ApiError;
+use crate::transport::Outbox;
+
+/// Destination of the answer to a request.
+#[derive(Clone)]
+pub(super) struct ReplyTarget {
+    /// Id of the request; `None` for a notification.
+    id: Option<Value>,
+    delivery: Delivery,
+}
+
+#[derive(Clone)]
+enum Delivery {
+    Single(Outbox),
+    Batch(Arc<Mutex<Batch>>),
+}
+
+/// Answers of a batch, sent together once all requests are answered.
+struct Batch {
+    left: usize,
+    answers: Vec<Value>,
+    out: Outbox,
+}
+
+impl ReplyTarget {
+    /// Creates the destination for a single request.
+    pub(super) fn single(request: &Value, out: &Outbox) -> ReplyTarget {
+        ReplyTarget {
+            id: request_id(request),
+            delivery: Delivery::Single(out.clone()),
+        }
+    }
+
+    /// Creates the destinations for the requests of a batch.
+    pub(super) fn batch(requests: &[Value], out: &Outbox) -> Vec<ReplyTarget> {
+        let batch = Batch {
+            left: requests.len(),
+            answers: Vec::new(),
+            out: out.clone(),
+        };
+        let batch = Arc::new(Mutex::new(batch));
+        let one = |request| ReplyTarget {
+            id: request_id(request),
+            delivery: Delivery::Batch(Arc::clone(&batch)),
+        };
+        requests.iter().map(one).collect()
+    }
+
+    /// Sends the result of the request. Returns false if the client is disconnected.
+    pub(super) fn success(&self, result: Value) -> bool {
+        self.send(json!({"result": result}))
+    }
+
+    /// Sends the error code and message of a failed request. Returns false if the client is disconnected.
+    pub(super) fn failure(&self, why: &ApiError) -> bool {
+        let (code, data) = error_code(why);
+        self.error(code, &why.to_string(), data)
+    }
+
+    /// Sends an error. `data` is left out if it is null. Returns false if the client is disconnected.
+    pub(super) fn error(&self, code: i64, message: &str, data: Value) -> bool {
+        let mut error = json!({"code": code, "message": message});
+        if !data.is_null() {
+            error["data"] = data;
+        }
+        self.send(json!({"error": error}))
+    }
+
+    /// Returns whether the id has an allowed type: text, whole number or null, or no id at all (section 4).
+    pub(super) fn has_valid_id(&self) -> bool {
+        match &self.id {
+            Some(Value::Number(number)) => number.is_i64() || number.is_u64(),
+            Some(id) => id.is_string() || id.is_null(),
+            None => true,
+        }
+    }
+
+    /// Returns a destination with the id null, for a request whose own id is invalid.
+    pub(super) fn with_null_id(mut self) -> ReplyTarget {
+        self.id = Some(Value::Null);
+        self
+    }
+
+    /// Answers an invalid request, even one without an id.
+    pub(super) fn invalid_request(self) -> bool {
+        self.or_null_id()
+            .error(-32600, "invalid request", Value::Null)
+    }
+
+    /// Returns a destination with the id null if the request had none, so that it is answered in any case.
+    pub(super) fn or_null_id(mut self) -> ReplyTarget {
+        self.id.get_or_insert(Value::Null);
+        self
+    }
+
+    fn send(&self, mut answer: Value) -> bool {
+        answer["jsonrpc"] = json!("2.0");
+        let answer = self.id.as_ref().map(|id| {
+            answer["id"] = id.clone();
+            answer
+        });
+        match (&self.delivery, answer) {
+            (Delivery::Single(out), Some(answer)) => out.put_device(answer.to_string()),
+            (Delivery::Single(_), None) => true,
+            (Delivery::Batch(batch), answer) => {
+                let mut batch = batch.lock().unwrap_or_else(PoisonError::into_inner);
+                batch.take(answer)
+            }
+        }
+    }
+}
+
+impl Batch {
+    fn take(&mut self, answer: Option<Value>) -> bool {
+        self.answers.extend(answer);
+        self.left = self.left.saturating_sub(1);
+        if self.left > 0 || self.answers.is_empty() {
+            return true;
+        }
+        let answers = std::mem::take(&mut self.answers);
+        self.out.put_device(Value::Array(answers).to_string())
+    }
+}
+
+/// Returns the id of a request. A request without an id is a notification.
+fn request_id(request: &Value) -> Option<Value> {
+    request.get("id").cloned()
+}
+
+/// Returns the error code and data of a failure: -32602 for invalid parameters, else a code of the range reserved for
+/// servers.
+fn error_code(why: &ApiError) -> (i64, Value) {
+    match why {
+        ApiError::Invalid(_) => (-32602, Value::Null),
+        ApiError::Unknown(_) => (-32001, Value::Null),
+        ApiError::Rejected(reasons) => (-32002, json!({"reasons": reasons})),
+        ApiError::Refused(_) | ApiError::InUse(_) | ApiError::ResourceHeld(_) => {
+            (-32003, Value::Null)
+        }
+        ApiError::Limit(_) | ApiError::ClientShare(_) | ApiError::PeerShare(_) => {
+            (-32004, Value::Null)
+        }
+        ApiError::OverBudget(why) => {
+            let [needed, taken, granted] =
+                [why.needed_ns, why.taken_ns, why.granted_ns].map(|ns| ns as f64 * 1e-9);
+            (
+                -32008,
+                json!({"needed": needed, "taken": taken, "granted": granted}),
+            )
+        }
+        ApiError::QueueFull => (-32005, Value::Null),
+        ApiError::EmergencyStop(_) => (-32006, Value::Null),
+        ApiError::NotOwner(_) => (-32007, Value::Null),
+    }
+}

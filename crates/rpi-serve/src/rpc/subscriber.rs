@@ -1,0 +1,148 @@
+//! Updates of subscriptions: the notification `update` with the object and its changes.
+
+use rpi_core::CommandState;
+use serde_json::{Map, Value, json};
+
+use crate::state::{
+    DeviceInfo, Phase, RuleState, SourceLocation, Status, Step, Subscriber, TaskStatus, Update,
+    cause_text, fault_text,
+};
+use crate::transport::SubscriptionSender;
+
+/// Subscriber that sends updates about one object.
+pub(super) struct RpcSubscriber {
+    /// Kind (`command`, `task`, `rule` or `session`) and name of the object; `None` for devices and the emergency stop.
+    pub(super) about: Option<(&'static str, String)>,
+    pub(super) out: SubscriptionSender,
+}
+
+impl Subscriber for RpcSubscriber {
+    fn notify(&mut self, update: &Update<'_>) -> bool {
+        let mut params = match update {
+            Update::Command(status) => self::status(status),
+            Update::Discontinuity(jump) => json!({"jump": jump}),
+            Update::Values(values) => json!({"values": self::values(values)}),
+            Update::Rule(state) => json!({"state": rule(*state)}),
+            Update::Session(open) => json!({"open": open}),
+            Update::Emergency(by) => json!({"emergency": emergency(*by)}),
+            Update::Task(status) => task(status),
+            Update::DeviceAdded(info) => json!({"device": info.name, "added": device(info)}),
+            Update::DeviceCondition(name, code) => json!({"device": name, "error": code}),
+            Update::DeviceRemoved(name) => json!({"device": name, "removed": true}),
+        };
+        if let Some((kind, name)) = &self.about {
+            params[*kind] = json!(name);
+        }
+        let update = json!({"jsonrpc": "2.0", "method": "update", "params": params});
+        self.out.send(update.to_string())
+    }
+
+    fn is_connected(&self) -> bool {
+        self.out.is_connected()
+    }
+}
+
+/// Returns exported values as texts that keep every bit.
+pub(super) fn values(values: &[(String, String)]) -> Value {
+    let entries = values
+        .iter()
+        .map(|(key, value)| (key.clone(), json!(value)));
+    Value::Object(entries.collect::<Map<_, _>>())
+}
+
+/// Returns the life-cycle state of a command and how it has ended.
+pub(super) fn status(status: &Status) -> Value {
+    let mut told = json!({"state": phase(status.phase)});
+    if let Some(ending) = &status.ending {
+        told["ending"] = json!({
+            "cause": cause_text(ending),
+            "result": status.result,
+            "error": ending.error,
+            "cycles": ending.cycles,
+            "cancelled": ending.cancelled,
+            "left_moving": ending.left_moving,
+            "taken_over": status.taken_over,
+            "why": fault_text(ending),
+            "place": path(status.location.as_ref()),
+            "at": position(status.location.as_ref()),
+            "braked": status.braked,
+            "jump": status.discontinuity,
+        });
+    }
+    if let Some(jump) = &status.discontinuity {
+        told["jump"] = json!(jump);
+    }
+    told
+}
+
+fn path(place: Option<&SourceLocation>) -> Option<&str> {
+    place.map(|place| place.path.as_str())
+}
+
+fn position(place: Option<&SourceLocation>) -> Option<&str> {
+    place.and_then(|place| place.position.as_deref())
+}
+
+/// Returns whether everything is stopped, and who requested it.
+pub(super) fn emergency(by: Option<&str>) -> Value {
+    json!({"stopped": by.is_some(), "by": by})
+}
+
+/// Returns the progress of a task.
+pub(super) fn task(status: &TaskStatus) -> Value {
+    let step = |step: &Step| {
+        json!({
+            "command": step.title, "result": step.result, "error": step.error, "cycles": step.cycles,
+            "cause": step.cause, "why": step.why,
+            "place": path(step.place.as_ref()), "at": position(step.place.as_ref()), "braked": step.braked, "jump": step.jump, "handled": step.handled,
+        })
+    };
+    let running = status.running.iter();
+    let running = running.map(|(name, title)| json!({"command": name, "title": title}));
+    let mut told = json!({
+        "state": status.phase.name(),
+        "running": running.collect::<Value>(),
+        "ended": status.steps.iter().map(step).collect::<Value>(),
+        "late": status.late,
+        "missed": status.missed_in_motion,
+    });
+    if let Some(trouble) = &status.trouble {
+        told["trouble"] = json!(trouble);
+    }
+    told
+}
+
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Core(CommandState::Loading) => "loading",
+        Phase::Core(CommandState::Rejected) => "rejected",
+        Phase::Core(CommandState::Ready) => "ready",
+        Phase::Core(CommandState::Scheduled) => "scheduled",
+        Phase::Core(CommandState::Running) => "running",
+        Phase::Core(CommandState::Cancelling) => "cancelling",
+        Phase::Core(CommandState::Terminated) => "terminated",
+        Phase::Unloaded => "unloaded",
+    }
+}
+
+fn rule(state: RuleState) -> &'static str {
+    match state {
+        RuleState::Active => "active",
+        RuleState::Fired => "fired",
+        RuleState::Failed => "failed",
+        RuleState::Dropped => "dropped",
+    }
+}
+
+/// Returns a device with its interfaces.
+pub(super) fn device(info: &DeviceInfo) -> Value {
+    let interfaces = info.interfaces.iter().map(|(name, own)| {
+        let parameters = own.iter().map(|(key, value)| (key.clone(), json!(value)));
+        ((*name).to_owned(), Value::Object(parameters.collect()))
+    });
+    json!({
+        "name": info.name,
+        "type": info.kind,
+        "interfaces": Value::Object(interfaces.collect()),
+    })
+}

@@ -1,0 +1,66 @@
+//! Deferred requests: requests to the cycle whose answers nobody waits for, such as cancelling and unloading the
+//! commands of a disconnected client.
+//!
+//! They must not be lost when clients flood the request queue. Clients leave room for them, and a request that finds
+//! the queue full is sent again later.
+
+use std::collections::VecDeque;
+
+use rpi_runtime::control::{AbortReason, CommandId, Control, RequestError, RuleId};
+
+use super::pending::{OnAnswer, PendingRequests};
+
+/// Deferred operation on a command.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum CommandOp {
+    /// Cancel it.
+    Cancel,
+    /// Abort it.
+    Abort(AbortReason),
+    /// Unload it.
+    Unload,
+}
+
+/// A deferred request.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum DeferredOp {
+    Command(CommandId, CommandOp),
+    /// Withdraw the rule.
+    Rule(RuleId),
+}
+
+/// Requests that have not been sent yet, oldest first. No request is in the queue twice.
+#[derive(Default)]
+pub(super) struct DeferredOps(VecDeque<DeferredOp>);
+
+impl DeferredOps {
+    /// Adds a request, unless it waits already.
+    pub(super) fn push(&mut self, owing: DeferredOp) {
+        if !self.0.contains(&owing) {
+            self.0.push_back(owing);
+        }
+    }
+
+    /// Sends the requests, as far as the queue of the cycle has room.
+    pub(super) fn send_deferred(&mut self, control: &mut Control, pending: &mut PendingRequests) {
+        while let Some(owing) = self.0.front().copied() {
+            let asked = match owing {
+                DeferredOp::Command(id, CommandOp::Cancel) => control.cancel(id),
+                DeferredOp::Command(id, CommandOp::Abort(why)) => control.abort(id, why),
+                DeferredOp::Command(id, CommandOp::Unload) => control.unload(id),
+                DeferredOp::Rule(id) => control.withdraw(id),
+            };
+            if asked == Err(RequestError::QueueFull) {
+                return;
+            }
+            self.0.pop_front();
+            // Any other error means that the command or rule is gone, so nothing is left to do.
+            pending.track(asked, OnAnswer::Nothing, None);
+        }
+    }
+
+    /// Returns whether every request was sent.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}

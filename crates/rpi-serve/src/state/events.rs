@@ -1,0 +1,151 @@
+//! Events from the cycle, and their effects on the server state.
+
+use rpi_runtime::control::{
+    Cause, CommandError, CommandId, CommandState, Ending, Event, Notice, RuleOutcome, Ticket,
+};
+
+use super::ServerState;
+use super::command_events::{ended, on_braked, on_discontinuity, on_inserted, phase};
+use super::eval::{fail_eval, finish_evals};
+use super::pending::{OnAnswer, PendingRequest, answer};
+use super::types::RuleState;
+
+impl ServerState {
+    /// Processes all pending events and due updates. Called periodically outside the cycle thread.
+    pub(crate) fn update(&mut self) {
+        while let Some(event) = self.core.poll() {
+            self.hear(event);
+        }
+        self.recording.look_after(&mut self.log);
+        self.core.pay();
+        self.emergency.repeat_stop_request(&mut self.core);
+        self.advance_tasks();
+        let commands = &mut self.objects.commands;
+        self.rules.release_told(commands);
+        self.rules.report_delayed_rules(commands);
+        finish_evals(commands, &mut self.core);
+        commands.publish();
+    }
+
+    fn hear(&mut self, event: Event) {
+        self.recording.event(&event);
+        self.objects.tasks.hear(&event);
+        match event {
+            Event::Answer {
+                ticket, refused, ..
+            } => self.on_answer(ticket, refused),
+            Event::Notice(notice) => self.on_notice(notice),
+            Event::Freed(id) => {
+                if let Some(record) = self.objects.commands.forget(id) {
+                    self.objects.forget_command(record);
+                }
+            }
+            Event::Device {
+                device,
+                code,
+                moving,
+                ..
+            } => self.devices.changed(device, code, moving, &mut self.log),
+        }
+    }
+
+    /// Advances all running tasks and reports their progress.
+    fn advance_tasks(&mut self) {
+        for number in self.objects.tasks.under_way() {
+            self.shop(number).with_task(|task, shop| task.advance(shop));
+            let objects = &mut self.objects;
+            objects
+                .tasks
+                .update_progress(number, &objects.commands, &mut self.log);
+            objects.remove_task_if_abandoned(number);
+        }
+    }
+
+    fn on_answer(&mut self, ticket: Ticket, refused: Option<CommandError>) {
+        let Some(PendingRequest { then, reply }) = self.core.answered(ticket) else {
+            return;
+        };
+        let Some(why) = refused else {
+            let name = self.on_success(then);
+            return answer(reply, Ok(name));
+        };
+        let why = self.objects.commands.refusal_error(why, &self.devices);
+        match then {
+            OnAnswer::RuleMade(rule) => self.rules.forget(rule),
+            OnAnswer::Eval(number) => {
+                let commands = &mut self.objects.commands;
+                fail_eval(commands, number, why.clone(), &mut self.core);
+            }
+            _ => {}
+        }
+        answer(reply, Err(why));
+    }
+
+    /// Carries out the action after a request. Returns the name of the created object.
+    fn on_success(&mut self, then: OnAnswer) -> String {
+        match then {
+            OnAnswer::Nothing | OnAnswer::Eval(_) => String::new(),
+            OnAnswer::CommandInserted(number) => {
+                let commands = &mut self.objects.commands;
+                let may_start = self.emergency.ensure_not_stopped();
+                on_inserted(commands, number, may_start, &mut self.core);
+                format!("n{number}")
+            }
+            OnAnswer::RuleMade(rule) => format!("r{}", rule.0),
+            OnAnswer::DeviceAdded(info) => self.devices.added(info, &mut self.log),
+            OnAnswer::Stopped => {
+                self.emergency.clear_stop_flag();
+                String::new()
+            }
+            OnAnswer::DeviceRemoved(name) => {
+                self.devices.gone(&name, &mut self.log);
+                String::new()
+            }
+        }
+    }
+
+    fn on_notice(&mut self, notice: Notice) {
+        let commands = &mut self.objects.commands;
+        match notice {
+            Notice::Scheduled { command, .. } => phase(commands, command, CommandState::Scheduled),
+            Notice::Started { command, .. } => phase(commands, command, CommandState::Running),
+            Notice::Cancelling { command, .. } => {
+                phase(commands, command, CommandState::Cancelling)
+            }
+            Notice::Ended {
+                command, ending, ..
+            } => self.on_ended(command, ending),
+            Notice::Orphaned { command, kept } => {
+                if kept {
+                    phase(commands, command, CommandState::Ready);
+                }
+                commands.unload_if_abandoned(command, &mut self.core);
+            }
+            Notice::Braked {
+                command, resource, ..
+            } => on_braked(commands, command, self.devices.device_name(resource)),
+            Notice::Discontinuity {
+                command,
+                discontinuity: jump,
+            } => {
+                on_discontinuity(commands, command, (&jump, &self.devices), &mut self.log);
+            }
+            Notice::Rule { rule, outcome } => match outcome {
+                RuleOutcome::Fired => self.rules.fired(rule, commands, &mut self.log),
+                RuleOutcome::Failed(_) => self.rules.over(rule, RuleState::Failed),
+                RuleOutcome::Dropped => self.rules.over(rule, RuleState::Dropped),
+            },
+        }
+    }
+
+    fn on_ended(&mut self, id: CommandId, ending: Ending) {
+        let stopped = match ending.cause {
+            Cause::Stopped(rule) => self.rules.takes_over(rule),
+            _ => false,
+        };
+        let objects = &mut self.objects;
+        ended(&mut objects.commands, id, (ending, stopped), &mut self.log);
+        objects.tasks.add_step(id, &objects.commands);
+        objects.commands.unload_if_abandoned(id, &mut self.core);
+    }
+}

@@ -1,0 +1,218 @@
+//! Subscriptions to commands: states are reported at once, exported values periodically.
+
+use std::time::{Duration, Instant};
+
+use rpi_image::Image;
+use rpi_image::image::Export;
+use rpi_runtime::control::{CommandState, ExportSnapshot};
+
+use super::types::{ApiError, Phase, Status, Subscriber, Update};
+
+/// A request to subscribe to a command.
+pub(crate) struct WatchRequest {
+    /// Minimum time between two updates of values.
+    pub(crate) period: Duration,
+    /// Delay between the last values and the end of a command, for clients that handle values and states separately.
+    /// Zero for clients that handle updates in order; those are also not sent completion results.
+    pub(crate) end_delay: Duration,
+    pub(crate) sink: Box<dyn Subscriber>,
+}
+
+/// A subscription to a command.
+pub(super) struct Subscription {
+    period: Duration,
+    end_delay: Duration,
+    due: Instant,
+    /// An end of the command that is not reported yet, with the time to report it.
+    delayed_end: Option<(Instant, Status)>,
+    /// Memory slots of the exports at the latest report.
+    last_slots: Vec<u64>,
+    subscriber: Box<dyn Subscriber>,
+}
+
+impl Subscription {
+    /// Reports a state, after a delayed end. If there is a settling time, an end is delayed by it.
+    fn report_state(&mut self, status: &Status, now: Instant) -> bool {
+        let listens = self.report_delayed_end(None);
+        if status.phase == Phase::Core(CommandState::Terminated) && !self.end_delay.is_zero() {
+            self.delayed_end = Some((now + self.end_delay, status.clone()));
+            return listens;
+        }
+        listens && self.subscriber.notify(&Update::Command(status))
+    }
+
+    /// Reports the delayed end if its time has come; with `None`, in any case.
+    fn report_delayed_end(&mut self, now: Option<Instant>) -> bool {
+        let due = |(at, _): &mut (Instant, Status)| now.is_none_or(|now| *at <= now);
+        match self.delayed_end.take_if(due) {
+            Some((_, status)) => self.subscriber.notify(&Update::Command(&status)),
+            None => true,
+        }
+    }
+
+    /// Reports the changed values.
+    fn report_values(&mut self, exports: &[Export], cells: &[u64], now: Instant) {
+        self.due = now + self.period;
+        let changed = changed_exports(exports, &self.last_slots, cells);
+        if changed.is_empty() {
+            return;
+        }
+        self.subscriber.notify(&Update::Values(&changed));
+        self.last_slots = cells.to_vec();
+        if let Some((at, _)) = &mut self.delayed_end {
+            *at = now + self.end_delay;
+        }
+    }
+}
+
+/// Error of a client with too many subscriptions.
+pub(crate) const TOO_MANY_SUBSCRIPTIONS: ApiError = ApiError::Limit("subscriptions of one client");
+
+/// Maximum time for which values of a command started by a rule are withheld until the firing of the rule was reported.
+/// Clients with a settling time need the updates in this order.
+const MAX_WITHHOLD: Duration = Duration::from_millis(200);
+/// Minimum period of a subscription.
+const MIN_PERIOD: Duration = Duration::from_millis(1);
+
+/// The latest exports of a command, if it has run.
+pub(super) struct Exported<'a> {
+    board: Option<&'a ExportSnapshot>,
+    image: Option<&'a Image>,
+}
+
+impl<'a> Exported<'a> {
+    /// Creates the view of a command's exports.
+    pub(super) fn new(board: Option<&'a ExportSnapshot>, image: Option<&'a Image>) -> Exported<'a> {
+        Exported { board, image }
+    }
+
+    /// Returns the declarations of the exports and their memory slots.
+    fn read(&self) -> Option<(&'a [Export], Vec<u64>)> {
+        let cells = self.board.and_then(ExportSnapshot::read_consistent);
+        Some((&self.image?.exports, cells?))
+    }
+
+    /// Returns all exports with a present value: key and text.
+    pub(super) fn values(&self) -> Vec<(String, String)> {
+        let read = self.read();
+        read.map_or_else(Vec::new, |(exports, cells)| export_texts(exports, &cells))
+    }
+}
+
+/// The subscriptions to one command. Values can be withheld from subscribers with a settling time, so that they get
+/// updates in the order in which they understand them.
+#[derive(Default)]
+pub(super) struct Subscriptions {
+    list: Vec<Subscription>,
+    /// Until when values are withheld from subscribers that depend on the order of updates.
+    held: Option<Instant>,
+}
+
+impl Subscriptions {
+    /// Adds a subscription: reports the values and the state now.
+    pub(super) fn add(&mut self, watching: WatchRequest, status: &Status, exported: &Exported<'_>) {
+        self.list.push(Subscription {
+            period: watching.period.max(MIN_PERIOD),
+            end_delay: watching.end_delay,
+            due: Instant::now(),
+            delayed_end: None,
+            last_slots: Vec::new(),
+            subscriber: watching.sink,
+        });
+        let now = Instant::now();
+        self.publish(now, exported);
+        if let Some(last) = self.list.last_mut() {
+            last.report_state(status, now);
+        }
+    }
+
+    /// Removes the subscriptions of disconnected clients.
+    pub(super) fn drop_disconnected(&mut self) {
+        self.list.retain(|s| s.subscriber.is_connected());
+    }
+
+    /// Reports the state to all subscribers; before an end, the values that led to it.
+    pub(super) fn report_state(&mut self, status: &Status, exported: &Exported<'_>) {
+        let now = Instant::now();
+        match status.phase {
+            Phase::Core(CommandState::Running) => self.held = Some(now + MAX_WITHHOLD),
+            Phase::Core(CommandState::Terminated) => self.publish_now(exported),
+            Phase::Unloaded => {
+                self.held = None;
+                self.publish(now, exported);
+            }
+            _ => {}
+        }
+        self.list.retain_mut(|s| s.report_state(status, now));
+    }
+
+    /// Reports a discontinuity to all subscribers.
+    pub(super) fn report_discontinuity(&mut self, jump: &str) {
+        let told = |s: &mut Subscription| s.subscriber.notify(&Update::Discontinuity(jump));
+        self.list.retain_mut(told);
+    }
+
+    /// Called when the firing of the rule that started the command was reported: ends withholding its values.
+    pub(super) fn stop_withholding(&mut self) {
+        self.held = None;
+    }
+
+    /// Reports changed values to all subscribers, whatever their periods.
+    pub(super) fn publish_now(&mut self, exported: &Exported<'_>) {
+        let now = Instant::now();
+        self.list.iter_mut().for_each(|s| s.due = now);
+        self.publish(now, exported);
+    }
+
+    /// Reports a value of a Boolean export to subscribers with a settling time, regardless of its actual value.
+    pub(super) fn report_flag(&mut self, key: &str, value: bool) {
+        let told = [(key.to_owned(), value.to_string())];
+        let slow = |s: &&mut Subscription| !s.end_delay.is_zero();
+        self.list.iter_mut().filter(slow).for_each(|s| {
+            s.subscriber.notify(&Update::Values(&told));
+        });
+    }
+
+    fn is_withheld(&self, now: Instant) -> bool {
+        self.held.is_some_and(|until| now < until)
+    }
+
+    /// Returns whether values are withheld from some subscriber.
+    pub(super) fn is_withheld_from_any(&self, now: Instant) -> bool {
+        self.is_withheld(now) && self.list.iter().any(|s| !s.end_delay.is_zero())
+    }
+
+    /// Reports changed values to the subscribers that are due.
+    pub(super) fn publish(&mut self, now: Instant, exported: &Exported<'_>) {
+        let held = self.is_withheld(now);
+        let free = |s: &&mut Subscription| !held || s.end_delay.is_zero();
+        let is_due = self.list.iter_mut().filter(free).any(|s| s.due <= now);
+        if is_due && let Some((exports, cells)) = exported.read() {
+            let due = self.list.iter_mut().filter(free);
+            due.filter(|s| s.due <= now)
+                .for_each(|s| s.report_values(exports, &cells, now));
+        }
+        self.list
+            .retain_mut(|s| held && !s.end_delay.is_zero() || s.report_delayed_end(Some(now)));
+    }
+}
+
+/// Returns the exports with a present value that differs from the latest report: key and text.
+fn changed_exports(exports: &[Export], last: &[u64], now: &[u64]) -> Vec<(String, String)> {
+    let mut before = ExportSnapshot::values(exports, last);
+    let now = ExportSnapshot::values(exports, now);
+    let news = now.filter_map(|(export, value)| {
+        let known = before.next().and_then(|(_, value)| value);
+        let value = value.filter(|v| known != Some(v))?;
+        Some((
+            export.key.clone(),
+            rpi_literal::write(value, export.value.ty),
+        ))
+    });
+    news.collect()
+}
+
+/// Returns all exports with a present value: key and text.
+pub(crate) fn export_texts(exports: &[Export], cells: &[u64]) -> Vec<(String, String)> {
+    changed_exports(exports, &[], cells)
+}

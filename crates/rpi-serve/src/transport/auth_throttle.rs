@@ -1,0 +1,151 @@
+//! Log and delay of rejected connections and requests.
+//!
+//! Only the first, tenth, hundredth (and so on) rejection of a peer is logged, so that rejections cannot flood the log.
+//! A request with a wrong token is answered after a delay; a correct token is never delayed, whatever else its peer
+//! sends.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::peer::Peer;
+
+/// Maximum number of entries.
+const MAX_ENTRIES: usize = 256;
+/// An entry is removed after this time without a further rejection.
+const ENTRY_LIFETIME: Duration = Duration::from_secs(60);
+/// Maximum number of delayed answers per peer. Each occupies a connection.
+const MAX_DELAYED: usize = 8;
+
+/// Recent rejections by peer and reason.
+#[derive(Clone, Default)]
+pub(crate) struct AuthThrottle(Arc<Mutex<BTreeMap<(Peer, RejectReason), ThrottleEntry>>>);
+
+/// Reason for a rejection.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) enum RejectReason {
+    /// The request has no token.
+    NoToken,
+    /// The request has a wrong token.
+    WrongToken,
+    /// Too many connections.
+    TooManyConnections,
+}
+
+struct ThrottleEntry {
+    times: u64,
+    latest: Instant,
+    waiting: usize,
+}
+
+/// A delayed answer. Dropping it decrements the count of its peer.
+pub(super) struct DelayedAnswer(AuthThrottle, Peer);
+
+impl RejectReason {
+    /// Describes the reason for the log.
+    fn description(self) -> &'static str {
+        match self {
+            RejectReason::NoToken => "rejected a request without a token",
+            RejectReason::WrongToken => "rejected a request with a wrong token",
+            RejectReason::TooManyConnections => "rejected a connection beyond the limit",
+        }
+    }
+}
+
+impl AuthThrottle {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<(Peer, RejectReason), ThrottleEntry>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Counts a rejection. Returns the text for the log, if it is to be logged.
+    pub(super) fn record(&self, peer: Peer, why: RejectReason) -> Option<String> {
+        let mut all = self.lock();
+        all.retain(|_, s| s.waiting > 0 || s.latest.elapsed() < ENTRY_LIFETIME);
+        if all.len() >= MAX_ENTRIES && !all.contains_key(&(peer, why)) {
+            return None;
+        }
+        let stranger = all.entry((peer, why)).or_insert(ThrottleEntry {
+            times: 0,
+            latest: Instant::now(),
+            waiting: 0,
+        });
+        (stranger.times, stranger.latest) = (stranger.times + 1, Instant::now());
+        let (times, what) = (stranger.times, why.description());
+        match times {
+            1 => Some(format!("{what}, from {peer}")),
+            _ if is_power_of_ten(times) => {
+                Some(format!("{what}, {times} times by now, from {peer}"))
+            }
+            _ => None,
+        }
+    }
+
+    /// Reserves a delayed answer to a wrong token; `None` if the peer has too many.
+    pub(super) fn reserve_delay(&self, peer: Peer) -> Option<DelayedAnswer> {
+        let mut all = self.lock();
+        let stranger = all.get_mut(&(peer, RejectReason::WrongToken))?;
+        if stranger.waiting >= MAX_DELAYED {
+            return None;
+        }
+        stranger.waiting += 1;
+        Some(DelayedAnswer(self.clone(), peer))
+    }
+}
+
+impl Drop for DelayedAnswer {
+    fn drop(&mut self) {
+        if let Some(stranger) = self.0.lock().get_mut(&(self.1, RejectReason::WrongToken)) {
+            stranger.waiting -= 1;
+        }
+    }
+}
+
+/// Returns whether the number is a power of ten.
+fn is_power_of_ten(times: u64) -> bool {
+    times == 10_u64.pow(times.ilog10())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn peer(last: u8) -> Peer {
+        Peer::from_ip([10, 0, 0, last].into())
+    }
+
+    #[test]
+    fn the_first_is_told_and_then_ever_fewer() {
+        let strangers = AuthThrottle::default();
+        let told = (0..1000).filter_map(|_| strangers.record(peer(1), RejectReason::WrongToken));
+        assert_eq!(
+            told.collect::<Vec<_>>(),
+            [
+                "rejected a request with a wrong token, from 10.0.0.1",
+                "rejected a request with a wrong token, 10 times by now, from 10.0.0.1",
+                "rejected a request with a wrong token, 100 times by now, from 10.0.0.1",
+                "rejected a request with a wrong token, 1000 times by now, from 10.0.0.1",
+            ]
+        );
+        assert!(
+            strangers
+                .record(peer(2), RejectReason::WrongToken)
+                .is_some()
+        );
+    }
+
+    #[test]
+    fn only_so_many_wait_and_are_remembered() {
+        let strangers = AuthThrottle::default();
+        strangers.record(peer(1), RejectReason::WrongToken);
+        let mut waiting: Vec<DelayedAnswer> = (0..MAX_DELAYED)
+            .map(|_| strangers.reserve_delay(peer(1)).unwrap())
+            .collect();
+        assert!(strangers.reserve_delay(peer(1)).is_none());
+        waiting.pop();
+        assert!(strangers.reserve_delay(peer(1)).is_some());
+        for k in 0..2000_u32 {
+            strangers.record(Peer::from_ip(k.to_be_bytes().into()), RejectReason::NoToken);
+        }
+        assert_eq!(strangers.lock().len(), MAX_ENTRIES);
+    }
+}

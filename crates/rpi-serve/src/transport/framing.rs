@@ -1,0 +1,270 @@
+//! Message loop of a connection: over a websocket (RFC 6455), or line by line over a Unix socket.
+
+use std::io::{self, Read, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use super::http_head::is_timeout;
+use super::outbox::OutboxReceiver;
+
+/// Read timeout of a connection, after which outgoing messages are sent.
+pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(2);
+/// Time to wait for the answer to a received message before the next read.
+const ANSWER_WAIT: Duration = Duration::from_millis(4);
+
+/// Protocol handler of a connection.
+pub(crate) trait ConnectionHandler {
+    /// Handles a message. Returns false to close the connection.
+    fn on_message(&mut self, text: &str) -> bool;
+
+    /// Reports why the connection is closed, for transports that have no close frame.
+    fn on_error(&mut self, _: &str) {}
+}
+
+/// A stream whose reads time out after [`TURN`].
+pub(crate) trait Stream: Read + Write + Send {}
+impl<T: Read + Write + Send> Stream for T {}
+
+/// Maximum message size in bytes, and timeout without any message from the client. A ping is sent after a third of the
+/// timeout. `None` disables pings and timeout.
+pub(crate) type MessageLimits = (usize, Option<Duration>);
+
+/// Reason for the end of a connection.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum CloseReason {
+    /// One side has closed the connection.
+    Closed,
+    /// The client does not read its messages.
+    NotReading,
+    /// The client has sent a binary message.
+    Binary,
+    /// The client has sent a message that is too long.
+    TooLong,
+    /// The client has not sent anything within the timeout.
+    Timeout,
+    /// The server closes.
+    Closing,
+}
+
+impl CloseReason {
+    /// Returns the close frame for the reason (RFC 6455, section 7.4.1). `most` is the maximum message size in bytes.
+    fn frame(self, most: usize) -> Option<CloseFrame> {
+        let (code, reason) = match self {
+            CloseReason::Closed => return None,
+            CloseReason::NotReading => (CloseCode::Policy, "messages are not read".to_owned()),
+            CloseReason::Binary => (
+                CloseCode::Unsupported,
+                "binary messages are not supported".to_owned(),
+            ),
+            CloseReason::TooLong => (CloseCode::Size, too_long(most)),
+            CloseReason::Timeout => (
+                CloseCode::Policy,
+                "timeout: no message from the client".to_owned(),
+            ),
+            CloseReason::Closing => (CloseCode::Away, "the server closes".to_owned()),
+        };
+        let reason = reason.into();
+        Some(CloseFrame { code, reason })
+    }
+}
+
+fn too_long(most: usize) -> String {
+    format!("a message has at most {most} bytes")
+}
+
+/// Runs the message loop over a websocket until one side closes it. `rest` holds bytes already read from the stream.
+pub(crate) fn websocket(
+    stream: Box<dyn Stream>,
+    rest: Vec<u8>,
+    (most, silence): MessageLimits,
+    front: &mut dyn ConnectionHandler,
+    out: &OutboxReceiver,
+    closing: &AtomicBool,
+) -> CloseReason {
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(most))
+        .max_frame_size(Some(most))
+        .max_write_buffer_size(most.saturating_mul(2).max(1 << 20))
+        // Clients of the reference system do not mask their frames, against RFC 6455, section 5.3.
+        .accept_unmasked_frames(true);
+    let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+    let mut life = Liveness::new(silence);
+    let end = loop {
+        let heard = match hear(socket.read(), front, &mut life) {
+            Ok(heard) => heard,
+            Err(end) => break end,
+        };
+        if life.has_timed_out() {
+            break CloseReason::Timeout;
+        }
+        if life.take_ping_due() && socket.write(Message::Ping(Vec::new().into())).is_err() {
+            break CloseReason::Closed;
+        }
+        if is_closing(closing) {
+            break CloseReason::Closing;
+        }
+        if let Some(end) = send_queued(out, || send(&mut socket, out, heard)) {
+            break end;
+        }
+    };
+    let _ = socket.close(end.frame(most));
+    let _ = socket.flush();
+    end
+}
+
+/// Handles the result of a read. Returns whether an answer is to be expected, or the reason for the end.
+fn hear(
+    read: Result<Message, Error>,
+    front: &mut dyn ConnectionHandler,
+    life: &mut Liveness,
+) -> Result<bool, CloseReason> {
+    match read {
+        Ok(Message::Text(text)) if front.on_message(&text) => {
+            life.touch();
+            Ok(true)
+        }
+        Ok(Message::Ping(_) | Message::Pong(_)) => {
+            life.touch();
+            Ok(false)
+        }
+        Ok(Message::Binary(_)) => Err(CloseReason::Binary),
+        Err(Error::Io(e)) if is_timeout(&e) => Ok(false),
+        Err(Error::Capacity(_)) => Err(CloseReason::TooLong),
+        _ => Err(CloseReason::Closed),
+    }
+}
+
+/// Sends the queued messages. Returns the reason for the end if the connection has ended.
+fn send_queued(out: &OutboxReceiver, send: impl FnOnce() -> io::Result<()>) -> Option<CloseReason> {
+    if out.is_closed() {
+        return Some(CloseReason::NotReading);
+    }
+    match send() {
+        Ok(()) => None,
+        Err(why) if is_timeout(&why) => Some(CloseReason::NotReading),
+        Err(_) => Some(CloseReason::Closed),
+    }
+}
+
+/// Liveness of a client: the time of its latest message.
+struct Liveness {
+    timeout: Option<Duration>,
+    latest: Instant,
+    pinged: bool,
+}
+
+impl Liveness {
+    fn new(silence: Option<Duration>) -> Liveness {
+        Liveness {
+            timeout: silence,
+            latest: Instant::now(),
+            pinged: false,
+        }
+    }
+
+    fn touch(&mut self) {
+        (self.latest, self.pinged) = (Instant::now(), false);
+    }
+
+    fn is_silent_for(&self, share: u32) -> bool {
+        let silence = self.timeout.map(|silence| silence / share);
+        silence.is_some_and(|silence| self.latest.elapsed() >= silence)
+    }
+
+    /// Returns whether a ping must be sent now: once, after a third of the timeout.
+    fn take_ping_due(&mut self) -> bool {
+        let due = !self.pinged && self.is_silent_for(3);
+        self.pinged |= due;
+        due
+    }
+
+    fn has_timed_out(&self) -> bool {
+        self.is_silent_for(1)
+    }
+}
+
+fn send(
+    socket: &mut WebSocket<Box<dyn Stream>>,
+    out: &OutboxReceiver,
+    heard: bool,
+) -> io::Result<()> {
+    let failed = |why: Error| match why {
+        Error::Io(why) => why,
+        other => io::Error::other(other),
+    };
+    let wait = if heard { ANSWER_WAIT } else { Duration::ZERO };
+    let mut next = out.messages.recv_timeout(wait).ok();
+    while let Some(message) = next {
+        socket.write(Message::text(message)).map_err(failed)?;
+        next = out.messages.try_recv().ok();
+    }
+    socket.flush().map_err(failed)
+}
+
+/// Runs the message loop over a stream of lines until one side closes it.
+pub(crate) fn lines(
+    mut stream: Box<dyn Stream>,
+    most: usize,
+    front: &mut dyn ConnectionHandler,
+    out: &OutboxReceiver,
+    closing: &AtomicBool,
+) -> CloseReason {
+    let mut waiting = Vec::new();
+    let mut chunk = vec![0; 16 << 10];
+    while !is_closing(closing) {
+        let heard = match stream.read(&mut chunk) {
+            Ok(0) => return CloseReason::Closed,
+            Ok(read) => {
+                waiting.extend_from_slice(&chunk[..read]);
+                true
+            }
+            Err(e) if is_timeout(&e) => false,
+            Err(_) => return CloseReason::Closed,
+        };
+        if !handle_lines(&mut waiting, front) {
+            break;
+        }
+        if waiting.len() > most {
+            front.on_error(&too_long(most));
+            let _ = send_lines(&mut stream, out, true);
+            return CloseReason::TooLong;
+        }
+        if let Some(end) = send_queued(out, || send_lines(&mut stream, out, heard)) {
+            return end;
+        }
+    }
+    match out.is_closed() {
+        true => CloseReason::NotReading,
+        false => CloseReason::Closed,
+    }
+}
+
+fn handle_lines(waiting: &mut Vec<u8>, front: &mut dyn ConnectionHandler) -> bool {
+    while let Some(end) = waiting.iter().position(|b| *b == b'\n') {
+        let line: Vec<u8> = waiting.drain(..=end).collect();
+        let text = String::from_utf8_lossy(&line);
+        if !text.trim().is_empty() && !front.on_message(text.trim()) {
+            return false;
+        }
+    }
+    true
+}
+
+fn send_lines(stream: &mut dyn Write, out: &OutboxReceiver, heard: bool) -> io::Result<()> {
+    let wait = if heard { ANSWER_WAIT } else { Duration::ZERO };
+    let mut next = out.messages.recv_timeout(wait).ok();
+    while let Some(message) = next {
+        stream.write_all(message.as_bytes())?;
+        stream.write_all(b"\n")?;
+        next = out.messages.try_recv().ok();
+    }
+    stream.flush()
+}
+
+fn is_closing(closing: &AtomicBool) -> bool {
+    closing.load(Ordering::Relaxed)
+}

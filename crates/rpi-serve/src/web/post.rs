@@ -1,0 +1,91 @@
+//! HTTP POST requests: evaluate a net for one cycle, add and remove devices, end a session.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use super::response::Response;
+use super::xml::XmlWriter;
+use crate::peer::Peer;
+use crate::state::{ApiError, NewDevice, Reply, SharedState};
+
+type Form = BTreeMap<String, String>;
+
+/// Runs a net for one cycle and returns its exports as XML.
+pub(crate) fn eval(office: &SharedState, form: &Form, patience: Duration) -> Response {
+    let Some(net) = form.get("dionet") else {
+        return Response::error(400, "expected a form with dionet=...");
+    };
+    let (sender, answer) = channel();
+    let failed = sender.clone();
+    office.lock().eval(
+        net,
+        Box::new(move |values| drop(sender.send(Ok(values)))),
+        Box::new(move |result| drop(result.map_err(|why| failed.send(Err(why))))),
+    );
+    match answer.recv_timeout(patience) {
+        Ok(Ok(values)) => {
+            let mut xml = XmlWriter::new("eval");
+            for (key, value) in &values {
+                xml.leaf("data", &[("key", &format!("out{key}"))], value);
+            }
+            Response::xml(xml.finish())
+        }
+        Ok(Err(why)) => Response::error(400, &why.to_string()),
+        Err(_) => Response::error(503, "timeout: no answer from the cycle"),
+    }
+}
+
+/// Adds or removes a device.
+pub(crate) fn device(
+    (office, peer): (&SharedState, Peer),
+    form: &Form,
+    patience: Duration,
+) -> Response {
+    let name = form.get("name").map_or("", String::as_str);
+    let (reply, answer) = reply_channel();
+    if form.get("action").is_some_and(|action| action == "remove") {
+        office.lock().remove_device(name, reply);
+    } else {
+        let new = NewDevice {
+            peer,
+            name,
+            kind: form.get("type").map_or("", String::as_str),
+            parameters: form,
+        };
+        office.lock().add_device(&new, reply);
+    }
+    match answer.recv_timeout(patience) {
+        Ok(Ok(_)) => Response::text("done\n".to_owned()),
+        Ok(Err(why)) => Response::error(400, &why.to_string()),
+        Err(_) => Response::error(503, "timeout: no answer from the cycle"),
+    }
+}
+
+/// Ends a session.
+pub(crate) fn session((office, peer): (&SharedState, Peer), name: &str, form: &Form) -> Response {
+    if form
+        .get("action")
+        .is_none_or(|action| action != "TERMINATE")
+    {
+        return Response::error(400, "expected a form with action=TERMINATE");
+    }
+    let mut state = office.lock();
+    // An HTTP request counts as a client without sessions.
+    let nobody = state.objects.client(peer);
+    let ended = state
+        .objects
+        .may_act(nobody, name)
+        .and_then(|()| state.abort_session(name));
+    match ended {
+        Ok(()) => Response::text("done\n".to_owned()),
+        Err(why @ ApiError::NotOwner(_)) => Response::error(403, &why.to_string()),
+        Err(why) => Response::error(404, &why.to_string()),
+    }
+}
+
+/// Creates a reply callback and the channel that receives its result.
+fn reply_channel() -> (Reply, Receiver<Result<String, ApiError>>) {
+    let (sender, answer) = channel();
+    (Box::new(move |result| drop(sender.send(result))), answer)
+}

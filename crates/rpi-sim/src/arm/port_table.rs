@@ -1,0 +1,369 @@
+//! Port table of an arm. `docs/src/devices.md` explains the ports; a test compares the two.
+//!
+//! The first part has the names used by the primitives of the reference system, the second part those of the device
+//! type `Arm` of `.rpi`.
+
+use super::{Arm, kinematics::PerAxis};
+use crate::device::{PortSpec, PortValue, SlotWriter, pose_from};
+use rpi_device::PortKind;
+use rpi_image::Scalar::{Bool, Int, Pose, Real, Twist};
+
+/// A row of the port table.
+pub(super) struct PortRow {
+    pub(super) spec: PortSpec,
+    pub(super) action: PortAction,
+}
+
+/// Behaviour of a port.
+pub(super) enum PortAction {
+    /// Reads a value; the index selects the axis if the port is indexed.
+    Sense(fn(&Arm, usize, &mut SlotWriter<'_>)),
+    /// Moves axes.
+    Move(Target),
+    /// Sets a parameter; the index of the port selects among several.
+    Parameter(Parameter),
+    /// Computes a function; false if there is no result.
+    Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
+}
+
+/// Object that a set-point moves.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    /// One axis.
+    Joint,
+    /// All axes.
+    Joints,
+    /// The tool, in Cartesian space.
+    Tool,
+}
+
+/// A parameter of the arm.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Parameter {
+    Tool,
+    /// Tool load with the centre of mass and the tool centre point given as poses.
+    ToolAndTcp,
+    Strategy,
+    JointImpedance,
+    ToolImpedance,
+    ToolSine,
+}
+
+const fn sensor(
+    name: &'static str,
+    carries: PortValue,
+    act: fn(&Arm, usize, &mut SlotWriter<'_>),
+) -> PortRow {
+    PortRow {
+        spec: PortSpec {
+            name,
+            kind: PortKind::Sensor,
+            value: carries,
+            indexed: false,
+        },
+        action: PortAction::Sense(act),
+    }
+}
+
+const fn axis_sensor(
+    name: &'static str,
+    carries: PortValue,
+    act: fn(&Arm, usize, &mut SlotWriter<'_>),
+) -> PortRow {
+    PortRow {
+        spec: PortSpec {
+            name,
+            kind: PortKind::Sensor,
+            value: carries,
+            indexed: true,
+        },
+        action: PortAction::Sense(act),
+    }
+}
+
+const fn actuator(
+    name: &'static str,
+    carries: PortValue,
+    indexed: bool,
+    act: PortAction,
+) -> PortRow {
+    PortRow {
+        spec: PortSpec {
+            name,
+            kind: PortKind::Actuator,
+            value: carries,
+            indexed,
+        },
+        action: act,
+    }
+}
+
+const fn function(
+    name: &'static str,
+    carries: PortValue,
+    act: fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool,
+) -> PortRow {
+    PortRow {
+        spec: PortSpec {
+            name,
+            kind: PortKind::Function,
+            value: carries,
+            indexed: false,
+        },
+        action: PortAction::Call(act),
+    }
+}
+
+const REAL: PortValue = PortValue::One(Real);
+const POSE: PortValue = PortValue::One(Pose);
+const TWIST: PortValue = PortValue::One(Twist);
+const INT: PortValue = PortValue::One(Int);
+const BOOL: PortValue = PortValue::One(Bool);
+const JOINTS: PortValue = PortValue::PerAxis;
+
+/// All ports.
+pub(super) const PORTS: &[PortRow] = &[
+    axis_sensor("joint.commanded_position", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).position)
+    }),
+    axis_sensor("joint.commanded_velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).velocity)
+    }),
+    axis_sensor("joint.commanded_acceleration", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).acceleration)
+    }),
+    axis_sensor("joint.measured_position", REAL, |arm, axis, out| {
+        out.put_real(arm.measured_at(axis).position)
+    }),
+    axis_sensor("joint.measured_velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.measured_at(axis).velocity)
+    }),
+    axis_sensor("joint.measured_acceleration", REAL, |arm, axis, out| {
+        out.put_real(arm.measured_at(axis).acceleration)
+    }),
+    axis_sensor("joint.measured_torque", REAL, |arm, axis, out| {
+        out.put_real(arm.external_torques()[axis])
+    }),
+    axis_sensor("joint.external_torque", REAL, |arm, axis, out| {
+        out.put_real(arm.external_torques()[axis])
+    }),
+    axis_sensor("joint.error", INT, |arm, axis, out| {
+        out.put_bits(arm.axis_code(axis).0.cast_unsigned())
+    }),
+    sensor("tcp.commanded_position", POSE, |arm, _, out| {
+        out.put_pose(&arm.pose())
+    }),
+    sensor("tcp.commanded_velocity", TWIST, commanded_twist),
+    sensor("tcp.measured_position", POSE, measured_pose),
+    sensor("tcp.measured_velocity", TWIST, measured_twist),
+    sensor("tcp.error", INT, |arm, _, out| {
+        out.put_bits(arm.any_code().0.cast_unsigned())
+    }),
+    sensor("tcp.force_x", REAL, |arm, _, out| {
+        out.put_real(arm.fault_effects.contact[0])
+    }),
+    sensor("tcp.force_y", REAL, |arm, _, out| {
+        out.put_real(arm.fault_effects.contact[1])
+    }),
+    sensor("tcp.force_z", REAL, |arm, _, out| {
+        out.put_real(arm.fault_effects.contact[2])
+    }),
+    sensor("tcp.torque_x", REAL, |arm, _, out| {
+        out.put_real(arm.fault_effects.contact[3])
+    }),
+    sensor("tcp.torque_y", REAL, |arm, _, out| {
+        out.put_real(arm.fault_effects.contact[4])
+    }),
+    sensor("tcp.torque_z", REAL, |arm, _, out| {
+        out.put_real(arm.fault_effects.contact[5])
+    }),
+    actuator(
+        "joint.position",
+        REAL,
+        true,
+        PortAction::Move(Target::Joint),
+    ),
+    actuator("tcp.position", POSE, false, PortAction::Move(Target::Tool)),
+    actuator(
+        "tool",
+        PortValue::Reals(7),
+        true,
+        PortAction::Parameter(Parameter::Tool),
+    ),
+    actuator(
+        "tool_and_tcp",
+        PortValue::Reals(18),
+        false,
+        PortAction::Parameter(Parameter::ToolAndTcp),
+    ),
+    actuator(
+        "control_strategy",
+        INT,
+        false,
+        PortAction::Parameter(Parameter::Strategy),
+    ),
+    actuator(
+        "joint.impedance",
+        PortValue::Reals(4),
+        true,
+        PortAction::Parameter(Parameter::JointImpedance),
+    ),
+    actuator(
+        "tcp.impedance",
+        PortValue::Reals(18),
+        false,
+        PortAction::Parameter(Parameter::ToolImpedance),
+    ),
+    actuator(
+        "tcp.sine",
+        PortValue::Reals(12),
+        false,
+        PortAction::Parameter(Parameter::ToolSine),
+    ),
+    function("kinematics", POSE, kinematics),
+    function("inverse_kinematics", JOINTS, inverse_kinematics),
+    function(
+        "inverse_kinematics_nullspace",
+        JOINTS,
+        inverse_kinematics_nullspace,
+    ),
+    function(
+        "velocity_kinematics",
+        PortValue::Reals(7),
+        velocity_kinematics,
+    ),
+    // Ports of the device type `Arm` of `.rpi`.
+    actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
+    actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),
+    // Programs access arrays element by element.
+    actuator("joints", REAL, true, PortAction::Move(Target::Joint)),
+    axis_sensor("joints", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded(|s| s.position)[axis])
+    }),
+    axis_sensor("commanded", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).position)
+    }),
+    axis_sensor("commanded_velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).velocity)
+    }),
+    axis_sensor("commanded_acceleration", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).acceleration)
+    }),
+    axis_sensor("position", REAL, |arm, axis, out| {
+        out.put_real(arm.measured(|s| s.position)[axis])
+    }),
+    axis_sensor("velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.measured(|s| s.velocity)[axis])
+    }),
+    axis_sensor("torque", REAL, |arm, axis, out| {
+        out.put_real(arm.external_torques()[axis])
+    }),
+    sensor("pose", POSE, |arm, _, out| out.put_pose(&arm.pose())),
+    sensor("twist", TWIST, commanded_twist),
+    sensor("measured", POSE, measured_pose),
+    sensor("measured_twist", TWIST, measured_twist),
+    sensor("joints", JOINTS, |arm, _, out| {
+        put_joints(arm, arm.commanded(|s| s.position), out)
+    }),
+    sensor("position", JOINTS, |arm, _, out| {
+        put_joints(arm, arm.measured(|s| s.position), out)
+    }),
+    sensor("velocity", JOINTS, |arm, _, out| {
+        put_joints(arm, arm.measured(|s| s.velocity), out)
+    }),
+    sensor("acceleration", JOINTS, |arm, _, out| {
+        put_joints(arm, arm.measured(|s| s.acceleration), out)
+    }),
+    sensor("torque", JOINTS, |arm, _, out| {
+        put_joints(arm, arm.external_torques(), out)
+    }),
+    sensor(
+        "force",
+        PortValue::One(rpi_image::Scalar::Wrench),
+        |arm, _, out| out.put_reals(arm.fault_effects.contact.iter().copied()),
+    ),
+    sensor("error", BOOL, |arm, _, out| {
+        out.put_bits(u64::from(arm.any_code().0 != 0))
+    }),
+    sensor("code", INT, |arm, _, out| {
+        out.put_bits(arm.any_code().0.cast_unsigned())
+    }),
+];
+
+fn put_joints(arm: &Arm, values: PerAxis, out: &mut SlotWriter<'_>) {
+    out.put_reals(values.into_iter().take(arm.axes()));
+}
+
+fn commanded_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
+    let twist = arm.twist(
+        &arm.commanded(|s| s.position),
+        &arm.commanded(|s| s.velocity),
+    );
+    out.put_reals(twist.iter().copied());
+}
+
+fn measured_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
+    let twist = arm.twist(&arm.measured(|s| s.position), &arm.measured(|s| s.velocity));
+    out.put_reals(twist.iter().copied());
+}
+
+fn measured_pose(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
+    out.put_pose(&arm.forward(&arm.measured(|s| s.position)[..arm.axes()]));
+}
+
+/// Reads `count` reals from slot `from` on; `None` if there are too few.
+fn reals(cells: &[u64], from: usize, count: usize) -> Option<PerAxis> {
+    let part = cells.get(from..from + count)?;
+    let mut all = PerAxis::default();
+    all.iter_mut()
+        .zip(part)
+        .for_each(|(slot, bits)| *slot = f64::from_bits(*bits));
+    Some(all)
+}
+
+fn kinematics(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -> bool {
+    let joints = reals(arguments, 0, arm.axes());
+    joints
+        .map(|joints| out.put_pose(&arm.forward(&joints[..arm.axes()])))
+        .is_some()
+}
+
+fn inverse_kinematics(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -> bool {
+    let hint = reals(arguments, 7, arm.axes());
+    put_inverse(arm, arguments, hint, hint, out)
+}
+
+fn inverse_kinematics_nullspace(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -> bool {
+    let (hint, elbow) = (
+        reals(arguments, 7, arm.axes()),
+        reals(arguments, 7 + arm.axes(), arm.axes()),
+    );
+    put_inverse(arm, arguments, hint, elbow, out)
+}
+
+fn put_inverse(
+    arm: &Arm,
+    arguments: &[u64],
+    hint: Option<PerAxis>,
+    elbow: Option<PerAxis>,
+    out: &mut SlotWriter<'_>,
+) -> bool {
+    let (Some(hint), Some(elbow)) = (hint, elbow) else {
+        return false;
+    };
+    let axes = arm.axes();
+    let found = arm.inverse(&pose_from(arguments), &hint[..axes], &elbow[..axes]);
+    found.map(|joints| put_joints(arm, joints, out)).is_ok()
+}
+
+fn velocity_kinematics(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -> bool {
+    let axes = arm.axes();
+    let (Some(joints), Some(velocities)) =
+        (reals(arguments, 0, axes), reals(arguments, axes, axes))
+    else {
+        return false;
+    };
+    out.put_reals(arm.twist(&joints, &velocities).iter().copied());
+    out.put_real(arm.elbow_velocity(&joints, &velocities));
+    true
+}

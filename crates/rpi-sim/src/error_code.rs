@@ -1,0 +1,149 @@
+//! Error codes of devices.
+
+use core::fmt;
+
+/// An error code of a device, as carried by the ports `joint.error`, `tcp.error`, `base.error` and `code`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ErrorCode(pub i64);
+
+/// A row of the table of error codes.
+#[derive(Clone, Copy, Debug)]
+pub struct ErrorCodeInfo {
+    /// The error code.
+    pub code: ErrorCode,
+    /// Short name for display.
+    pub name: &'static str,
+    /// Explanation of the code.
+    pub description: &'static str,
+}
+
+impl ErrorCode {
+    /// No error.
+    pub const OK: Self = Self(0);
+    /// The set-point is NaN or infinite.
+    pub const NOT_A_NUMBER: Self = Self(1);
+    /// The set-point is outside the joint's range.
+    pub const POSITION: Self = Self(2);
+    /// The velocity limit is violated.
+    pub const VELOCITY: Self = Self(3);
+    /// The acceleration limit is violated.
+    pub const ACCELERATION: Self = Self(4);
+    /// The jerk limit is violated.
+    pub const JERK: Self = Self(5);
+    /// The first set-point is too far from the present position.
+    pub const DISCONTINUITY: Self = Self(6);
+    /// The pose is out of reach.
+    pub const OUT_OF_REACH: Self = Self(7);
+    /// The pose requires a joint outside its range.
+    pub const JOINTS_OUT_OF_RANGE: Self = Self(8);
+    /// The joint has failed.
+    pub const JOINT_FAILED: Self = Self(9);
+    /// The arm was moving and received no set-point.
+    pub const SET_POINT_MISSING: Self = Self(10);
+    /// The emergency stop is active.
+    pub const EMERGENCY_STOP: Self = Self(11);
+    /// The arm does not support a tool parameter or a control strategy.
+    pub const INVALID_PARAMETER: Self = Self(12);
+    /// The base cannot drive in the direction of this velocity.
+    pub const NOT_DRIVABLE: Self = Self(13);
+
+    /// The whole arm brakes because another joint was stopped or received no set-point.
+    pub const BRAKING: Self = Self(14);
+
+    /// True for a failure of the device itself, independent of the set-point.
+    #[must_use]
+    pub const fn is_failure(self) -> bool {
+        matches!(self, Self::JOINT_FAILED | Self::EMERGENCY_STOP)
+    }
+
+    /// The table row of the code.
+    #[must_use]
+    pub fn info(self) -> Option<&'static ErrorCodeInfo> {
+        ERROR_CODES.iter().find(|line| line.code == self)
+    }
+}
+
+impl fmt::Display for ErrorCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.info().map_or("unknown", |line| line.name))
+    }
+}
+
+const fn line(code: ErrorCode, word: &'static str, meaning: &'static str) -> ErrorCodeInfo {
+    ErrorCodeInfo {
+        code,
+        name: word,
+        description: meaning,
+    }
+}
+
+/// All codes, in ascending order.
+pub const ERROR_CODES: &[ErrorCodeInfo] = &[
+    line(ErrorCode::OK, "ok", "the device is well"),
+    line(
+        ErrorCode::NOT_A_NUMBER,
+        "not-a-number",
+        "the set-point is NaN or infinite",
+    ),
+    line(
+        ErrorCode::POSITION,
+        "position",
+        "the set-point is out of the joint's range",
+    ),
+    line(
+        ErrorCode::VELOCITY,
+        "velocity",
+        "the step from the set-point before is too fast",
+    ),
+    line(
+        ErrorCode::ACCELERATION,
+        "acceleration",
+        "the velocity changes too fast",
+    ),
+    line(ErrorCode::JERK, "jerk", "the acceleration changes too fast"),
+    line(
+        ErrorCode::DISCONTINUITY,
+        "discontinuity",
+        "the first set-point does not join where the arm stands",
+    ),
+    line(
+        ErrorCode::OUT_OF_REACH,
+        "out-of-reach",
+        "the pose is farther away, or nearer, than the arm can reach",
+    ),
+    line(
+        ErrorCode::JOINTS_OUT_OF_RANGE,
+        "no-joints",
+        "the pose can only be reached with a joint out of its range",
+    ),
+    line(
+        ErrorCode::JOINT_FAILED,
+        "joint-failed",
+        "the joint has failed",
+    ),
+    line(
+        ErrorCode::SET_POINT_MISSING,
+        "set-point-missing",
+        "no set-point came while the arm was moving; it brakes",
+    ),
+    line(
+        ErrorCode::EMERGENCY_STOP,
+        "emergency-stop",
+        "the emergency stop is pressed; the arm brakes",
+    ),
+    line(
+        ErrorCode::INVALID_PARAMETER,
+        "bad-parameter",
+        "the arm does not take this tool or way of control",
+    ),
+    line(
+        ErrorCode::NOT_DRIVABLE,
+        "not-drivable",
+        "the platform cannot drive in this direction",
+    ),
+    line(
+        ErrorCode::BRAKING,
+        "braking",
+        "the arm brakes as a whole: another of its joints was stopped or left alone",
+    ),
+];

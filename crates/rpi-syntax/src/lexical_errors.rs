@@ -1,0 +1,252 @@
+//! Diagnostics about single tokens and comments.
+
+use crate::ast::Number;
+use crate::foreign;
+use crate::foreign_literal::{self, ForeignLiteral};
+use rpi_diag::{Code, Diagnostic, FileId, Fix, Span};
+
+/// Look-alike characters from copied text, with their replacements.
+const LOOKALIKES: &[(char, &str)] = &[
+    ('\u{201c}', "\""),
+    ('\u{201d}', "\""),
+    ('\u{2018}', "'"),
+    ('\u{2019}', "'"),
+    ('\u{2013}', "-"),
+    ('\u{2014}', "--"),
+    ('\u{2212}', "-"),
+    ('\u{00d7}', "*"),
+    ('\u{00b7}', "*"),
+    ('\u{2264}', "<="),
+    ('\u{2265}', ">="),
+    ('\u{2260}', "<>"),
+    ('\u{2192}', "->"),
+    ('\u{00b0}', "[deg]"),
+    ('\u{00a0}', " "),
+];
+
+/// Returns the length in bytes of the rest of a text in single quotes, closing quote included; 0 if it is no such text.
+/// `rest` is the text after the opening `'`.
+pub(crate) fn single_quoted_len(rest: &str) -> usize {
+    let line = rest.lines().next().unwrap_or_default();
+    let is_name = |text: &str| text.contains(['(', ')', ';', ':', '=']);
+    let end = line.find('\'').filter(|end| !is_name(&line[..*end]));
+    end.map_or(0, |end| end + 1)
+}
+
+/// Reports a character or string in single quotes, as in other languages.
+fn single_quotes(span: Span, text: &str) -> Diagnostic {
+    let inner = text.trim_matches('\'');
+    let mut letters = inner.chars();
+    let diagnostic = Diagnostic::new(
+        Code::RPI0002,
+        "a string literal is written in double quotes",
+    )
+    .primary(span, "not a valid token");
+    match (letters.next(), letters.next()) {
+        (Some(letter), None) => diagnostic
+            .help(format!(
+                "there is no character type: use the number {}, or a value of an enum",
+                letter as u32
+            ))
+            .fix(Fix::maybe("replace it by its number").replace(span, (letter as u32).to_string())),
+        _ => {
+            let meant = format!("\"{inner}\"");
+            diagnostic.fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
+        }
+    }
+}
+
+/// Reports characters that form no token (RPI0002).
+pub(crate) fn unknown_chars(span: Span, text: &str) -> Diagnostic {
+    if text.len() > 2 && text.starts_with('\'') && text.ends_with('\'') {
+        return single_quotes(span, text);
+    }
+    let what = match text.chars().count() {
+        1 => "unknown character",
+        _ => "unknown characters",
+    };
+    let diagnostic = Diagnostic::new(Code::RPI0002, format!("{what} `{}`", text.escape_debug()))
+        .primary(span, "not a valid token");
+    match replace_lookalikes(text) {
+        None if text == "'" => diagnostic
+            .help("a name is written without it: `last x`; a type parameter is `<<type T>>`")
+            .fix(Fix::maybe("delete it").replace(span, "")),
+        Some(meant) => {
+            let title = format!("write `{meant}`");
+            diagnostic.fix(Fix::maybe(title).replace(span, meant))
+        }
+        None => diagnostic,
+    }
+}
+
+/// Returns the text with every look-alike character replaced; [`None`] if it contains other characters.
+fn replace_lookalikes(text: &str) -> Option<String> {
+    let one = |c: char| {
+        LOOKALIKES
+            .iter()
+            .find(|(from, _)| *from == c)
+            .map(|(_, to)| *to)
+    };
+    text.chars().map(one).collect()
+}
+
+pub(crate) fn unterminated_comment(span: Span, text: &str) -> Diagnostic {
+    let close = match text.starts_with("/*") {
+        true => "*/",
+        false => "*)",
+    };
+    let start = Span {
+        end: span.start + 2,
+        ..span
+    };
+    Diagnostic::new(Code::RPI0003, "this comment is not closed")
+        .primary(start, "opened here, extends to the end of the file")
+        .help(format!(
+            "close it with `{close}`, or write `--` for a comment up to the end of the line"
+        ))
+}
+
+pub(crate) fn unterminated_string(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI0005, "this string literal is not closed")
+        .primary(span, "no `\"` before the end of the line")
+        .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
+}
+
+/// Classification of a word directly after a number.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SuffixKind {
+    /// Keyword.
+    Keyword,
+    /// Name that the text declares or defines.
+    Name,
+    /// Unit of measure.
+    Unit,
+}
+
+/// Reports a number directly followed by a word (RPI0007). The number is `digits` bytes long.
+pub(crate) fn invalid_suffix(
+    span: Span,
+    text: &str,
+    digits: usize,
+    behind: SuffixKind,
+) -> Diagnostic {
+    let (number, word) = text.split_at(digits);
+    let unit = format!("{number}[{word}]");
+    let (meant, why) = match behind {
+        SuffixKind::Keyword => (
+            format!("{number} {word}"),
+            "a space is required between them",
+        ),
+        SuffixKind::Name => (
+            format!("{number} * {word}"),
+            "a product is written with `*`",
+        ),
+        SuffixKind::Unit => (unit.clone(), "a unit is written in brackets"),
+    };
+    let diagnostic = Diagnostic::new(
+        Code::RPI0007,
+        format!("invalid suffix `{word}` on the number `{number}`"),
+    )
+    .primary(span, why)
+    .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
+    match behind {
+        SuffixKind::Name => {
+            diagnostic.fix(Fix::maybe(format!("write `{unit}`, a unit")).replace(span, unit))
+        }
+        _ => diagnostic,
+    }
+}
+
+/// Reports a literal in the notation of another language.
+pub(crate) fn foreign_literal(
+    span: Span,
+    text: &str,
+    code: Code,
+    numeral: &ForeignLiteral,
+) -> Diagnostic {
+    let diagnostic = Diagnostic::new(code, numeral.message.clone()).primary(span, numeral.label);
+    let Some(meant) = &numeral.replacement_text else {
+        return diagnostic
+            .help("write a number, optionally with a unit: `10`, `0x1F`, `2.5e-3`, `500[ms]`");
+    };
+    let title = format!("write `{meant}`");
+    if numeral.is_sure {
+        return diagnostic.fix(Fix::sure(title).replace(span, meant.as_str()));
+    }
+    let diagnostic = diagnostic.fix(Fix::maybe(title).replace(span, meant.as_str()));
+    match text.split_at(foreign_literal::number_len(text)) {
+        (number, unit @ ("F" | "L" | "l")) => {
+            let other = format!("{number}[{unit}]");
+            diagnostic.fix(Fix::maybe(format!("write `{other}`, a unit")).replace(span, other))
+        }
+        _ => diagnostic,
+    }
+}
+
+/// Reports a number that does not fit into 64 bits (RPI0008). `is_machine` also allows unsigned 64-bit integers.
+pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<Diagnostic> {
+    // A number this short without an exponent always fits.
+    if text.len() < 16 && text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
+        return None;
+    }
+    let number = Number { text: text.into() };
+    let (holds, kind) = match number.is_int() {
+        true if is_machine => (number.u64_value().is_some(), "a 64-bit integer"),
+        true => (number.int_value().is_some(), "a 64-bit integer"),
+        false => (number.real_value().is_finite(), "a 64-bit real"),
+    };
+    let message = || format!("`{text}` is too large for {kind}");
+    (!holds).then(|| Diagnostic::new(Code::RPI0008, message()).primary(span, "out of range"))
+}
+
+/// Reports a comment marker of another language, `mark` bytes long (RPI0013). `is_sure` is set if the marker cannot be
+/// an operator.
+pub(crate) fn foreign_comment(span: Span, mark: u32, is_sure: bool) -> Diagnostic {
+    let mark = Span {
+        end: span.start + mark,
+        ..span
+    };
+    let title = "write `--`";
+    let fix = if is_sure {
+        Fix::sure(title)
+    } else {
+        Fix::maybe(title)
+    };
+    Diagnostic::new(Code::RPI0013, "comments begin with `--`")
+        .primary(mark, "parsed as the start of a comment")
+        .fix(fix.replace(mark, "--"))
+}
+
+/// Reports `x // 2`, an integer division in other languages.
+pub(crate) fn double_slash(span: Span, text: &str) -> Diagnostic {
+    let word = foreign::with_spaces(span, text, "div");
+    Diagnostic::new(
+        Code::RPI0016,
+        "integer division is written `div`; a comment begins with `--`",
+    )
+    .primary(span, "`//` is from another language")
+    .fix(Fix::maybe("write `div`").replace(span, word))
+}
+
+pub(crate) fn unsupported_contract(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI0014, "unsupported contract in a comment")
+        .primary(span, "ignored")
+        .help("supported clauses: `assume`, `guarantee`, `mode`, `import`, `var`, `const`")
+}
+
+pub(crate) fn unsupported_property(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI0014, "unsupported property in a comment")
+        .primary(span, "ignored")
+        .help("supported: `--%PROPERTY condition;`, with an optional name, on one line of a node body in a `.lus` file")
+}
+
+pub(crate) fn too_many_errors(from: Span) -> Diagnostic {
+    Diagnostic::new(Code::RPI0011, "the file has too many errors")
+        .primary(from, "the rest is not parsed")
+        .help("fix the errors before this place first")
+}
+
+pub(crate) fn file_too_large(file: FileId) -> Diagnostic {
+    Diagnostic::new(Code::RPI0011, "the file is too large")
+        .primary(Span::new(file, 0, 0), "more than 2 GB")
+}

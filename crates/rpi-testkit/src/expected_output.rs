@@ -1,0 +1,41 @@
+//! Comparison of messages with the expected ones in files beside the programs.
+
+use crate::workspace_root;
+use std::path::Path;
+use std::process::Command;
+
+/// Compares the messages about a program with `NAME.stderr` beside it. Returns a description of the difference, or
+/// `None` if they are equal. With `RPI_BLESS=1` the file is overwritten first.
+///
+/// # Panics
+/// If `RPI_BLESS` is set and the file cannot be written.
+#[must_use]
+pub fn compare_with_expected(program: &Path, said: &str) -> Option<String> {
+    let expected = program.with_extension("stderr");
+    if std::env::var_os("RPI_BLESS").is_some() {
+        std::fs::write(&expected, said).expect("tests/ui can be written");
+    }
+    let known = std::fs::read_to_string(&expected).unwrap_or_default();
+    let name = program.display();
+    (known != said).then(|| format!("{name}\n--- actual\n{said}--- expected\n{known}"))
+}
+
+/// Like [`differs`], for the standard error of a tool that is run on a program below `tests/ui`. The tool is started in
+/// that folder; `args` adds the arguments for the program of the given name.
+///
+/// # Panics
+/// If the program is not below `tests/ui`, or the tool cannot be started.
+#[must_use]
+pub fn compare_tool_output(
+    program: &Path,
+    tool: &str,
+    args: impl FnOnce(&mut Command, &Path),
+) -> Option<String> {
+    let root = workspace_root().join("tests/ui");
+    let name = program.strip_prefix(&root).expect("it lies below tests/ui");
+    let mut command = Command::new(tool);
+    command.current_dir(&root).env("NO_COLOR", "1");
+    args(&mut command, name);
+    let output = command.output().expect("the tool starts");
+    compare_with_expected(program, &String::from_utf8_lossy(&output.stderr))
+}

@@ -1,0 +1,96 @@
+//! Random inputs of a node that satisfy its assumptions: `assume` of its contract, and assertions.
+//!
+//! An assumption may depend on earlier outputs, so rows are found by trial: if a row violates an assumption, the run is
+//! restarted, repeated up to this cycle with the rows found so far, and continued with another row.
+
+use rpi_image::Image;
+use rpi_net::{Claim, ClaimKind, Column};
+use rpi_replay::node_runner::{ColumnValues, NodeRun};
+
+use crate::random::InputGenerator;
+
+/// Maximum number of rows tried for one cycle.
+const MAX_TRIES: u32 = 200;
+
+/// Search for rows of inputs that satisfy the assumptions.
+pub(crate) struct InputSearch {
+    image: Image,
+    inputs: Vec<Column>,
+    assumptions: Vec<Claim>,
+}
+
+impl InputSearch {
+    /// Creates the search. Of `claims`, it keeps those that constrain the inputs; they are only observed and do not end
+    /// the run.
+    pub(crate) fn new(image: Image, inputs: &[Column], claims: &[Claim]) -> InputSearch {
+        let is_assumed = |claim: &&Claim| match claim.kind {
+            ClaimKind::Assert => true,
+            ClaimKind::Assume | ClaimKind::ModeCompleteness => is_own_claim(&claim.path),
+            ClaimKind::Check | ClaimKind::Guarantee => false,
+        };
+        InputSearch {
+            image,
+            inputs: inputs.to_vec(),
+            assumptions: claims.iter().filter(is_assumed).cloned().collect(),
+        }
+    }
+
+    /// Returns rows for `cycles` cycles; fewer if the node has a fault earlier.
+    ///
+    /// # Errors
+    /// If no tried row satisfies the assumptions in some cycle.
+    pub(crate) fn rows(
+        &self,
+        random: &mut InputGenerator,
+        cycles: u64,
+    ) -> Result<Vec<ColumnValues>, String> {
+        let mut rows: Vec<ColumnValues> = Vec::new();
+        let (mut run, mut tries) = (self.run_after(&rows)?, 0);
+        while (rows.len() as u64) < cycles {
+            let row = self.draw_row(random, rows.last().filter(|_| tries % 2 == 1));
+            let cycle = run.cycle(&row);
+            if cycle.row.is_none() || cycle.diagnostics.is_empty() || self.assumptions.is_empty() {
+                rows.push(row);
+                tries = 0;
+                if cycle.row.is_none() {
+                    break;
+                }
+                continue;
+            }
+            tries += 1;
+            if tries > MAX_TRIES {
+                let cycle = rows.len();
+                return Err(format!(
+                    "no random inputs satisfy the assumptions of the node in cycle {cycle}; use --inputs FILE"
+                ));
+            }
+            run = self.run_after(&rows)?;
+        }
+        Ok(rows)
+    }
+
+    /// Draws a row. With `last`, used for every second try, most values are those of the previous cycle.
+    fn draw_row(&self, random: &mut InputGenerator, last: Option<&ColumnValues>) -> ColumnValues {
+        let mut row = ColumnValues::with_capacity(self.inputs.len());
+        for (k, column) in self.inputs.iter().enumerate() {
+            row.push(match last {
+                Some(last) if random.keeps_previous() => last[k].clone(),
+                _ => random.value(column),
+            });
+        }
+        row
+    }
+
+    fn run_after(&self, rows: &[ColumnValues]) -> Result<NodeRun, String> {
+        let mut run = NodeRun::load(self.image.clone(), &self.inputs, &[], &self.assumptions)?;
+        for row in rows {
+            run.cycle(row);
+        }
+        Ok(run)
+    }
+}
+
+/// Returns whether a claim belongs to the node itself: to its contract or to one that this imports.
+fn is_own_claim(path: &str) -> bool {
+    path.split('.').all(|part| matches!(part, "" | "_"))
+}
