@@ -34,7 +34,7 @@ impl NetBuilder {
         self.add_with(fragment, prim, inputs, &[])
     }
 
-    /// Adds a node with parameters by name; see [`Build::add`].
+    /// Adds a node with parameters by name; see [`NetBuilder::add`].
     ///
     /// # Panics
     /// If the primitive does not exist, or inputs or parameters do not match it.
@@ -50,7 +50,7 @@ impl NetBuilder {
         self.node(fragment, &name, id, inputs, params)
     }
 
-    /// Adds a node with a name; see [`Build::add_with`].
+    /// Adds a node with a name; see [`NetBuilder::add_with`].
     ///
     /// # Panics
     /// If inputs or parameters do not match the primitive.

@@ -1,7 +1,7 @@
 //! Generated programs for measuring the checker and how its time grows with the size.
 //!
-//! A [`Shape`] generates a program of about the requested number of equations. [`SOUND`] are programs without errors;
-//! [`FAULTY`] have a diagnostic for every few equations, because reporting many errors must not be slow either.
+//! A [`Shape`] generates a program of about the requested number of equations. [`VALID`] are programs without errors;
+//! [`INVALID`] have a diagnostic for every few equations, because reporting many errors must not be slow either.
 
 mod bodies;
 mod errors;

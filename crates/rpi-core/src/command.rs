@@ -73,7 +73,7 @@ pub enum AbortReason {
     EmergencyStop,
     /// The connection to the owner was lost.
     ClientLost,
-    /// A discontinuous takeover by another command with [`Continuity::Stop`].
+    /// A discontinuous takeover by another command with [`Continuity::AbortAll`].
     Discontinuity,
 }
 

@@ -104,10 +104,10 @@ pub(crate) enum Word {
 
 impl Word {
     /// Encodes the word as three numbers: opcode, command id, argument.
-    pub(crate) fn to_numbers(&self) -> [u64; 3] {
+    pub(crate) fn to_numbers(self) -> [u64; 3] {
         let of =
             |what: u64, command: CommandId, argument: u64| [what, command.to_number(), argument];
-        match *self {
+        match self {
             Word::Fact(command, Fact::Export(k)) => of(1, command, u64::from(k)),
             Word::Fact(command, Fact::Ended) => of(2, command, 0),
             Word::Fact(command, Fact::Regular) => of(3, command, 0),
@@ -160,7 +160,7 @@ const MAX_STACK_DEPTH: usize = 32;
 
 /// Condition of a rule: a Boolean expression over facts about commands.
 ///
-/// Built outside the cycle from [`Condition::of`] and [`Condition::always`] with the operators `&`, `|` and `!`.
+/// Built outside the cycle from [`Condition::from_fact`] and [`Condition::always`] with the operators `&`, `|` and `!`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Condition(Box<[Word]>);
 

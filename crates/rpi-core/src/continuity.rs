@@ -14,7 +14,7 @@ pub enum Continuity {
     /// The successor ends with a fault. None of its set-points is sent, and its moving devices are stopped.
     #[default]
     Reject,
-    /// As [`Continuity::Refuse`], and all other commands are aborted too. For devices that must move in step.
+    /// As [`Continuity::Reject`], and all other commands are aborted too. For devices that must move in step.
     AbortAll,
     /// The discontinuity is reported and the set-point is sent. The device may still reject it.
     Allow,
@@ -24,7 +24,7 @@ pub enum Continuity {
 pub(crate) const CHECKED_CYCLES: u64 = 2;
 
 impl Command {
-    /// Sets the reaction to a discontinuous takeover by this command. The default is [`Continuity::Refuse`].
+    /// Sets the reaction to a discontinuous takeover by this command. The default is [`Continuity::Reject`].
     pub fn set_continuity(&mut self, continuity: Continuity) {
         self.continuity = continuity;
     }

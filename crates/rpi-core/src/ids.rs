@@ -23,7 +23,7 @@ impl CommandId {
         (self.serial as u64) << 32 | self.slot as u64
     }
 
-    /// The id encoded by [`CommandId::number`].
+    /// The id encoded by [`CommandId::to_number`].
     #[must_use]
     pub const fn from_number(number: u64) -> CommandId {
         CommandId {

@@ -1,17 +1,17 @@
 //! The control core: loads commands, runs their cycles, and switches between them without a gap.
 //!
-//! - [`Machine`] runs one image: its methods are the phases of a cycle, and [`Machine::step`] is one evaluation step.
-//! - [`Command`] is a machine with a lifecycle: [`State`], results, errors, held resources.
+//! - [`Instance`] runs one image: its methods are the phases of a cycle, and [`Instance::step`] is one evaluation step.
+//! - [`Command`] is a machine with a lifecycle: [`CommandState`], results, errors, held resources.
 //! - [`Rule`] stops, cancels and starts commands when a condition over results, errors and exported Booleans is true.
 //! - [`Core`] runs all commands that are due in a tick, and fires rules once per tick.
 //!
 //! # Usage
 //!
-//! Outside the cycle: [`Command::load`] an image, allocate an id from [`Places`], build [`Rule`]s. Between two ticks,
-//! on the thread of the cycle: [`Core::insert_as`], [`Core::start`], [`Core::schedule`], [`Core::cancel`],
+//! Outside the cycle: [`Command::load`] an image, allocate an id from [`IdAllocator`], build [`Rule`]s. Between two ticks,
+//! on the thread of the cycle: [`Core::insert_with_id`], [`Core::start`], [`Core::schedule`], [`Core::cancel`],
 //! [`Core::abort`], [`Core::remove`], and inputs through [`Core::command_mut`]. Each request takes effect at once or is
-//! rejected with a reason ([`Refused`]). After each tick: [`Core::next_notice`] returns events; [`Core::take_gone`] and
-//! [`Core::take_spent`] return finished commands and rules, to be freed outside the cycle. The invariants are numbered
+//! rejected with a reason ([`CommandError`]). After each tick: [`Core::next_notice`] returns events; [`Core::take_orphan`] and
+//! [`Core::take_finished_rule`] return finished commands and rules, to be freed outside the cycle. The invariants are numbered
 //! in the manual's chapter on the control core.
 //!
 //! Only loading and building rules allocate. A tick reaches no lock, no wait, no text processing and no unbounded loop.

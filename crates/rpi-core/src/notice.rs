@@ -39,7 +39,7 @@ pub enum Notice {
         ending: Ending,
     },
     /// Nothing can start a scheduled command any more. It is ready again if it was to be kept; otherwise it can be
-    /// taken out with [`crate::Core::take_gone`].
+    /// taken out with [`crate::Core::take_orphan`].
     Orphaned {
         /// The command.
         command: CommandId,

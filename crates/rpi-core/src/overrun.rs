@@ -40,7 +40,7 @@ impl OverrunThreshold {
         window: 1,
     };
 
-    /// A threshold of `overruns` within `of` cycles; `None` unless 1 <= `overruns` <= `of` <= [`Often::LONGEST`].
+    /// A threshold of `overruns` within `of` cycles; `None` unless 1 <= `overruns` <= `of` <= [`OverrunThreshold::MAX_WINDOW`].
     #[must_use]
     pub fn new(overruns: u32, of: u32) -> Option<OverrunThreshold> {
         let sound = (1..=of).contains(&overruns) && of <= OverrunThreshold::MAX_WINDOW;
@@ -159,7 +159,7 @@ impl OverrunStats {
 }
 
 impl Command {
-    /// Sets the reaction to overruns. The default is [`OnOverrun::Count`].
+    /// Sets the reaction to overruns. The default is [`CommandOverrunPolicy::Count`].
     pub fn set_overrun_policy(&mut self, policy: CommandOverrunPolicy) {
         self.overrun_policy = policy;
     }

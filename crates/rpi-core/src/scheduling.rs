@@ -43,10 +43,10 @@ impl Core {
         Ok(())
     }
 
-    /// Adds a rule under an id that the core chooses; see [`Core::schedule_as`].
+    /// Adds a rule under an id that the core chooses; see [`Core::schedule_with_id`].
     ///
     /// # Errors
-    /// As for [`Core::schedule_as`].
+    /// As for [`Core::schedule_with_id`].
     pub fn schedule(
         &mut self,
         rule: Box<Rule>,

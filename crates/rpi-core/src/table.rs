@@ -149,7 +149,7 @@ impl Core {
         self.insert_with_id(id, command).map(|()| id)
     }
 
-    /// Inserts a loaded command under an id from [`crate::Places`].
+    /// Inserts a loaded command under an id from [`crate::IdAllocator`].
     ///
     /// # Errors
     /// Returns the command if the slot is occupied or the command's period is not a multiple of the tick.

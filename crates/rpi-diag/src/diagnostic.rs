@@ -87,7 +87,7 @@ pub enum Applicability {
 }
 
 impl Diagnostic {
-    /// Creates a diagnostic without locations; add them with [`Diagnostic::at`].
+    /// Creates a diagnostic without locations; add them with [`Diagnostic::primary`].
     pub fn new(code: Code, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,

@@ -10,7 +10,7 @@ const MAX_RENDERED: usize = 100;
 /// Renders diagnostics in the given order, followed by a summary of their number.
 ///
 /// A diagnostic consists of the headline `error RPI0001: message`, the source lines with marked locations, and the
-/// help. At most [`MOST`] diagnostics are rendered.
+/// help. At most [`MAX_RENDERED`] diagnostics are rendered.
 pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
     for diagnostic in diagnostics.iter().take(MAX_RENDERED) {

@@ -1,6 +1,6 @@
 //! Reference documentation of a project as HTML pages, written by `rpic doc`.
 //!
-//! [`Site::of`] converts checked modules to files: a page for each module with its declarations, doc comments and nets,
+//! [`Site::new`] converts checked modules to files: a page for each module with its declarations, doc comments and nets,
 //! the source texts, and a searchable index. The pages need no network and no server, and the output is deterministic.
 //! This crate only shows declarations; it must not check them, and it opens no file.
 //!

@@ -135,7 +135,7 @@ fn program(input: &Input, text: &str, asked: CompileOptions) -> Result<Compiled,
     crate::fixes::delete_whole_lines(&mut diagnostics, &sources);
     Ok(Compiled {
         sources,
-        diagnostics: diagnostics,
+        diagnostics,
         program: Program::Nets(built.nets),
         tests: built.tests,
         summaries: built.summaries,
@@ -210,7 +210,7 @@ fn net(input: &Input, text: &str) -> Compiled {
     let net = net.and_then(|net| analyse_net(net, &mut diagnostics, &mut told));
     Compiled {
         sources,
-        diagnostics: diagnostics,
+        diagnostics,
         program: Program::Nets(net.into_iter().collect()),
         tasks: Vec::new(),
         unbound: Vec::new(),
@@ -273,11 +273,11 @@ pub fn lower_for_execution(net: &Net, period_ns: u64) -> Result<Image, String> {
     lower(net, &LowerOptions::running(period_ns))
 }
 
-/// Like [`lower_to_run`], and also returns the work bound of a cycle in elementary operations. Of mutually exclusive
+/// Like [`lower_for_execution`], and also returns the work bound of a cycle in elementary operations. Of mutually exclusive
 /// fragments only the most expensive counts.
 ///
 /// # Errors
-/// As [`lower_to_run`].
+/// As [`lower_for_execution`].
 pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String> {
     lower_for_tick(net, period_ns, period_ns)
 }
@@ -285,7 +285,7 @@ pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String
 /// Like [`lower_with_work`] for a core whose tick, in ns, is shorter than the period.
 ///
 /// # Errors
-/// As [`lower_to_run`].
+/// As [`lower_for_execution`].
 pub fn lower_for_tick(net: &Net, period_ns: u64, tick_ns: u64) -> Result<(Image, u64), String> {
     lower_with_work_bound(net, &LowerOptions::running(period_ns).with_tick(tick_ns))
 }

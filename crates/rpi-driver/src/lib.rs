@@ -1,7 +1,7 @@
 //! Compiler pipeline shared by the tools: from a file name to diagnostics, nets and an image.
 //!
-//! [`read`] opens a file, [`compile`] compiles it as far as its kind and its errors allow, [`lower_to_run`] and
-//! [`lower_to_look`] lower one of its commands. [`inspect`] compiles for an editor, which needs more than diagnostics.
+//! [`read`] opens a file, [`compile`] compiles it as far as its kind and its errors allow, [`lower_for_execution`] and
+//! [`lower_for_observation`] lower one of its commands. [`inspect`] compiles for an editor, which needs more than diagnostics.
 //! This crate handles files and the order of the stages; it must not depend on the content of diagnostics or on the
 //! execution of commands.
 

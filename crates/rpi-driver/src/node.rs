@@ -88,7 +88,7 @@ pub fn compile_node(
     let node = made.map_err(|message: String| InputError::new(&input.path, message))?;
     Ok(CompiledNode {
         sources,
-        diagnostics: diagnostics,
+        diagnostics,
         node,
     })
 }

@@ -114,7 +114,7 @@ pub(crate) fn build_modules(
         summaries: roots.summaries,
         faults: roots.faults,
         tasks: roots.tasks,
-        diagnostics: diagnostics,
+        diagnostics,
     };
     (built, checked)
 }

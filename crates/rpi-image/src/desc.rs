@@ -17,7 +17,7 @@ pub struct PrimDesc {
     pub inputs: &'static [InPort],
     /// Out-ports in declaration order.
     pub outputs: &'static [OutPort],
-    /// Parameters in declaration order, without those that replace an unconnected in-port (see [`InPort::need`]).
+    /// Parameters in declaration order, without those that replace an unconnected in-port (see [`InPort::fallback`]).
     pub params: &'static [Param],
     /// Rule for the lengths of array out-ports and the shapes of matrix out-ports.
     pub shape: ShapeRule,
@@ -84,7 +84,7 @@ pub enum ShapeRule {
     Computed(fn(&ShapeArgs<'_>) -> Option<Type>),
 }
 
-/// Arguments of a shape rule ([`Shape`]).
+/// Arguments of a shape rule ([`ShapeRule`]).
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeArgs<'a> {
     /// Types of the in-ports; `None` for a port that is neither connected nor replaced by a parameter.
@@ -155,7 +155,7 @@ pub enum ParamDefault {
 }
 
 impl ParamDefault {
-    /// Returns the default of a parameter of type `ty`; `None` for [`Default::Required`].
+    /// Returns the default of a parameter of type `ty`; `None` for [`ParamDefault::Required`].
     #[must_use]
     pub fn value(self, ty: Type) -> Option<Value> {
         Some(match self {
@@ -220,7 +220,7 @@ pub enum StateSize {
     Computed(fn(&SizeArgs<'_>) -> u32),
 }
 
-/// Arguments of the function that computes the size of a state ([`State::Sized`]).
+/// Arguments of the function that computes the size of a state ([`StateSize::Computed`]).
 #[derive(Clone, Copy, Debug)]
 pub struct SizeArgs<'a> {
     /// Values of the parameters, in the order of [`PrimDesc::params`].
@@ -260,7 +260,7 @@ pub enum Role {
     Sensor(DeviceUse),
     /// Passes its inputs to a device as one set-point, concatenated slot by slot. The set-point is checked in
     /// dependency order and delivered in the write phase. The out-ports are the responses of the device
-    /// ([`DeviceUse::answers`]).
+    /// ([`DeviceUse::responses`]).
     Actuator(DeviceUse),
     /// Calls a function of a device (kinematics) in dependency order. The inputs are concatenated to the arguments, the
     /// out-ports to the result. If the device has no result, an output with [`Presence::Maybe`] is absent, and one with

@@ -85,7 +85,7 @@ pub struct Layout {
 pub struct PrimUse {
     /// Registered name.
     pub name: String,
-    /// Signature of the declaration for which the image was compiled ([`crate::hash::signature`]).
+    /// Signature of the declaration for which the image was compiled ([`crate::hash::prim_signature`]).
     pub signature: u64,
 }
 
@@ -103,7 +103,7 @@ pub enum Form {
 pub enum Step {
     /// Runs one primitive on each group of operand words in `code[at..at + len]`.
     Run {
-        /// Index into [`Image::prims`].
+        /// Index into [`Image::prims_used`].
         prim: u16,
         /// Variant of the code.
         form: Form,
@@ -237,7 +237,7 @@ pub struct ActuatorPort {
 }
 
 impl ActuatorPort {
-    /// Returns the slot by which [`Image::place_of`] finds the node: the first response, else the first input, else 0.
+    /// Returns the slot by which [`Image::location_of`] finds the node: the first response, else the first input, else 0.
     #[must_use]
     pub fn origin_slot(&self) -> u32 {
         let answer = self.responses.first().map(|answer| answer.1);
@@ -362,7 +362,7 @@ pub struct TextRange {
 /// Observable port.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Probe {
-    /// Node: an index into [`Image::places`].
+    /// Node: an index into [`Image::locations`].
     pub location: u32,
     /// Registered name of the port.
     pub port: String,

@@ -14,7 +14,7 @@ pub type Target = Option<usize>;
 pub enum PlanNode<C> {
     /// Continues with another node.
     Goto(Target),
-    /// Entry of a loop: sets the count of this [`Node::Repeat`] to 0 and continues there.
+    /// Entry of a loop: sets the count of this [`PlanNode::Repeat`] to 0 and continues there.
     EnterLoop(usize),
     /// Loop.
     Repeat {
@@ -25,7 +25,7 @@ pub enum PlanNode<C> {
         /// Node after the last iteration.
         next: Target,
     },
-    /// Parallel branches. The plan continues when all of them have reached their [`Node::Join`].
+    /// Parallel branches. The plan continues when all of them have reached their [`PlanNode::Join`].
     Parallel {
         /// First node of each branch.
         branches: Vec<Target>,

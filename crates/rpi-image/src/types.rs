@@ -4,7 +4,7 @@ use core::fmt;
 
 /// Element type of fixed size.
 ///
-/// Memory consists of 64-bit slots. [`Scalar::cells`] is the number of slots per value.
+/// Memory consists of 64-bit slots. [`Scalar::slots`] is the number of slots per value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Scalar {
     /// Truth value, one slot: 0 or 1.

@@ -14,7 +14,7 @@
 //! - The base frame lies in the mounting face of the arm, with z along axis 1. The flange frame lies in the flange
 //!   face, with z along the last axis. With all joints at zero, a KUKA LBR is upright and its flange frame is parallel
 //!   to its base frame.
-//! - Inside the crate, "no solution" is the error [`NoSolution`]. At its interface, it can also be NaN joints
+//! - Inside the crate, "no solution" is the error [`InverseKinematicsError`]. At its interface, it can also be NaN joints
 //!   ([`ArmModel::inverse_or_nan`]), which nets of the reference system pass on to the arm.
 #![no_std]
 

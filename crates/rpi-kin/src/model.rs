@@ -56,7 +56,7 @@ impl ArmModel {
     /// 0.
     ///
     /// # Errors
-    /// Any [`NoSolution`]. `NotFinite` also if `hint` or `limits` have fewer entries than the arm has axes.
+    /// Any [`InverseKinematicsError`]. `NotFinite` also if `hint` or `limits` have fewer entries than the arm has axes.
     pub fn inverse(
         &self,
         flange: &Pose,

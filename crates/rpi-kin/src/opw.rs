@@ -39,7 +39,7 @@ impl Geometry {
     /// Angles that the pose does not determine are taken from `hint` (rad).
     ///
     /// # Errors
-    /// [`NoSolution::NotFinite`] if the pose is not finite.
+    /// [`InverseKinematicsError::NotFinite`] if the pose is not finite.
     pub fn solutions(
         &self,
         flange: &Transform,

@@ -19,8 +19,8 @@ const REACH_TOLERANCE: f64 = 1e-9;
 /// a joint; each joint is first moved by full turns to the value in its range nearest to the hint.
 ///
 /// # Errors
-/// [`NoSolution::NotFinite`] if a hint is NaN or infinite, [`NoSolution::OutOfReach`] if there is no solution,
-/// [`NoSolution::OutOfLimits`] if no solution is in range.
+/// [`InverseKinematicsError::NotFinite`] if a hint is NaN or infinite, [`InverseKinematicsError::OutOfReach`] if there is no solution,
+/// [`InverseKinematicsError::OutOfLimits`] if no solution is in range.
 pub fn choose_nearest(
     solutions: &Solutions,
     hint: &Joints,

@@ -12,8 +12,8 @@
 //! - [`geometry`](self): lengths, senses, elbow and shoulder angles of a pose;
 //! - [`elbow`]: position of the elbow, from joints or from an arm angle;
 //! - [`branches`]: the eight solutions for one position of the elbow;
-//! - [`swing`]: arm angles at which a joint is at a limit of its range;
-//! - [`choose`]: choice among all solutions by a hint.
+//! - [`arm_angle_limits`]: arm angles at which a joint is at a limit of its range;
+//! - [`selection`]: choice among all solutions by a hint.
 
 pub mod arm_angle_limits;
 pub mod branches;
@@ -62,8 +62,8 @@ impl Geometry {
     /// Returns line, elbow bend and shoulder angle for a pose of the flange in the base frame.
     ///
     /// # Errors
-    /// [`NoSolution::OutOfReach`] if the wrist is too far from the shoulder or too near to it,
-    /// [`NoSolution::NotFinite`] if the pose is NaN or infinite.
+    /// [`InverseKinematicsError::OutOfReach`] if the wrist is too far from the shoulder or too near to it,
+    /// [`InverseKinematicsError::NotFinite`] if the pose is NaN or infinite.
     pub fn elbow_triangle(
         &self,
         flange: &Transform,

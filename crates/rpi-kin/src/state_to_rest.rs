@@ -120,7 +120,7 @@ impl StateToRestProfile {
     /// transition. For this, the planned speed is lower by the change of speed that the jerk causes in two periods,
     /// which is the maximum error of the differences.
     ///
-    /// Returns `None` under the same conditions as [`Reach::new`].
+    /// Returns `None` under the same conditions as [`StateToRestProfile::new`].
     #[must_use]
     pub fn from_differences(
         differences: AxisState,
@@ -247,7 +247,7 @@ impl StateToRestProfile {
         numbers
     }
 
-    /// Creates a profile from its numbers; inverse of [`Reach::to_numbers`].
+    /// Creates a profile from its numbers; inverse of [`StateToRestProfile::to_array`].
     #[must_use]
     pub fn from_array(numbers: &[f64; Self::LEN]) -> Self {
         let [

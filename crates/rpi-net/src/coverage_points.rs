@@ -30,7 +30,7 @@ pub struct Decision {
 /// One branch of a decision.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DecisionBranch {
-    /// Index of the decision in [`Landmarks::choices`].
+    /// Index of the decision in [`CoveragePoints::decisions`].
     pub decision: u32,
     /// Value of the condition for which the branch is taken.
     pub outcome: bool,

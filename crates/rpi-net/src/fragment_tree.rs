@@ -86,7 +86,7 @@ impl FragmentTree {
         items.into_iter().map(|(_, item)| item).collect()
     }
 
-    /// Like [`Tree::items`], but includes the members of clock fragments in the fragment, at any depth.
+    /// Like [`FragmentTree::items`], but includes the members of clock fragments in the fragment, at any depth.
     #[must_use]
     pub fn items_through_clocks(&self, net: &Net, fragment: FragmentId) -> Vec<Item> {
         let is_clock = |f: &FragmentId| net.fragment(*f).is_clock;

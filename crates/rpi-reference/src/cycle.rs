@@ -375,7 +375,7 @@ impl<'p> Interpreter<'p> {
             let memory = self.instances[here.instance].memory(here.block);
             match keep {
                 MemoryUpdate::Leaf(id, k, leaf) => {
-                    drop(memory.delayed_values.insert((id, k), leaf))
+                    memory.delayed_values.insert((id, k), leaf);
                 }
                 MemoryUpdate::LastLeaf(flow, k, leaf) => drop(memory.last.insert((flow, k), leaf)),
                 MemoryUpdate::Begun(id, k) => drop(memory.started.insert((id, k))),
@@ -398,7 +398,7 @@ impl<'p> Interpreter<'p> {
         let before = unit.inputs[..port].iter().filter(from_outside);
         let first: usize = before.map(|id| unit.flow(*id).ty.leaf_count()).sum();
         let leaf = self.inputs.get(first + k).copied().flatten();
-        self.from_external(leaf, &unit.flow(unit.inputs[port]).ty, k)
+        self.internal_leaf(leaf, &unit.flow(unit.inputs[port]).ty, k)
     }
 }
 

@@ -61,10 +61,10 @@ impl<'p> Interpreter<'p> {
                 Err(EvalError::Unsupported("an external value".to_owned()))
             }
             TypedExprKind::Const(leaves) => {
-                Ok(self.from_external(Value::from_constant(&leaves[k]), &expr.ty, k))
+                Ok(self.internal_leaf(Value::from_constant(&leaves[k]), &expr.ty, k))
             }
             TypedExprKind::Literal(leaf) => {
-                Ok(self.from_external(Value::from_constant(leaf), &expr.ty, k))
+                Ok(self.internal_leaf(Value::from_constant(leaf), &expr.ty, k))
             }
             TypedExprKind::None => Ok(None),
             TypedExprKind::Flow(flow) => self.flow(here.instance, *flow, k),

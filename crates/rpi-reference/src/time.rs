@@ -26,7 +26,7 @@ impl Interpreter<'_> {
     }
 
     /// Converts an input or a constant to the internal representation.
-    pub(crate) fn from_external(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
+    pub(crate) fn internal_leaf(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Real(seconds)), true) => self.whole_ticks(seconds).map(Value::Int),
             (leaf, _) => leaf,

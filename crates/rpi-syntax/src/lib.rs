@@ -56,7 +56,7 @@ pub use token::{KEYWORDS, Keyword, KeywordContext, is_name, symbols};
 
 use rpi_diag::Diagnostic;
 
-/// Dialect of a source file: selects the keywords and the meaning of `%`. See [`Mode::of_path`].
+/// Dialect of a source file: selects the keywords and the meaning of `%`. See [`Dialect::from_path`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Dialect {
     /// `.rpi` files: the whole language.

@@ -33,7 +33,7 @@ pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Dialect) -> (Par
             dialect: mode,
         },
         comments: lexed.comments,
-        diagnostics: diagnostics,
+        diagnostics,
     };
     (parse, lexed.lexemes)
 }

@@ -137,7 +137,7 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
             cx,
             source_lexemes: lexemes,
             lexemes: lexemes.to_vec(),
-            diagnostics: diagnostics,
+            diagnostics,
             token_budget: MAX_REPARSED_TOKENS,
             broken_at: None,
             end_reported: false,

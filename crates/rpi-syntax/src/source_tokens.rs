@@ -16,7 +16,7 @@ pub struct SourceToken {
     pub range: Range<usize>,
 }
 
-/// Kind of a [`Piece`].
+/// Kind of a [`SourceToken`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SourceTokenKind {
     /// Plain or qualified name.

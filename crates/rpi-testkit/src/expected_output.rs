@@ -20,7 +20,7 @@ pub fn compare_with_expected(program: &Path, said: &str) -> Option<String> {
     (known != said).then(|| format!("{name}\n--- actual\n{said}--- expected\n{known}"))
 }
 
-/// Like [`differs`], for the standard error of a tool that is run on a program below `tests/ui`. The tool is started in
+/// Like [`compare_with_expected`], for the standard error of a tool that is run on a program below `tests/ui`. The tool is started in
 /// that folder; `args` adds the arguments for the program of the given name.
 ///
 /// # Panics

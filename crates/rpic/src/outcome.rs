@@ -29,7 +29,7 @@ impl From<Exit> for ExitCode {
 /// Result of a subcommand; the error is a message for people.
 pub(crate) type CommandResult = Result<Exit, Box<dyn std::error::Error>>;
 
-/// Writes a result derived from `source` like [`put`], but refuses to overwrite `source`.
+/// Writes a result derived from `source` like [`write_output`], but refuses to overwrite `source`.
 pub(crate) fn write_result(
     source: &Path,
     output: Option<&Path>,

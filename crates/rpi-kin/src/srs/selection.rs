@@ -38,7 +38,7 @@ impl Geometry {
     /// Returns the joint values for a pose of the flange in the base frame, chosen by `hint` (rad) within `ranges`.
     ///
     /// # Errors
-    /// [`NoSolution::OutOfReach`], [`NoSolution::OutOfLimits`], or [`NoSolution::NotFinite`].
+    /// [`InverseKinematicsError::OutOfReach`], [`InverseKinematicsError::OutOfLimits`], or [`InverseKinematicsError::NotFinite`].
     pub fn inverse(
         &self,
         flange: &Transform,
@@ -83,7 +83,7 @@ impl Geometry {
     /// Angles that the pose does not determine are 0.
     ///
     /// # Errors
-    /// [`NoSolution::OutOfReach`] or [`NoSolution::NotFinite`].
+    /// [`InverseKinematicsError::OutOfReach`] or [`InverseKinematicsError::NotFinite`].
     pub fn branches(
         &self,
         flange: &Transform,

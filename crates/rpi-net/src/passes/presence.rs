@@ -1,6 +1,6 @@
 //! Presence analysis: which flows may be absent. It is the least fixed point of the descriptors' presence rules.
 //!
-//! A flow's [`Sureness`] holds in the cycles in which its own fragment is active. A reader elsewhere also sees it
+//! A flow's [`FlowPresence`] holds in the cycles in which its own fragment is active. A reader elsewhere also sees it
 //! absent whenever an intermediate fragment, which encloses the flow but not the reader, is inactive:
 //! [`Presences::view`] returns these fragments. A total port has no run-time cost.
 

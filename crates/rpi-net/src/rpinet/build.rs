@@ -40,7 +40,7 @@ pub(super) fn build(name: &str, text: &ParsedText<'_>, diagnostics: &mut Vec<Dia
         fragments: vec![FragmentId::ROOT; text.fragments.len()],
         prims: FxHashMap::default(),
         unnamed: 0,
-        diagnostics: diagnostics,
+        diagnostics,
     };
     builder.net.nodes.reserve_exact(text.definitions.len());
     builder.declare();
@@ -55,7 +55,7 @@ pub(super) fn build(name: &str, text: &ParsedText<'_>, diagnostics: &mut Vec<Dia
         links: LinkResolver::new(text, &names, &nodes),
         fragments: &fragments,
         net: &mut net,
-        diagnostics: diagnostics,
+        diagnostics,
         is_error_free: intact,
     };
     connector.definitions(&names);

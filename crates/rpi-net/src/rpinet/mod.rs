@@ -52,7 +52,7 @@ pub fn parse(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Diagnost
     (net, diagnostics)
 }
 
-/// Formats a net as text. Results, exports and budgets of commands have no text form: apply [`with_ports`] first, which
+/// Formats a net as text. Results, exports and budgets of commands have no text form: apply [`results_to_ports`] first, which
 /// converts what it can.
 #[must_use]
 pub fn write(net: &Net) -> String {

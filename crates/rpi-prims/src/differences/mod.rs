@@ -109,7 +109,7 @@ pub struct DifferenceCase<'a> {
     /// Registered names of the primitives that the in-ports read; `None` for an in-port that is not connected.
     pub sources: &'a [Option<&'a str>],
     /// Values recorded in this cycle at the out-ports that the first in-port reads, directly or through primitives that
-    /// [pass objects on](passes_on).
+    /// [pass objects on](outputs_alias).
     pub origins: &'a [&'a [u64]],
     /// Values of the parameters, in the order of the declaration.
     pub params: &'a [Value],
@@ -119,8 +119,8 @@ pub struct DifferenceCase<'a> {
     pub recorded: Recorded<'a>,
     /// Whether the enclosing fragment was inactive in the previous cycle.
     pub after_pause: bool,
-    /// Whether an in-port reads, directly or through primitives that [pass objects on](passes_on), a value that
-    /// [`When::AliasedSource`] explains in this cycle.
+    /// Whether an in-port reads, directly or through primitives that [pass objects on](outputs_alias), a value that
+    /// [`Condition::AliasedSource`] explains in this cycle.
     pub reads_aliased: bool,
 }
 

@@ -40,7 +40,7 @@ impl FirstError {
     }
 
     /// Returns the stored error of the output, if any, and otherwise the error of the MCAP writer.
-    fn into_io_error(&self, error: McapError) -> io::Error {
+    fn as_io_error(&self, error: McapError) -> io::Error {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         kept.unwrap_or_else(|| match error {
             McapError::Io(error) => error,
@@ -86,7 +86,7 @@ impl McapFile {
         };
         let mcap = options.create(out);
         Ok(McapFile {
-            mcap: mcap.map_err(|error| trouble.into_io_error(error))?,
+            mcap: mcap.map_err(|error| trouble.as_io_error(error))?,
             first_error: trouble,
             topics: BTreeMap::new(),
         })
@@ -115,9 +115,9 @@ impl McapFile {
         }
         let name = format!("rpi{}", topic.replace('/', "."));
         let schema = self.mcap.add_schema(&name, schema.0, &schema.1);
-        let schema = schema.map_err(|error| self.first_error.into_io_error(error))?;
+        let schema = schema.map_err(|error| self.first_error.as_io_error(error))?;
         let channel = self.mcap.add_channel(schema, topic, form, &BTreeMap::new());
-        let channel = channel.map_err(|error| self.first_error.into_io_error(error))?;
+        let channel = channel.map_err(|error| self.first_error.as_io_error(error))?;
         self.topics.insert(topic.to_owned(), (channel, 0));
         Ok(())
     }
@@ -135,7 +135,7 @@ impl McapFile {
             publish_time: time,
         };
         let written = self.mcap.write_to_known_channel(&header, data);
-        written.map_err(|error| self.first_error.into_io_error(error))
+        written.map_err(|error| self.first_error.as_io_error(error))
     }
 
     /// Writes an attachment.
@@ -148,7 +148,7 @@ impl McapFile {
             data: Cow::Borrowed(data),
         };
         let written = self.mcap.attach(&attachment);
-        written.map_err(|error| self.first_error.into_io_error(error))
+        written.map_err(|error| self.first_error.as_io_error(error))
     }
 
     /// Writes a metadata record.
@@ -159,13 +159,13 @@ impl McapFile {
             metadata: keys.collect(),
         };
         let written = self.mcap.write_metadata(&metadata);
-        written.map_err(|error| self.first_error.into_io_error(error))
+        written.map_err(|error| self.first_error.as_io_error(error))
     }
 
     /// Writes the summary and footer and flushes the output.
     pub(super) fn finish(mut self) -> io::Result<()> {
         let finished = self.mcap.finish();
-        finished.map_err(|error| self.first_error.into_io_error(error))?;
+        finished.map_err(|error| self.first_error.as_io_error(error))?;
         self.mcap.into_inner().flush()
     }
 }

@@ -11,11 +11,11 @@
 //! | `/device/DEVICE` | state of a device after each tick, JSON |
 //! | `/events` | starts, ends, takeovers, faults, answers to requests, lost ticks, JSON |
 //! | `/rpi/requests` | requests to the core, JSON |
-//! | `/rpi/tape` | the [tape](rpi_runtime::tape): bit-exact log of each tick |
+//! | `/rpi/tape` | the [tape](rpi_runtime::tick_log): bit-exact log of each tick |
 //! | attachments | cell description, source of the program, images |
 //! | metadata `rpi`, `rpi-end` | tick length, policy, program; number of ticks written and lost |
 //!
-//! [`rerun()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the tape,
+//! [`replay()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the tape,
 //! and compares every flow, set-point and event. This module must not depend on the compiler.
 
 mod checksum;

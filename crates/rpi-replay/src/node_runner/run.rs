@@ -126,10 +126,7 @@ impl NodeRun {
         let row = Some(shown.map(value).collect());
         let diagnostics = broken.iter().map(|b| self.claims.diagnostic(b, number));
         let diagnostics = diagnostics.collect();
-        CycleResult {
-            row,
-            diagnostics: diagnostics,
-        }
+        CycleResult { row, diagnostics }
     }
 
     /// Returns one line, with the number of violations, for each claim that was violated more than once.

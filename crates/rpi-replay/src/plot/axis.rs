@@ -11,7 +11,7 @@ pub(super) struct Axis {
 
 impl Axis {
     /// Returns the pixel position of a value.
-    pub(super) fn to_pixel(&self, value: f64) -> f64 {
+    pub(super) fn to_pixel(self, value: f64) -> f64 {
         let (low, high) = self.values;
         self.pixels.0 + (value - low) / (high - low) * (self.pixels.1 - self.pixels.0)
     }

@@ -31,7 +31,7 @@ pub(super) struct Frame {
 const SPACING: (f64, f64) = (90.0, 34.0);
 
 impl Frame {
-    pub(super) fn to_pixel(&self, x: f64, y: f64) -> (f64, f64) {
+    pub(super) fn to_pixel(self, x: f64, y: f64) -> (f64, f64) {
         (self.x.to_pixel(x), self.y.to_pixel(y))
     }
 

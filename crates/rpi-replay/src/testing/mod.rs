@@ -29,7 +29,7 @@ pub struct TestCase<'a> {
     pub claims: &'a [Claim],
     /// Whether coverage is recorded.
     pub coverage: bool,
-    /// Maximum number of cycles. The default is [`MOST`] for a test that can finish and [`CYCLES`] for any other test.
+    /// Maximum number of cycles. The default is [`MAX_FINISH_CYCLES`] for a test that can finish and [`DEFAULT_CYCLES`] for any other test.
     pub cycles: Option<u64>,
 }
 

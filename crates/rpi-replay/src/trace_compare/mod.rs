@@ -1,7 +1,7 @@
 //! Trace replay: executes a net with the inputs of a recorded trace and compares every computed value with the trace.
 //!
 //! Values from outside the net are taken from the trace: device ports, inputs, cancel, the wall clock, the start time
-//! ([`inputs`]). All other values are computed and compared, including their absence; [`compare`] defines the
+//! ([`inputs`]). All other values are computed and distanced, including their absence; [`distance`] defines the
 //! tolerance. A deviating value that a documented difference between the systems explains is taken from the trace,
 //! counted and listed, and later values are computed from it.
 

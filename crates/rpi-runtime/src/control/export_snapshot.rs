@@ -105,7 +105,7 @@ impl ExportSnapshot {
         read(&self.version, &self.cells)
     }
 
-    /// Splits the words returned by [`Board::read`] into exports and their values; the value of an absent export is
+    /// Splits the words returned by [`ExportSnapshot::read_consistent`] into exports and their values; the value of an absent export is
     /// `None`.
     pub fn values<'a>(
         exports: &'a [Export],

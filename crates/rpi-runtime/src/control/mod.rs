@@ -19,14 +19,14 @@
 //! | unload a command | [`Control::unload`] | a [`Ticket`], then [`Event::Freed`] |
 //! | set inputs of any commands between the same two cycles | [`Control::set`] | a [`Ticket`] |
 //! | observe exported flows | [`Control::subscribe`], then [`Control::samples`] | a sample for each change of a value |
-//! | poll the exports of a command | [`Control::adopt_with_board`] | a [`Board`] |
-//! | insert or remove a device | [`Control::put_device`] | a [`Ticket`] |
+//! | poll the exports of a command | [`Control::adopt_with_board`] | a [`ExportSnapshot`] |
+//! | insert or remove a device | [`Control::replace_device`] | a [`Ticket`] |
 //! | stop everything | [`Control::emergency_stop`] | a [`Ticket`] |
 //! | receive events | [`Control::poll`] | [`Event`]s in order |
-//! | inspect a command | [`Control::get`] | [`Info`]: image, state, ending |
+//! | inspect a command | [`Control::get`] | [`CommandInfo`]: image, state, ending |
 //!
 //! Every ticket is answered by one [`Event::Answer`]. Requests are carried out in the order in which they were made, so
-//! a command can be loaded, named in a rule and started without waiting in between. [`Info::state`] is updated by the
+//! a command can be loaded, named in a rule and started without waiting in between. [`CommandInfo::state`] is updated by the
 //! events that the host has polled. A command that has ended stays loaded until it is unloaded. A command that nothing
 //! can start any more, and that was not to be kept, unloads itself and is reported by [`Event::Freed`].
 //!

@@ -29,13 +29,13 @@ pub struct RealTime {
     /// Overrun policy of commands that were loaded without one. It applies to the command that took the longest in an
     /// overrun tick.
     pub command_overrun: CommandOverrunPolicy,
-    /// Whether the tick thread is restricted to the system calls of the clock; see [`fence()`].
+    /// Whether the tick thread is restricted to the system calls of the clock; see [`install_syscall_filter`].
     pub syscall_filter: bool,
 }
 
 /// Requests all of these resources for the calling thread and installs the system call filter if it is enabled.
 ///
-/// A thread with the filter must call [`rest()`] in the end.
+/// A thread with the filter must call [`sleep_forever()`] in the end.
 #[must_use]
 pub fn acquire_resources(real_time: RealTime) -> Vec<ResourceGrant> {
     let mut grants = request_resources(real_time.resources);

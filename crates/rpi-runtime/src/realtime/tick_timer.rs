@@ -6,7 +6,7 @@ use super::clock::{Clock, TimeBase};
 use super::overrun::{OverrunAction, OverrunPolicy};
 use super::timing_stats::{TimingHistograms, TimingStats};
 
-/// A running tick timer. The caller repeats [`Beat::wait`], the work of the tick and [`Beat::over`]. No method
+/// A running tick timer. The caller repeats [`TickTimer::wait`], the work of the tick and [`TickTimer::finish_tick`]. No method
 /// allocates.
 pub struct TickTimer {
     clock: Clock,

@@ -54,7 +54,7 @@ impl TickCollector {
         executive.halt(why);
     }
 
-    /// Records that the tick ended too late, then calls [`Executive::too_late`].
+    /// Records that the tick ended too late, then calls [`Executive::handle_overrun`].
     pub fn handle_overrun(
         &mut self,
         executive: &mut Executive<LoggingBank<SimBank>>,

@@ -39,7 +39,7 @@ impl EntryBuffer {
         (!self.full).then_some(&self.words)
     }
 
-    /// Returns true if no entry was appended since the last call of [`Stage::clear`].
+    /// Returns true if no entry was appended since the last call of [`EntryBuffer::clear`].
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.words.is_empty() && !self.full

@@ -10,7 +10,7 @@
 //! entry   = head, words
 //! head    = kind << 56 | flag << 55 | number of words << 32 | key
 //! ```
-//! [`Kind`] documents the kinds, flags and keys. This module must not depend on the file format of recordings.
+//! [`EntryKind`] documents the kinds, flags and keys. This module must not depend on the file format of recordings.
 
 mod entry;
 mod entry_buffer;

@@ -66,7 +66,7 @@ impl SizeBudget {
 }
 
 /// Error for a task with which the expanded tasks have more than [`MAX_STEPS`] steps, or in which more than
-/// [`MAX_TASKS_IN_A_ROW`] tasks run one another.
+/// [`MAX_TASK_DEPTH`] tasks run one another.
 #[must_use]
 pub fn task_too_large(task: &Unit) -> Diagnostic {
     let message = format!("task `{}` is too large after expansion", task.name);

@@ -2,7 +2,7 @@
 //!
 //! Editors use these queries on unfinished programs. An [`Index`] holds every definition and reference of a program. It
 //! is built from the syntax trees alone, so that it exists even for programs with errors. Types and presence come from
-//! the checked units ([`types_of_flows`], [`types_of_read`], [`type_around`]), as far as the checker got. This module
+//! the checked units ([`flow_types`], [`read_types`], [`type_at`]), as far as the checker got. This module
 //! must not know editors.
 //!
 //! | file | idea |

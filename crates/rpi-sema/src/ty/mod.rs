@@ -1,6 +1,6 @@
 //! Types of flows, without their presence.
 //!
-//! Composite types are split into their [leaves](Ty::leaves) when a program is elaborated to a net. Nothing after the
+//! Composite types are split into their [leaves](Ty::for_each_leaf) when a program is elaborated to a net. Nothing after the
 //! elaboration knows composite types. This module must not know syntax.
 
 pub(crate) mod assignable;

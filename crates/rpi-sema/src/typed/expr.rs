@@ -145,7 +145,7 @@ pub struct PrimCall {
 pub struct Call {
     /// Called unit.
     pub unit: UnitId,
-    /// One argument for each entry of [`Unit::inputs`]; none for a default.
+    /// One argument for each entry of [`inputs`](crate::typed::Unit::inputs); none for a default.
     pub args: Box<[Option<ExprId>]>,
     /// Activation of the call.
     pub activation: Activation,

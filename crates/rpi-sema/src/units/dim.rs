@@ -97,7 +97,7 @@ impl Dimension {
         Dimension(exponents)
     }
 
-    /// Free dimension number `place`, below [`FREE`]. It equals only itself.
+    /// Free dimension number `place`, below [`FREE_COUNT`]. It equals only itself.
     #[must_use]
     pub fn free(place: usize) -> Dimension {
         let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
@@ -119,7 +119,7 @@ impl Dimension {
         BASE_UNITS[BASE_COUNT + place % FREE_COUNT]
     }
 
-    /// Creates a dimension from integer exponents in the order of [`Base`]; none if one is out of range.
+    /// Creates a dimension from integer exponents in the order of [`BaseDim`]; none if one is out of range.
     #[must_use]
     pub fn from_exponents(exponents: [i32; BASE_COUNT]) -> Option<Dimension> {
         let mut dim = Dimension::ONE;

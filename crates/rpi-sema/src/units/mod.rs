@@ -5,7 +5,7 @@
 //! module must not know types or expressions.
 //!
 //! **Angles.** In the SI the radian equals 1, and formulas rely on that (`v = omega * r`, `omega = sqrt(k / m)`). So
-//! angles are tracked and printed, but two dimensions [match](Dim::meets) if they agree in all other exponents. A
+//! angles are tracked and printed, but two dimensions [match](Dimension::is_compatible) if they agree in all other exponents. A
 //! mistake that this rule would miss, a plain number for an angle (`30` for `30[deg]`), is reported where literals are
 //! checked.
 

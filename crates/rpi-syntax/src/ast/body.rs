@@ -105,7 +105,7 @@ pub struct ConditionalBlock {
     pub desugared: Desugared,
 }
 
-/// Notation of a [`Choice`].
+/// Notation of a [`ConditionalBlock`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ConditionalKeyword {
     /// `if c then ... elsif d then ... else ... fi`
@@ -116,7 +116,7 @@ pub enum ConditionalKeyword {
     Cond,
 }
 
-/// Branch of a [`Choice`].
+/// Branch of a [`ConditionalBlock`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct BlockBranch {
     /// Condition of the branch.

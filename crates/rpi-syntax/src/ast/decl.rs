@@ -56,7 +56,7 @@ pub struct DeclaredName {
     pub name: Ident,
 }
 
-/// Kind of a [`Declared`] name.
+/// Kind of a [`DeclaredName`] name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DeclaredKind {
     /// `const`

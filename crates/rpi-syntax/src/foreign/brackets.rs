@@ -37,7 +37,7 @@ pub(super) fn array_in_braces(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         .fix(fix);
     let mend = found.replace_brackets(open, close, [LBracket, RBracket]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -75,7 +75,7 @@ pub(super) fn targets_in_brackets(found: &ErrorContext<'_, '_>) -> Option<Foreig
             );
     let mend = found.replace_brackets(at, close, [LParen, RParen]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -114,7 +114,7 @@ pub(super) fn arguments_in_static_brackets(found: &ErrorContext<'_, '_>) -> Opti
         .fix(Fix::maybe(format!("write `{meant}`")).replace(found.range_span(callee..at), meant));
     let mend = found.replace_brackets(open, close, [Token::LParen, Token::RParen]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -137,7 +137,7 @@ pub(super) fn range_test(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
         )
         .help(format!("`0 <= {value} and {value} < 3`"));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -154,7 +154,7 @@ pub(super) fn comprehension(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
             "`map<<f, 3>>(a)` applies `f` to each of 3 elements; `red<<+, 3>>(0, a)` is their sum",
         );
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -176,7 +176,7 @@ pub(super) fn string_as_comment(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     let semi = usize::from(found.token_at(end) == Some(Token::Semi));
     let mend = Repair::ReplaceTokens(vec![(at..end + semi, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

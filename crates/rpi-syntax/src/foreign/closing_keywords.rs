@@ -21,7 +21,7 @@ pub(super) fn end_for_tel(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         .fix(Fix::sure("write `tel`").replace(found.token_span(end), "tel"));
     let mend = Repair::ReplaceTokens(vec![found.replacement(end, &[Token::Tel])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -104,7 +104,7 @@ pub(super) fn python_conditional(found: &ErrorContext<'_, '_>) -> Option<Foreign
     // The tokens are out of text order now, but each keeps its own location for later diagnostics.
     let mend = Repair::ReplaceTokens(vec![(start..end, parts.concat())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -123,7 +123,7 @@ pub(super) fn automaton_in_lustre(found: &ErrorContext<'_, '_>) -> Option<Foreig
         .primary(found.token_span(at), "Lustre has no automata")
         .help("rename the file to `.rpi`: it supports automata and the Lustre syntax");
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(
             at..end,
             guessed_declarations::inner_targets(found.cx, &found.lexemes[at..end]).collect(),

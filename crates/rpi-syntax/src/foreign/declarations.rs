@@ -51,7 +51,7 @@ pub(super) fn enum_without_keyword(found: &ErrorContext<'_, '_>) -> Option<Forei
     }
     tokens.extend(found.replacement(end - 1, &[RBrace]).1);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(eq + 1..end, in_text_order(&tokens))]),
     })
 }
@@ -81,7 +81,7 @@ pub(super) fn module_by_path(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         false => diagnostic,
     };
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveItem,
     })
 }

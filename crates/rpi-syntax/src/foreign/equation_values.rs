@@ -18,7 +18,7 @@ pub(super) fn doubled_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .fix(Fix::sure("delete it").replace(found.token_span(at), ""));
     let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -62,7 +62,7 @@ pub(super) fn tuple_without_parens(found: &ErrorContext<'_, '_>) -> Option<Forei
         found.insertion(phrase.end, Token::RParen),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -92,7 +92,7 @@ pub(super) fn increment(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         .fix(Fix::maybe("write `+ 1`").replace(signs, " + 1"));
     let mend = Repair::ReplaceTokens(vec![(at - 1..at + 1, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -147,7 +147,7 @@ pub(super) fn upper_case_conditional(found: &ErrorContext<'_, '_>) -> Option<For
         )
         .fix(fix);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(edits),
     })
 }
@@ -204,7 +204,7 @@ pub(super) fn conditional_with_braces(found: &ErrorContext<'_, '_>) -> Option<Fo
         .primary(found.token_span(at), "a value cannot be in braces")
         .fix(fix);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(edits),
     })
 }
@@ -274,7 +274,7 @@ pub(super) fn fby_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         _ => diagnostic,
     };
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -332,7 +332,7 @@ pub(super) fn operator_argument(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .primary(found.token_span(at), "an operator is not a value")
         .help(format!("for an array of 3 it is `{meant}`"));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }

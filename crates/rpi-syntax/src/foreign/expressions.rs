@@ -39,7 +39,7 @@ pub(super) fn case_expression(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         .help("for several cases: `y = if x = 1 then a else if x = 2 then b else c;`; the last `else` covers all other values");
     let names = equation_targets(found, equation.start, at);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(equation.start..end, names),
     })
 }
@@ -94,7 +94,7 @@ pub(super) fn lambda(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
 /// Combines a diagnostic with the usual repair, which removes the phrase.
 fn remove_phrase(diagnostic: rpi_diag::Diagnostic) -> ForeignSyntax {
     ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     }
 }
@@ -134,7 +134,7 @@ pub(super) fn if_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         found.replacement(second, &[Token::Else]),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -279,7 +279,7 @@ pub(super) fn method_call(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
             .fix(Fix::maybe(format!("write `{name}`")).replace(place, name));
         let mend = Repair::ReplaceTokens(vec![(base..base + 2, Vec::new())]);
         return Some(ForeignSyntax {
-            diagnostic: diagnostic,
+            diagnostic,
             repair: mend,
         });
     }
@@ -422,7 +422,7 @@ pub(super) fn call_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .fix(Fix::sure(format!("delete `{}`", found.source_text(at))).replace(place, ""));
     let mend = Repair::ReplaceTokens(vec![(at..fault, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

@@ -23,7 +23,7 @@ pub(super) fn missing_returns(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
                 .fix(fix);
             let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Returns])]);
             Some(ForeignSyntax {
-                diagnostic: diagnostic,
+                diagnostic,
                 repair: mend,
             })
         }
@@ -35,7 +35,7 @@ pub(super) fn missing_returns(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
                 .fix(fix);
             let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Returns)]);
             Some(ForeignSyntax {
-                diagnostic: diagnostic,
+                diagnostic,
                 repair: mend,
             })
         }
@@ -62,7 +62,7 @@ pub(super) fn body_in_braces(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         .fix(fix);
     let mend = found.replace_brackets(at, close, [Token::Let, Token::Tel]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -90,7 +90,7 @@ pub(super) fn body_without_let(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
         .fix(Fix::sure("insert `let`").insert_after(before, "\nlet"));
     let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Let)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -110,7 +110,7 @@ fn body_without_let_and_tel(found: &ErrorContext<'_, '_>, at: usize) -> ForeignS
         found.insertion(last, Token::Tel),
     ]);
     ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     }
 }
@@ -139,7 +139,7 @@ pub(super) fn no_let_after_locals(found: &ErrorContext<'_, '_>) -> Option<Foreig
         .fix(Fix::sure("insert `let`").insert_after(found.token_span(name - 1), "\nlet"));
     let mend = Repair::ReplaceTokens(vec![found.insertion(name, Token::Let)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -181,7 +181,7 @@ pub(super) fn begin_end(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     };
     let mend = Repair::ReplaceTokens(tokens);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -226,7 +226,7 @@ pub(super) fn comma_for_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         .fix(Fix::sure("write `;`").replace(found.token_span(at), ";"));
     let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Semi])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -285,7 +285,7 @@ pub(super) fn missing_colon(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     let diagnostic = diagnostic.fix(Fix::sure("insert `:`").insert_after(name, ":"));
     let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Colon)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -316,7 +316,7 @@ pub(super) fn type_first(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
         false => Repair::RemovePhrase(ty..ty + 2, vec![found.ident(ty + 1)]),
     };
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -376,7 +376,7 @@ pub(super) fn size_in_brackets(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
         (at + 1..at + 3, vec![size]),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -477,7 +477,7 @@ pub(super) fn enum_by_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .fix(fix);
     let mend = Repair::ReplaceTokens(edits);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -499,7 +499,7 @@ pub(super) fn unit_of_int(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         .fix(Fix::maybe("make it a `real`").replace(span, "real"));
     let mend = Repair::ReplaceTokens(vec![found.replacement(at - 1, &[Token::RealType])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

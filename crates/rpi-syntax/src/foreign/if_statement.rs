@@ -35,7 +35,7 @@ pub(super) fn if_statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .cx
         .suppress_foreign_operators(found.range_span(at..end));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(at..end, defined_names(found, at..end)),
     })
 }

@@ -21,7 +21,7 @@ pub(super) fn doubled_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .fix(Fix::sure("delete `;`").replace(span, ""));
     let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -49,7 +49,7 @@ pub(super) fn declaration_keyword(found: &ErrorContext<'_, '_>) -> Option<Foreig
         .fix(Fix::sure(format!("delete `{written}`")).replace(place, ""));
     let mend = Repair::ReplaceTokens(vec![(at..name, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -67,7 +67,7 @@ pub(super) fn declaration_after_let(found: &ErrorContext<'_, '_>) -> Option<Fore
         .help("move it between the ports and `let`; in `.rpi` files it is optional: an equation declares its flow");
     let mend = Repair::ReplaceTokens(vec![(at..(end + 1).min(found.lexemes.len()), Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -117,7 +117,7 @@ pub(super) fn compound_assignment(found: &ErrorContext<'_, '_>) -> Option<Foreig
     };
     let names = vec![found.ident(at - 1)];
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(at - 1..phrase.end, names),
     })
 }
@@ -146,7 +146,7 @@ pub(super) fn return_statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
         _ => diagnostic.help("write an equation for each out-port: `y = ...;`"),
     };
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(at..phrase.end.max(at + 1), outputs),
     })
 }
@@ -188,7 +188,7 @@ pub(super) fn unnamed_result(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
                 .fix(Fix::sure("write `when`").replace(span, "when"));
             let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[When])]);
             Some(ForeignSyntax {
-                diagnostic: diagnostic,
+                diagnostic,
                 repair: mend,
             })
         }
@@ -199,7 +199,7 @@ pub(super) fn unnamed_result(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
                 "tasks and successors branch on results by name: `{word} done when ...`"
             ));
             Some(ForeignSyntax {
-                diagnostic: diagnostic,
+                diagnostic,
                 repair: Repair::RemoveErrorPhrase,
             })
         }
@@ -207,7 +207,7 @@ pub(super) fn unnamed_result(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
             let diagnostic = missing_name(found, "this fragment has no name")
                 .help("its flows are read through its name: `fragment Slow when c let y = ...; tel`, then `Slow.y`");
             Some(ForeignSyntax {
-                diagnostic: diagnostic,
+                diagnostic,
                 repair: Repair::RemoveErrorPhrase,
             })
         }

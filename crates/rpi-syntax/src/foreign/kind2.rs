@@ -48,7 +48,7 @@ pub(super) fn recursive_function(found: &ErrorContext<'_, '_>) -> Option<Foreign
     let diagnostic = unsupported(found, "a recursive function", found.token_span(at))?
         .help("compute across cycles: `n = 0 -> pre n + 1`; or over the elements of an array: `fold`, `red`");
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -63,7 +63,7 @@ fn remove_phrase(
     let phrase = found.structure.phrase(found.error.index);
     let names = defined_names(found, phrase.clone());
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(phrase, names),
     })
 }

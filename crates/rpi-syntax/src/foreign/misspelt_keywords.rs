@@ -112,7 +112,7 @@ fn replace_keyword(
     }
     let mend = Repair::ReplaceTokens(edits);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

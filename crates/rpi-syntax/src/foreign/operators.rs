@@ -26,7 +26,7 @@ pub(super) fn remainder(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         .fix(fix.replace(found.token_span(at), spaced_word(found, at, "mod")));
     let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Mod])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -47,7 +47,7 @@ pub(super) fn else_if(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         .fix(Fix::sure("write `else if`").replace(found.token_span(at), "else if"));
     let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Else, Token::If])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -70,7 +70,7 @@ pub(super) fn missing_else(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .secondary(super::imperative::end_of_span(end), "expected `else` here")
         .help("add the other value: `if c then x else y`; to keep the value of the previous cycle: `else pre y`");
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -116,7 +116,7 @@ pub(super) fn closing_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         );
     let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -195,7 +195,7 @@ pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
         found.replacement(colon, &[Token::Else]),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -260,7 +260,7 @@ pub(super) fn bare_unit(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         found.insertion(last, Token::RBracket),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -291,7 +291,7 @@ pub(super) fn missing_star(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .fix(Fix::maybe("insert `*`").replace(gap, " * "));
     let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Star)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -323,7 +323,7 @@ fn unit_in_parentheses(
         .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
     let mend = found.replace_brackets(at, close, [Token::LBracket, Token::RBracket]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -353,7 +353,7 @@ pub(super) fn field_by_colon(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         .fix(Fix::sure("write `=`").replace(found.token_span(at), " ="));
     let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Eq])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -387,7 +387,7 @@ pub(super) fn struct_without_type(found: &ErrorContext<'_, '_>) -> Option<Foreig
             .help("for example `Point {x = 1.0; y = 2.0}`"),
     };
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -412,7 +412,7 @@ pub(super) fn unmatched_bracket(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .fix(Fix::maybe(format!("delete `{written}`")).replace(found.token_span(at), ""));
     let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

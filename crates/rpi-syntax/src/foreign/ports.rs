@@ -193,7 +193,7 @@ pub(super) fn incomplete_port(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         .primary(found.token_span(at), "this type has no port name")
         .fix(Fix::maybe(format!("write `{meant}`")).replace(found.token_span(at), meant));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -295,7 +295,7 @@ pub(super) fn bare_ports(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
         .fix(fix);
     let mend = Repair::ReplaceTokens(tokens);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -350,7 +350,7 @@ pub(super) fn locals_closing_keyword(found: &ErrorContext<'_, '_>) -> Option<For
         .primary(place, "local declarations have no closing keyword")
         .fix(Fix::sure(format!("delete `{}`", found.source_text(at))).replace(place, ""));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(at..end, Vec::new())]),
     })
 }
@@ -370,7 +370,7 @@ pub(super) fn let_rec(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         .primary(found.token_span(at), "keyword of another language")
         .fix(Fix::sure("delete `rec`").replace(place, ""));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]),
     })
 }
@@ -408,7 +408,7 @@ pub(super) fn const_with_type_first(found: &ErrorContext<'_, '_>) -> Option<Fore
     let mut tokens = vec![found.lexemes[at + 1]];
     tokens.extend(found.replacement(at, &[Token::Colon, ty]).1);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(at..at + 2, in_text_order(&tokens))]),
     })
 }
@@ -440,7 +440,7 @@ pub(super) fn matlab_header(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
                 found.source_text(0)
             ));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveItem,
     })
 }
@@ -484,7 +484,7 @@ pub(super) fn array_type(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
             "an array of three elements is `{word}^3`; lists of variable length do not exist"
         ));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -517,7 +517,7 @@ pub(super) fn declared_in_body(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
         ))
         .fix(Fix::maybe("delete it").replace(found.range_span(start..end + 1), ""));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(start..end + 1, Vec::new())]),
     })
 }
@@ -553,7 +553,7 @@ pub(super) fn array_in_body(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
         .cx
         .suppress_foreign_operators(found.range_span(start..end));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(start..end, names),
     })
 }

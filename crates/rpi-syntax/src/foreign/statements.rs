@@ -251,7 +251,7 @@ pub(super) fn statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
         let diagnostic = diagnostic(found, kind, at);
         return Some(ForeignSyntax {
-            diagnostic: diagnostic,
+            diagnostic,
             repair: mend,
         });
     }
@@ -412,7 +412,7 @@ pub(super) fn step_by_condition(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .primary(found.token_span(at), "expected a step")
         .help(BRANCH_HELP);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemovePhrase(at..end, Vec::new()),
     })
 }
@@ -436,7 +436,7 @@ pub(super) fn step_without_arguments(found: &ErrorContext<'_, '_>) -> Option<For
     let close = found.insertion(at, Token::RParen);
     let mend = Repair::ReplaceTokens(vec![(open.0, [open.1, close.1].concat())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -454,7 +454,7 @@ pub(super) fn repeat_without_times(found: &ErrorContext<'_, '_>) -> Option<Forei
         );
     let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Times)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -476,7 +476,7 @@ pub(super) fn times_without_repeat(found: &ErrorContext<'_, '_>) -> Option<Forei
     let word = found.insertion(at, Token::Repeat);
     let times = found.replacement(at + 1, &[Token::Times]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![word, times]),
     })
 }
@@ -499,7 +499,7 @@ pub(super) fn steps_without_semi(found: &ErrorContext<'_, '_>) -> Option<Foreign
         .primary(found.token_span(at), "expected `;`")
         .fix(rpi_diag::Fix::sure("write `;`").replace(gap, ";"));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Semi])]),
     })
 }
@@ -515,7 +515,7 @@ pub(super) fn step_with_value(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         .primary(found.token_span(at), "a task has no equations")
         .help(BRANCH_HELP);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -544,7 +544,7 @@ pub(super) fn result_without_keyword(found: &ErrorContext<'_, '_>) -> Option<For
         .primary(span, "expected `finish` before this")
         .fix(rpi_diag::Fix::maybe("insert `finish`").insert_before(span, "finish "));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![found.insertion(name, Token::Finish)]),
     })
 }

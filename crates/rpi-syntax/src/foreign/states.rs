@@ -25,7 +25,7 @@ pub(super) fn named_automaton(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         .primary(found.token_span(at), "expected a state")
         .fix(Fix::sure("delete it").replace(found.token_span(at), ""));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]),
     })
 }
@@ -76,7 +76,7 @@ pub(super) fn missing_then(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
                 .fix(Fix::sure("insert `then`").insert_after(before, " then"));
             let mend = Repair::ReplaceTokens(vec![found.insertion(at, Then)]);
             return Some(ForeignSyntax {
-                diagnostic: diagnostic,
+                diagnostic,
                 repair: mend,
             });
         }
@@ -94,7 +94,7 @@ pub(super) fn missing_then(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
             super::foreign_operators::with_spaces(place, found.cx.text, "then"),
         ));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![found.replacement(sign, &[Then])]),
     })
 }
@@ -121,7 +121,7 @@ pub(super) fn returns_at_end(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         )
         .fix(Fix::sure("write `end`").replace(place, "end"));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::ReplaceTokens(vec![(at..end, found.replacement(at, &[Token::End]).1)]),
     })
 }
@@ -456,7 +456,7 @@ pub(super) fn automaton_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .primary(found.token_span(word), "keyword of another language")
         .fix(Fix::sure("write `automaton`").replace(found.token_span(word), "automaton"));
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveItem,
     })
 }

@@ -18,7 +18,7 @@ pub(super) fn transition_with_if(found: &ErrorContext<'_, '_>) -> Option<Foreign
         .fix(Fix::sure("delete `if`").replace(span_with_trailing_space(found, own), ""));
     let mend = Repair::ReplaceTokens(vec![(own..own + 1, Vec::new())]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -50,7 +50,7 @@ pub(super) fn foreign_target_word(found: &ErrorContext<'_, '_>) -> Option<Foreig
     .fix(fix.replace(found.token_span(at), word));
     let mend = Repair::ReplaceTokens(edits);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -79,7 +79,7 @@ pub(super) fn doubled_target_word(found: &ErrorContext<'_, '_>) -> Option<Foreig
         (word..word + 1, Vec::new()),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -137,7 +137,7 @@ pub(super) fn unless_after_body(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .secondary(found.token_span(name), "must follow this name")
         .fix(fix);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -167,7 +167,7 @@ pub(super) fn state_without_let(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     if end == found.lexemes.len() || found.token_at(end) == Some(Automaton) {
         let diagnostic = diagnostic.help("`state S let y = x; tel until c then T;`");
         return Some(ForeignSyntax {
-            diagnostic: diagnostic,
+            diagnostic,
             repair: Repair::RemoveErrorPhrase,
         });
     }
@@ -242,7 +242,7 @@ fn unclosed_block(
         .fix(Fix::sure(format!("insert `{word}`")).insert_after(last, text));
     let mend = Repair::ReplaceTokens(vec![found.insertion(at, end)]);
     ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn typed_equation(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         ));
         let mend = Repair::RemovePhrase(phrase, vec![found.ident(name)]);
         return Some(ForeignSyntax {
-            diagnostic: diagnostic,
+            diagnostic,
             repair: mend,
         });
     }
@@ -58,7 +58,7 @@ pub(super) fn typed_equation(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
     let kept = vec![found.lexemes[name], found.lexemes[sign]];
     let mend = Repair::ReplaceTokens(vec![(phrase.start..sign + 1, kept)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -136,7 +136,7 @@ pub(super) fn missing_eq(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
     let mend = Repair::ReplaceTokens(edits);
     let diagnostic = diagnostic.fix(fix);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -155,7 +155,7 @@ pub(super) fn le_assignment(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
         .fix(Fix::sure("write `=`").replace(span, "="));
     let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Eq])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -201,7 +201,7 @@ pub(super) fn cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         .fix(Fix::maybe(format!("write `{word}`")).replace(span, format!("{word} ")));
     let mend = Repair::ReplaceTokens(vec![(open..at + 1, vec![found.lexemes[at - 1]])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -239,7 +239,7 @@ pub(super) fn as_cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     tokens.extend_from_slice(&found.lexemes[start..at]);
     let mend = Repair::ReplaceTokens(vec![(start..at + 2, tokens)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -287,7 +287,7 @@ pub(super) fn shift(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     };
     let mend = Repair::ReplaceTokens(vec![found.replacement(sign, &[Star])]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -347,7 +347,7 @@ pub(super) fn arguments_by_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     if (at..close).any(is_type) {
         let diagnostic = diagnostic.help("an argument is an expression: `f(x, 1)`");
         return Some(ForeignSyntax {
-            diagnostic: diagnostic,
+            diagnostic,
             repair: Repair::RemoveErrorPhrase,
         });
     }
@@ -402,7 +402,7 @@ pub(super) fn semi_in_head(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         _ => Repair::RemoveErrorPhrase,
     };
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

@@ -43,7 +43,7 @@ pub(super) fn update_without_parens(found: &ErrorContext<'_, '_>) -> Option<Fore
         found.insertion(end, Token::RParen),
     ]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }
@@ -65,7 +65,7 @@ pub(super) fn field_without_dot(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .fix(Fix::sure("insert `.`").insert_before(found.token_span(at), "."));
     let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Dot)]);
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: mend,
     })
 }

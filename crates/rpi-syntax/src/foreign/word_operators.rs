@@ -172,7 +172,7 @@ pub(super) fn bool_conversion(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         .primary(found.token_span(at), "not a conversion")
         .help("`x <> 0` is true when `x` is not 0");
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
@@ -188,7 +188,7 @@ pub(super) fn counted_condition(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         .primary(found.token_span(at), "`times` repeats the steps of a task")
         .help("`k = if c then 1 else 0; n = k -> pre n + k;`, then `n = 3`");
     Some(ForeignSyntax {
-        diagnostic: diagnostic,
+        diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }

@@ -105,7 +105,7 @@ impl Interval {
     }
 
     /// Results of an operation that is monotonic in each operand, computed from the bounds; `None` on overflow.
-    pub(super) fn from_bounds(
+    pub(super) fn combine_bounds(
         self,
         other: Interval,
         op: impl Fn(i128, i128) -> i128,
@@ -129,7 +129,7 @@ impl Interval {
         let mut parts = [(by.lo, by.hi.min(-1)), (by.lo.max(1), by.hi)]
             .into_iter()
             .filter(|(lo, hi)| lo <= hi)
-            .map(|(lo, hi)| self.from_bounds(Interval::new(lo, hi), |a, b| a / b));
+            .map(|(lo, hi)| self.combine_bounds(Interval::new(lo, hi), |a, b| a / b));
         let first = parts.next().unwrap_or(Some(Interval::FALSE))?;
         parts.try_fold(first, |all, part| Some(all.join(part?)))
     }
@@ -171,7 +171,7 @@ mod tests {
                     for y in (c..=d).filter(|y| *y != 0) {
                         holds(left.div(right), x / y);
                         holds(Some(left.modulo(right)), x % y);
-                        holds(left.from_bounds(right, |a, b| a * b), x * y);
+                        holds(left.combine_bounds(right, |a, b| a * b), x * y);
                         if right.lo >= 0 && y < 5 {
                             let power = left.power(Interval::new(right.lo, right.hi.min(4)));
                             holds(power, x.pow(u32::try_from(y).unwrap_or(0)));
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_has_no_range() {
         assert_eq!(
-            Interval::ALL.from_bounds(Interval::TRUE, |a, b| a + b),
+            Interval::ALL.combine_bounds(Interval::TRUE, |a, b| a + b),
             None
         );
         assert_eq!(Interval::ALL.div(Interval::new(-1, 1).without(0)), None);

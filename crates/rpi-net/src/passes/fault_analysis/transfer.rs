@@ -66,15 +66,15 @@ impl IntOperation {
     /// Results of the operation; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn apply(self, a: Interval, b: Interval) -> Option<Interval> {
         match self {
-            IntOperation::Add => a.from_bounds(b, |a, b| a + b),
-            IntOperation::Subtract => a.from_bounds(b, |a, b| a - b),
-            IntOperation::Multiply => a.from_bounds(b, |a, b| a * b),
+            IntOperation::Add => a.combine_bounds(b, |a, b| a + b),
+            IntOperation::Subtract => a.combine_bounds(b, |a, b| a - b),
+            IntOperation::Multiply => a.combine_bounds(b, |a, b| a * b),
             IntOperation::Divide => a.div(b),
             IntOperation::Modulo => Some(a.modulo(b)),
             IntOperation::Power => a.power(b),
-            IntOperation::Negate => a.from_bounds(a, |a, _| -a),
+            IntOperation::Negate => a.combine_bounds(a, |a, _| -a),
             IntOperation::Absolute => {
-                let size = a.from_bounds(a, |a, _| a.abs())?;
+                let size = a.combine_bounds(a, |a, _| a.abs())?;
                 let lo = if a.lo <= 0 && a.hi >= 0 { 0 } else { size.lo };
                 Some(Interval::new(lo, size.hi))
             }

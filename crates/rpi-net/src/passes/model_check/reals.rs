@@ -104,7 +104,7 @@ impl Reals {
         self.insert(RealTerm::Constant(value.to_bits()), 0)
     }
 
-    pub(super) fn from_int(&mut self, int: IntId) -> RealId {
+    pub(super) fn real_of_int(&mut self, int: IntId) -> RealId {
         self.insert(RealTerm::FromInt(int), 0)
     }
 

@@ -342,7 +342,7 @@ impl SymbolicDomain {
             ("Equals", [Term::Real(a), Term::Real(b)]) => {
                 self.near_reals(*a, *b, slack?.as_real()?)
             }
-            ("FromInt", [Term::Int(a)]) => Some(Term::Real(self.reals.from_int(*a))),
+            ("FromInt", [Term::Int(a)]) => Some(Term::Real(self.reals.real_of_int(*a))),
             (operation, _) => self.real_operation(operation, inputs),
         }
     }

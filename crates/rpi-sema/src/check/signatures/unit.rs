@@ -46,7 +46,7 @@ pub(crate) struct UnitEntry {
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Progress {
     Queued,
-    InProgress,
+    Started,
     Done,
 }
 
@@ -235,7 +235,7 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
     if entry.state != Progress::Queued {
         return;
     }
-    entry.state = Progress::InProgress;
+    entry.state = Progress::Started;
     let header = entry.header.clone();
     let called = entry.called;
     let outer = std::mem::replace(&mut checker.instances.depth, entry.depth);
