@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn diagnostics_grow_with_faulty_programs() {
+    fn findings_grow_with_faulty_programs() {
         for shape in INVALID {
             let few = diagnostics(shape.extension, shape.text(100)).len();
             let many = diagnostics(shape.extension, shape.text(400)).len();

@@ -17,7 +17,11 @@ impl Rule {
     /// Encodes the rule; see [`Rule::from_words`].
     #[must_use]
     pub fn to_words(&self) -> Vec<u64> {
-        let condition: Vec<u64> = self.condition.words().flat_map(|word| word.to_numbers()).collect();
+        let condition: Vec<u64> = self
+            .condition
+            .words()
+            .flat_map(|word| word.to_numbers())
+            .collect();
         let mut words = Vec::new();
         push_part(&mut words, condition.into_iter());
         for set in [&self.stop, &self.cancel, &self.start] {

@@ -270,7 +270,7 @@ fn forms_for_machines() {
 }
 
 #[test]
-fn no_diagnostics_say_nothing_to_people_and_an_empty_list_to_machines() {
+fn no_findings_say_nothing_to_people_and_an_empty_list_to_machines() {
     let none = |format| render_as(format, &[], &SourceMap::new(), Style::PLAIN);
     assert_eq!(none(Format::Human), "");
     assert_eq!(none(Format::Short), "");
@@ -318,7 +318,7 @@ fn of_a_line_without_end_only_what_matters_is_shown() {
 }
 
 #[test]
-fn of_very_many_diagnostics_the_first_are_shown() {
+fn of_very_many_findings_the_first_are_shown() {
     let (sources, file) = source("a.rpi", "x");
     let diagnostic = Diagnostic::new(Code::RPI0001, "again").primary(Span::new(file, 0, 1), "here");
     let shown = human((sources, vec![diagnostic; 250]));

@@ -5,7 +5,7 @@ use crate::modules::is_library_path;
 use rpi_diag::{Diagnostic, Edit, Fix, SourceMap, Span};
 use rpi_sema::CheckedProgram;
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::{Expr, TypedExprKind};
+use rpi_sema::typed::{Expr, TypedKind};
 use std::cell::OnceCell;
 
 /// Untyped initial values with which the fixes of the passes begin, by machine type.
@@ -97,7 +97,7 @@ fn remove_parentheses(before: &mut Edit, after: &mut Edit, places: &ExprIndex<'_
     }
     let whole = before.span.merge(after.span);
     let mut here = places.starting(whole).filter(|expr| expr.span == whole);
-    if here.any(|expr| matches!(expr.kind, TypedExprKind::Flow(_))) {
+    if here.any(|expr| matches!(expr.kind, TypedKind::Flow(_))) {
         (before.text, after.text) = (head.to_owned(), tail.to_owned());
     }
 }

@@ -13,7 +13,7 @@ use rpi_sema::elab::{
 };
 use rpi_sema::facts::{self, Facts};
 use rpi_sema::program::Program;
-use rpi_sema::typed::{BlockId, TypedExprKind, Unit, UnitId, UnitKind};
+use rpi_sema::typed::{BlockId, TypedKind, Unit, UnitId, UnitKind};
 use rpi_sema::{CheckedProgram, check};
 use rpi_syntax::with_large_stack;
 
@@ -480,7 +480,7 @@ fn unbound_command(unit: &Unit, args: &[Argument]) -> Option<UnboundCommand> {
 pub(crate) fn called_units<'u>(units: impl IntoIterator<Item = &'u Unit>) -> BTreeSet<UnitId> {
     let exprs = units.into_iter().flat_map(|unit| &unit.exprs);
     let calls = exprs.filter_map(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => Some(call.unit),
+        TypedKind::Call(call) => Some(call.unit),
         _ => None,
     });
     calls.collect()

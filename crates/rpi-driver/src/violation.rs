@@ -21,7 +21,7 @@ mod tests {
     use rpi_net::{Input, NodeId, PortRef};
 
     #[test]
-    fn a_net_out_of_order_is_a_diagnostic_at_its_place() {
+    fn a_net_out_of_order_is_a_finding_at_its_place() {
         let text = "{a=Core::BooleanNot(inValue=b.outCancel),b=Cancel()}";
         let (net, diagnostics) = rpi_net::rpinet::parse("Net", rpi_diag::FileId(0), text);
         let mut net = net.unwrap_or_else(|| panic!("{diagnostics:?}"));

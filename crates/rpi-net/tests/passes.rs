@@ -84,7 +84,7 @@ fn a_ring_is_named_by_its_shortest_way() {
 }
 
 #[test]
-fn every_ring_has_its_own_diagnostic() {
+fn every_ring_has_its_own_finding() {
     let analysis = analysed(
         "{a=Core::DoubleAdd(inFirst=a.outValue),f={b=Core::BooleanNot(inValue=c.outValue),\
         c=Core::BooleanNot(inValue=b.outValue)}(),g={h=Core::BooleanNot(Value='true'),o=h.outValue}(inActive=g.o)}",

@@ -1,6 +1,6 @@
 //! Calls. Each call has its own instance, which lives as long as the calling block is not reset (M6.5).
 
-use rpi_sema::typed::{Activation, Call, ElementwiseOp, ExprId, TypedExprKind, UnitId, UnitKind};
+use rpi_sema::typed::{Activation, Call, ElementwiseOp, ExprId, TypedKind, UnitId, UnitKind};
 
 use crate::cycle::{Interpreter, MemoryUpdate};
 use crate::instance::{EvalContext, Instance, InstanceId};
@@ -143,17 +143,15 @@ impl<'p> Interpreter<'p> {
         !has_parts && !unit.exprs.iter().any(|expr| self.is_state(&expr.kind))
     }
 
-    fn is_state(&self, kind: &TypedExprKind) -> bool {
+    fn is_state(&self, kind: &TypedKind) -> bool {
         match kind {
-            TypedExprKind::Each(each, _) => matches!(
+            TypedKind::Each(each, _) => matches!(
                 each,
                 ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold
             ),
-            TypedExprKind::Current(_) => true,
-            TypedExprKind::Prim(call) => {
-                !matches!(call.prim.desc().state, rpi_image::StateSize::None)
-            }
-            TypedExprKind::Call(call) => !self.is_stateless_call(call),
+            TypedKind::Current(_) => true,
+            TypedKind::Prim(call) => !matches!(call.prim.desc().state, rpi_image::StateSize::None),
+            TypedKind::Call(call) => !self.is_stateless_call(call),
             _ => false,
         }
     }

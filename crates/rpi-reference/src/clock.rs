@@ -11,7 +11,7 @@ mod context;
 use std::rc::Rc;
 
 use rpi_sema::typed::{
-    BlockId, DeclaredClock, ElementwiseOp, ExprId, FlowId, FlowRole, TypedExprKind, Unit,
+    BlockId, DeclaredClock, ElementwiseOp, ExprId, FlowId, FlowRole, TypedKind, Unit,
 };
 
 pub(crate) use calls::call_of;
@@ -168,8 +168,8 @@ impl<'p> ClockSolver<'p> {
             let mut open: Vec<ExprId> = values.map(|(_, value, _)| value).collect();
             while let Some(at) = open.pop() {
                 match &self.unit.expr(at).kind {
-                    TypedExprKind::Flow(flow) => flows.push(*flow),
-                    TypedExprKind::When { clock, .. } if self.is_open(clock.flow) => return true,
+                    TypedKind::Flow(flow) => flows.push(*flow),
+                    TypedKind::When { clock, .. } if self.is_open(clock.flow) => return true,
                     other => other.operands(&mut |operand| open.push(operand)),
                 }
             }
@@ -226,7 +226,7 @@ impl<'p> ClockSolver<'p> {
         for _ in 0..self.unit.flows.len() {
             let value = crate::flow::definition(self.unit, flow, 0).map(|(_, value, _)| value);
             match value.map(|value| (value, &self.unit.expr(value).kind)) {
-                Some((value, TypedExprKind::Flow(source)))
+                Some((value, TypedKind::Flow(source)))
                     if !self.unit.is_lustre && self.is_visible_in_scope(*source, value) =>
                 {
                     flow = *source;
@@ -241,23 +241,21 @@ impl<'p> ClockSolver<'p> {
     fn leaf(&mut self, id: ExprId, k: usize) -> Clock {
         let expr = self.unit.expr(id);
         match &expr.kind {
-            TypedExprKind::Flow(flow) if !self.is_visible_in_scope(*flow, id) => base(),
-            TypedExprKind::Flow(flow) => self.clocks.flows[flow.0 as usize][k].clone(),
-            TypedExprKind::When { clock, .. } => self.sampled_clock(*clock),
-            TypedExprKind::Current(operand) => {
+            TypedKind::Flow(flow) if !self.is_visible_in_scope(*flow, id) => base(),
+            TypedKind::Flow(flow) => self.clocks.flows[flow.0 as usize][k].clone(),
+            TypedKind::When { clock, .. } => self.sampled_clock(*clock),
+            TypedKind::Current(operand) => {
                 let clock = self.clocks.exprs[operand.0 as usize][k].clone()?;
                 Some(clock[..clock.len().saturating_sub(1)].into())
             }
-            TypedExprKind::Merge { on, .. } => self.clocks.exprs[on.0 as usize][0].clone(),
+            TypedKind::Merge { on, .. } => self.clocks.exprs[on.0 as usize][0].clone(),
             // Like a call with state: its first cycle is that of the body.
-            TypedExprKind::Each(ElementwiseOp::Hold, _)
-                if self.has_starts && !self.unit.is_lustre =>
-            {
+            TypedKind::Each(ElementwiseOp::Hold, _) if self.has_starts && !self.unit.is_lustre => {
                 base()
             }
-            TypedExprKind::Present(_)
-            | TypedExprKind::Each(ElementwiseOp::Coalesce | ElementwiseOp::Hold, _) => None,
-            TypedExprKind::Call(call) => self.call(id, call, k),
+            TypedKind::Present(_)
+            | TypedKind::Each(ElementwiseOp::Coalesce | ElementwiseOp::Hold, _) => None,
+            TypedKind::Call(call) => self.call(id, call, k),
             kind => {
                 let mut clocks = Vec::new();
                 self.reads(kind, &expr.ty, k, &mut |operand, leaf| {
@@ -284,22 +282,22 @@ impl<'p> ClockSolver<'p> {
     /// Calls `read` with the leaves of the operands from which a leaf is computed.
     fn reads(
         &self,
-        kind: &TypedExprKind,
+        kind: &TypedKind,
         ty: &rpi_sema::ty::Ty,
         k: usize,
         read: &mut impl FnMut(ExprId, usize),
     ) {
         let size = |id: ExprId| self.unit.expr(id).ty.leaf_count();
         match kind {
-            TypedExprKind::Part { base, at } => read(*base, *at as usize + k),
-            TypedExprKind::Repeat(element) => read(*element, k % size(*element).max(1)),
-            TypedExprKind::Replace { base, at, value } => {
+            TypedKind::Part { base, at } => read(*base, *at as usize + k),
+            TypedKind::Repeat(element) => read(*element, k % size(*element).max(1)),
+            TypedKind::Replace { base, at, value } => {
                 match k.checked_sub(*at as usize).filter(|k| *k < size(*value)) {
                     Some(k) => read(*value, k),
                     None => read(*base, k),
                 }
             }
-            TypedExprKind::Build(parts) => {
+            TypedKind::Build(parts) => {
                 let mut first = 0;
                 for part in parts {
                     if (first..first + size(*part)).contains(&k) {
@@ -308,7 +306,7 @@ impl<'p> ClockSolver<'p> {
                     first += size(*part);
                 }
             }
-            TypedExprKind::Each(_, operands) => {
+            TypedKind::Each(_, operands) => {
                 for operand in operands {
                     // The condition of an `if` has one leaf, whatever the number of leaves of its branches.
                     let leaf = if size(*operand) == ty.leaf_count() {

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use rpi_sema::typed::{
-    self, BlockId, ElementwiseOp, Equation, ExprId, FlowId, FlowRole, PrimCall, TypedExprKind,
-    Unit, UnitId,
+    self, BlockId, ElementwiseOp, Equation, ExprId, FlowId, FlowRole, PrimCall, TypedKind, Unit,
+    UnitId,
 };
 use rpi_syntax::ast::CommandEndKind;
 
@@ -183,7 +183,7 @@ impl<'p> Interpreter<'p> {
         for k in 0..expr.ty.leaf_count() {
             self.leaf(here, id, k)?;
         }
-        if let TypedExprKind::Call(call) = &expr.kind
+        if let TypedKind::Call(call) = &expr.kind
             && self.runs(here, id)?
             && let Some(instance) = self.active_instance(here, id, call)?
         {
@@ -191,7 +191,7 @@ impl<'p> Interpreter<'p> {
         }
         let mut operands = Vec::new();
         expr.kind.operands(&mut |operand| operands.push(operand));
-        if let TypedExprKind::Each(ElementwiseOp::Coalesce, of) = &expr.kind {
+        if let TypedKind::Each(ElementwiseOp::Coalesce, of) = &expr.kind {
             self.evaluate_if_absent(here, id, of[0], of[1])?;
         }
         for (k, operand) in operands.into_iter().enumerate() {
@@ -227,7 +227,7 @@ impl<'p> Interpreter<'p> {
         absent: &[bool],
     ) -> Result<(), EvalError> {
         let unit = self.instances[here.instance].unit;
-        if let TypedExprKind::Build(parts) = &unit.expr(y).kind
+        if let TypedKind::Build(parts) = &unit.expr(y).kind
             && !self.clocks(here).are_sampled()
         {
             let mut first = 0;
@@ -249,7 +249,7 @@ impl<'p> Interpreter<'p> {
     fn is_text(&mut self, here: EvalContext, id: ExprId, number: usize) -> Result<bool, EvalError> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
-            TypedExprKind::Each(ElementwiseOp::If, operands)
+            TypedKind::Each(ElementwiseOp::If, operands)
                 if number > 0 && unit.static_conditions.contains(&operands[0]) =>
             {
                 self.truth(here, operands[0])? == Some(number == 1)
@@ -268,32 +268,29 @@ impl<'p> Interpreter<'p> {
     ) -> Result<EvalContext, EvalError> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
-            TypedExprKind::Each(ElementwiseOp::If, operands) if number > 0 => {
+            TypedKind::Each(ElementwiseOp::If, operands) if number > 0 => {
                 let condition = self.truth(here, operands[0])?;
                 EvalContext {
                     chosen: here.chosen && condition == Some(number == 1),
                     ..here
                 }
             }
-            TypedExprKind::Each(ElementwiseOp::Arrow, _) => EvalContext {
+            TypedKind::Each(ElementwiseOp::Arrow, _) => EvalContext {
                 chosen: here.chosen && self.is_first(here, (id, k)) == (number == 0),
                 ..here
             },
-            TypedExprKind::Each(
-                ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold,
-                _,
-            )
-            | TypedExprKind::Current(_) => here.unguarded(),
+            TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold, _)
+            | TypedKind::Current(_) => here.unguarded(),
             // The leaves of the right operand that are needed were evaluated before.
-            TypedExprKind::Each(ElementwiseOp::Coalesce, _) if number == 1 => EvalContext {
+            TypedKind::Each(ElementwiseOp::Coalesce, _) if number == 1 => EvalContext {
                 chosen: false,
                 ..here
             },
-            TypedExprKind::Prim(call) if number == 1 && is_lazy(call) => {
+            TypedKind::Prim(call) if number == 1 && is_lazy(call) => {
                 self.right_operand_context(here, call)?
             }
-            TypedExprKind::Prim(call) if has_state(call) => here.unguarded(),
-            TypedExprKind::Call(call) if !self.is_stateless_call(call) => here.unguarded(),
+            TypedKind::Prim(call) if has_state(call) => here.unguarded(),
+            TypedKind::Call(call) if !self.is_stateless_call(call) => here.unguarded(),
             _ => here,
         })
     }

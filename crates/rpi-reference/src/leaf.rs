@@ -1,7 +1,7 @@
 //! Evaluation of expressions: one leaf of one expression in the current cycle.
 
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::{ElementwiseOp, Expr, ExprId, PrimCall, TypedExprKind};
+use rpi_sema::typed::{ElementwiseOp, Expr, ExprId, PrimCall, TypedKind};
 
 use crate::clock::{Clock, ClockCondition, Clocks, Sampling, call_of};
 use crate::cycle::{Interpreter, MemoryUpdate};
@@ -54,37 +54,35 @@ impl<'p> Interpreter<'p> {
         let unit = self.instances[here.instance].unit;
         let expr = unit.expr(id);
         match &expr.kind {
-            TypedExprKind::Error => {
-                Err(EvalError::Unsupported("an error in the program".to_owned()))
-            }
-            TypedExprKind::Arbitrary | TypedExprKind::Sensor { .. } => {
+            TypedKind::Error => Err(EvalError::Unsupported("an error in the program".to_owned())),
+            TypedKind::Arbitrary | TypedKind::Sensor { .. } => {
                 Err(EvalError::Unsupported("an external value".to_owned()))
             }
-            TypedExprKind::Const(leaves) => {
+            TypedKind::Const(leaves) => {
                 Ok(self.internal_leaf(Value::from_constant(&leaves[k]), &expr.ty, k))
             }
-            TypedExprKind::Literal(leaf) => {
+            TypedKind::Literal(leaf) => {
                 Ok(self.internal_leaf(Value::from_constant(leaf), &expr.ty, k))
             }
-            TypedExprKind::None => Ok(None),
-            TypedExprKind::Flow(flow) => self.flow(here.instance, *flow, k),
-            TypedExprKind::Part { base, at } => self.leaf(here, *base, *at as usize + k),
-            TypedExprKind::Slice { base, from, step } => {
+            TypedKind::None => Ok(None),
+            TypedKind::Flow(flow) => self.flow(here.instance, *flow, k),
+            TypedKind::Part { base, at } => self.leaf(here, *base, *at as usize + k),
+            TypedKind::Slice { base, from, step } => {
                 let size = element_size(&unit.expr(*base).ty);
                 let element = i64::from(*from) + (k / size) as i64 * i64::from(*step);
                 self.leaf(here, *base, element as usize * size + k % size)
             }
-            TypedExprKind::Select { base, index } => self.select(here, *base, *index, k),
-            TypedExprKind::Build(parts) => {
+            TypedKind::Select { base, index } => self.select(here, *base, *index, k),
+            TypedKind::Build(parts) => {
                 let leaf = self.array_or_struct(here, parts, k)?;
                 let is_struct = matches!(expr.ty, Ty::Struct(_));
                 in_field(here, leaf, &expr.ty, k, is_struct)
             }
-            TypedExprKind::Repeat(element) => {
+            TypedKind::Repeat(element) => {
                 let size = unit.expr(*element).ty.leaf_count();
                 self.leaf(here, *element, k % size)
             }
-            TypedExprKind::Replace { base, at, value } => {
+            TypedKind::Replace { base, at, value } => {
                 let at = *at as usize;
                 let size = unit.expr(*value).ty.leaf_count();
                 match (at..at + size).contains(&k) {
@@ -95,14 +93,14 @@ impl<'p> Interpreter<'p> {
                     false => self.leaf(here, *base, k),
                 }
             }
-            TypedExprKind::Each(each, operands) => self.each(here, id, *each, operands, k),
-            TypedExprKind::Equal { operands, negated } => self.equal(here, *operands, *negated),
-            TypedExprKind::Present(operand) => self.present(here, *operand),
-            TypedExprKind::Prim(call) => self.operator(here, id, call),
-            TypedExprKind::Call(call) => self.result(here, id, call, k),
-            TypedExprKind::When { value, .. } => self.leaf(here, *value, k),
-            TypedExprKind::Merge { on, cases } => self.merge(here, *on, cases, k),
-            TypedExprKind::Current(operand) => self.current(here, id, *operand, k),
+            TypedKind::Each(each, operands) => self.each(here, id, *each, operands, k),
+            TypedKind::Equal { operands, negated } => self.equal(here, *operands, *negated),
+            TypedKind::Present(operand) => self.present(here, *operand),
+            TypedKind::Prim(call) => self.operator(here, id, call),
+            TypedKind::Call(call) => self.result(here, id, call, k),
+            TypedKind::When { value, .. } => self.leaf(here, *value, k),
+            TypedKind::Merge { on, cases } => self.merge(here, *on, cases, k),
+            TypedKind::Current(operand) => self.current(here, id, *operand, k),
         }
     }
 
@@ -204,8 +202,8 @@ impl<'p> Interpreter<'p> {
         let instance = &mut self.instances[here.instance];
         let unit = instance.unit;
         match &unit.expr(x).kind {
-            TypedExprKind::Part { base, at } => self.last(here, *base, *at as usize + k),
-            TypedExprKind::Flow(flow) => {
+            TypedKind::Part { base, at } => self.last(here, *base, *at as usize + k),
+            TypedKind::Flow(flow) => {
                 let memory = instance.memory(Some(unit.flow(*flow).block));
                 Ok(memory.last.get(&(*flow, k)).copied().flatten())
             }

@@ -5,7 +5,7 @@
 //! unit.
 
 use crate::program::Program;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{Unit, UnitId};
 use rpi_diag::{Code, Diagnostic, FileId, Severity, Span};
 use std::collections::{BTreeMap, BTreeSet};
@@ -63,7 +63,7 @@ pub fn without_undefined_flows_in_unclosed_bodies(
 fn has_error(unit: &Unit) -> bool {
     let mut exprs = unit.exprs.iter();
     let mut flows = unit.flows.iter();
-    exprs.any(|expr| matches!(expr.kind, TypedExprKind::Error))
+    exprs.any(|expr| matches!(expr.kind, TypedKind::Error))
         || flows.any(|flow| flow.ty.has_unknown())
 }
 
@@ -87,7 +87,7 @@ fn propagate_unsound(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
 /// Units that a unit calls or runs.
 fn dependencies(unit: &Unit) -> impl Iterator<Item = UnitId> + '_ {
     let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => Some(call.unit),
+        TypedKind::Call(call) => Some(call.unit),
         _ => None,
     });
     calls.chain(unit.steps.iter().map(|step| step.unit))

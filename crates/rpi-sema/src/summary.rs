@@ -2,7 +2,7 @@
 
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
-use crate::typed::{Expr, TypedExprKind};
+use crate::typed::{Expr, TypedKind};
 use rpi_syntax::ast::CommandEndKind;
 use std::collections::BTreeSet;
 
@@ -68,7 +68,7 @@ fn transitive_callees(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
         }
         let calls = units[id.0 as usize].exprs.iter();
         open.extend(calls.filter_map(|expr| match &expr.kind {
-            TypedExprKind::Call(call) => Some(call.unit),
+            TypedKind::Call(call) => Some(call.unit),
             _ => None,
         }));
     }
@@ -112,7 +112,7 @@ fn clocks(units: &[&Unit]) -> String {
             .iter()
             .filter(|flow| flow.clock.is_some())
             .count();
-        let sampled = |expr: &&Expr| matches!(expr.kind, TypedExprKind::When { .. });
+        let sampled = |expr: &&Expr| matches!(expr.kind, TypedKind::When { .. });
         (flows, unit.exprs.iter().filter(sampled).count())
     };
     let (flows, sampled) = units
@@ -130,12 +130,12 @@ fn bounds(units: &[&Unit]) -> String {
     let (mut fixed, mut computed) = (0, 0);
     for (unit, expr) in exprs(units) {
         match &expr.kind {
-            TypedExprKind::Part { base, .. } | TypedExprKind::Slice { base, .. }
+            TypedKind::Part { base, .. } | TypedKind::Slice { base, .. }
                 if is_array(unit, *base) =>
             {
                 fixed += 1;
             }
-            TypedExprKind::Select { .. } => computed += 1,
+            TypedKind::Select { .. } => computed += 1,
             _ => {}
         }
     }
@@ -145,7 +145,7 @@ fn bounds(units: &[&Unit]) -> String {
 fn divisions(units: &[&Unit]) -> String {
     let (mut constant, mut computed) = (0, 0);
     for (unit, expr) in exprs(units) {
-        let TypedExprKind::Prim(call) = &expr.kind else {
+        let TypedKind::Prim(call) = &expr.kind else {
             continue;
         };
         if !DIVISION_PRIMS.contains(&call.prim.desc().name) {
@@ -154,7 +154,7 @@ fn divisions(units: &[&Unit]) -> String {
         let divisor = call.inputs.get(1).copied().flatten();
         let divisor = divisor.map(|id| &unit.expr(id).kind);
         match divisor {
-            Some(TypedExprKind::Literal(_) | TypedExprKind::Const(_)) => constant += 1,
+            Some(TypedKind::Literal(_) | TypedKind::Const(_)) => constant += 1,
             _ => computed += 1,
         }
     }

@@ -95,7 +95,7 @@ fn a_result_does_not_replace_what_it_is_made_of() {
 }
 
 #[test]
-fn diagnostics_come_in_the_form_that_was_asked_for() {
+fn findings_come_in_the_form_that_was_asked_for() {
     let (_dir, path) = file("ring.rpi", WRONG);
     let form = |name| out(&rpic(&["check", "--format", name, &path]));
     let json: serde_json::Value = serde_json::from_str(&form("json")).expect("JSON");

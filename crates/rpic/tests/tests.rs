@@ -134,7 +134,7 @@ fn a_fault_is_shown_where_it_happened() {
 }
 
 #[test]
-fn diagnostics_of_tests_come_in_other_forms_too() {
+fn findings_of_tests_come_in_other_forms_too() {
     let (_, text) = run(
         &LAMP.replace("level <= 0.35", "level <= 0.25"),
         &["--format", "short"],

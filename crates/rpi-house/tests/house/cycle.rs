@@ -8,12 +8,12 @@ const LONGEST: usize = 40;
 /// Functions of the cycle (`tick` and its phases), all in rpi-core.
 const CYCLE: &[&str] = &[
     "tick",
-    "tell",
+    "latch_inputs",
     "read",
     "evaluate",
     "commit",
     "hand_over",
-    "publish",
+    "notify_observer",
     "decide",
 ];
 

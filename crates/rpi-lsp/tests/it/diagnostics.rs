@@ -21,7 +21,7 @@ fn codes(found: &[Value]) -> Vec<&str> {
 }
 
 #[test]
-fn a_diagnostic_comes_with_all_its_places_and_its_page() {
+fn a_finding_comes_with_all_its_places_and_its_page() {
     let mut session = open(DEPENDENCY_CYCLE);
     let found = session.client.diagnostics(URI, 1);
     assert_eq!(codes(&found), ["RPI4001"]);
@@ -39,7 +39,7 @@ fn a_diagnostic_comes_with_all_its_places_and_its_page() {
 }
 
 #[test]
-fn diagnostics_follow_the_writer() {
+fn findings_follow_the_writer() {
     let mut session = open(DEPENDENCY_CYCLE);
     assert_eq!(session.client.diagnostics(URI, 1).len(), 1);
     let at = position(DEPENDENCY_CYCLE, "y;\n", 0);

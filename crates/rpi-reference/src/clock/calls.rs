@@ -2,16 +2,14 @@
 
 use std::rc::Rc;
 
-use rpi_sema::typed::{
-    Activation, Call, ExprId, FlowId, TargetPlace, TypedExprKind, Unit, UnitKind,
-};
+use rpi_sema::typed::{Activation, Call, ExprId, FlowId, TargetPlace, TypedKind, Unit, UnitKind};
 
 use super::{Clock, ClockCondition, ClockSolver, Sampling, base, common_prefix};
 
 /// Returns the call if an expression is one.
-pub(crate) fn call_of(kind: &TypedExprKind) -> Option<&Call> {
+pub(crate) fn call_of(kind: &TypedKind) -> Option<&Call> {
     match kind {
-        TypedExprKind::Call(call) => Some(call),
+        TypedKind::Call(call) => Some(call),
         _ => None,
     }
 }
@@ -117,7 +115,7 @@ impl<'p> ClockSolver<'p> {
         let callee = &self.units[call.unit.0 as usize];
         if let Some(number) = callee.inputs.iter().position(|input| *input == port) {
             return match self.unit.expr(call.args[number]?).kind {
-                TypedExprKind::Flow(flow) => Some(flow),
+                TypedKind::Flow(flow) => Some(flow),
                 _ => None,
             };
         }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use rpi_sema::typed::{Block, BlockId, ExprId, TargetPlace, TypedExprKind, Unit};
+use rpi_sema::typed::{Block, BlockId, ExprId, TargetPlace, TypedKind, Unit};
 
 use super::{Clock, ClockSolver, base, common_prefix, sampled};
 
@@ -92,7 +92,7 @@ impl ClockSolver<'_> {
         let expr = self.unit.expr(id);
         let whole = common_prefix(self.clocks.exprs[id.0 as usize].iter().cloned());
         match &expr.kind {
-            TypedExprKind::Call(call) => {
+            TypedKind::Call(call) => {
                 self.clocks.calls[id.0 as usize] =
                     self.clocks.calls[id.0 as usize].clone().or(whole.clone());
                 for (number, arg) in call.args.iter().enumerate() {
@@ -103,18 +103,16 @@ impl ClockSolver<'_> {
                 call.activation
                     .operands(&mut |operand| self.give_all(operand, &runs));
             }
-            TypedExprKind::Merge { on, cases } => {
+            TypedKind::Merge { on, cases } => {
                 self.give_all(*on, &whole);
-                if let (TypedExprKind::Flow(flow), Some(clock)) =
-                    (&self.unit.expr(*on).kind, &whole)
-                {
+                if let (TypedKind::Flow(flow), Some(clock)) = (&self.unit.expr(*on).kind, &whole) {
                     for (value, case) in cases {
                         let case_clock = Some(sampled(clock, self.clock_condition(*flow), *value));
                         self.give_all(*case, &case_clock);
                     }
                 }
             }
-            TypedExprKind::When { value, clock } => {
+            TypedKind::When { value, clock } => {
                 let clock = self.clocks.flows[clock.flow.0 as usize]
                     .first()
                     .cloned()

@@ -2,7 +2,7 @@
 
 use crate::clocks::clock::Decider;
 use crate::clocks::solve::Solver;
-use crate::typed::{Activation, TypedExprKind};
+use crate::typed::{Activation, TypedKind};
 use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
 
 /// Returns the canonical decider for a flow.
@@ -73,12 +73,12 @@ fn copied_source(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<CopySource
     let (mut id, mut k) = (id, k);
     loop {
         match &solver.unit.expr(id).kind {
-            TypedExprKind::Flow(flow) => {
+            TypedKind::Flow(flow) => {
                 return (!solver.reads_inactive[id.0 as usize])
                     .then_some(CopySource::Leaf(*flow, k));
             }
-            TypedExprKind::Part { base, at } => (id, k) = (*base, *at as usize + k),
-            TypedExprKind::Build(parts) => {
+            TypedKind::Part { base, at } => (id, k) = (*base, *at as usize + k),
+            TypedKind::Build(parts) => {
                 let mut parts = parts.iter();
                 id = *parts.find(|part| {
                     let count = solver.unit.expr(**part).ty.leaf_count();
@@ -89,7 +89,7 @@ fn copied_source(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<CopySource
                     is_here
                 })?;
             }
-            TypedExprKind::Call(call) if matches!(call.activation, Activation::Always) => {
+            TypedKind::Call(call) if matches!(call.activation, Activation::Always) => {
                 let callee = &solver.units[call.unit.0 as usize];
                 let port = port_of(callee, k)?;
                 let exposed = solver.facts[call.unit.0 as usize].clocks.exposed();

@@ -6,7 +6,7 @@ use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::clocks::span_set::SpanSet;
 use crate::facts::Definition;
-use crate::typed::{Call, ElementwiseOp, TypedExprKind};
+use crate::typed::{Call, ElementwiseOp, TypedKind};
 use crate::typed::{Equation, ExprId, FlowId, FlowPresence, TargetPlace};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use std::collections::{BTreeMap, BTreeSet};
@@ -84,27 +84,27 @@ impl<'u> Check<'_, 'u> {
         }
         let own = self.row(id);
         let fits = match kind {
-            TypedExprKind::Part { .. }
-            | TypedExprKind::Slice { .. }
-            | TypedExprKind::Repeat(_)
-            | TypedExprKind::Replace { .. } => true,
-            TypedExprKind::Build(_) => true,
-            TypedExprKind::When { value, .. } => self.add_when(id, *value),
-            TypedExprKind::Merge { on, cases } => cases.iter().all(|(value, case)| {
+            TypedKind::Part { .. }
+            | TypedKind::Slice { .. }
+            | TypedKind::Repeat(_)
+            | TypedKind::Replace { .. } => true,
+            TypedKind::Build(_) => true,
+            TypedKind::When { value, .. } => self.add_when(id, *value),
+            TypedKind::Merge { on, cases } => cases.iter().all(|(value, case)| {
                 let wanted = case_clock(self.solver, *on, *value);
                 wanted.is_none_or(|wanted| self.check_exact(*case, &LeafClocks::Uniform(wanted)))
             }),
-            TypedExprKind::Current(operand) => {
+            TypedKind::Current(operand) => {
                 if self.row(*operand).iter().any(|clock| clock == Clock::BASE) {
                     self.currents.push((id, *operand));
                 }
                 true
             }
-            TypedExprKind::Call(call) => self.arguments(id, call),
-            TypedExprKind::Each(each, operands) if !self.is_lustre() => {
+            TypedKind::Call(call) => self.arguments(id, call),
+            TypedKind::Each(each, operands) if !self.is_lustre() => {
                 self.check_initialisation(id, *each, operands)
             }
-            TypedExprKind::Each(..) => operands
+            TypedKind::Each(..) => operands
                 .iter()
                 .all(|operand| self.check_exact(*operand, &own)),
             _ => self.strict(id, &operands),
@@ -154,10 +154,10 @@ impl<'u> Check<'_, 'u> {
         let unit = self.solver.unit;
         let (last, others) = operands.split_last()?;
         let (whole, part) = (unit.expr(id).span, unit.expr(*last));
-        let TypedExprKind::When { value, .. } = part.kind else {
+        let TypedKind::When { value, .. } = part.kind else {
             return None;
         };
-        let is_sampled = |id: &ExprId| matches!(unit.expr(*id).kind, TypedExprKind::When { .. });
+        let is_sampled = |id: &ExprId| matches!(unit.expr(*id).kind, TypedKind::When { .. });
         let value = unit.expr(value).span;
         let is_end = part.span.end == whole.end && value.end <= part.span.end;
         (is_end && !others.iter().any(is_sampled)).then_some(*last)
@@ -175,7 +175,7 @@ impl<'u> Check<'_, 'u> {
         }
         let unit = self.solver.unit;
         let (whole, part) = (unit.expr(id).span, unit.expr(end));
-        if let (Some(told), TypedExprKind::When { value, .. }) =
+        if let (Some(told), TypedKind::When { value, .. }) =
             (self.diagnostics.last_mut(), &part.kind)
             && told.span() == part.span
         {
@@ -343,7 +343,7 @@ impl<'u> Check<'_, 'u> {
             let own = self.row(operand).leaf(0);
             let is_call = matches!(
                 unit.expr(operand).kind,
-                TypedExprKind::Call(_) | TypedExprKind::When { .. }
+                TypedKind::Call(_) | TypedKind::When { .. }
             );
             for part in parts.into_iter().filter(|_| !is_call) {
                 let clock = self.solver.common_clock(part);
@@ -387,6 +387,6 @@ impl<'u> Check<'_, 'u> {
 
     fn is_first(&self, condition: ExprId) -> bool {
         let kind = &self.solver.unit.expr(condition).kind;
-        matches!(kind, TypedExprKind::Prim(call) if call.prim.desc().role == rpi_image::Role::First)
+        matches!(kind, TypedKind::Prim(call) if call.prim.desc().role == rpi_image::Role::First)
     }
 }

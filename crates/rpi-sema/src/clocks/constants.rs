@@ -5,7 +5,7 @@ use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::facts::Definition;
-use crate::typed::{Call, ElementwiseOp, TypedExprKind};
+use crate::typed::{Call, ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, TargetPlace};
 
 /// Gives every expression without a clock the clock of its readers.
@@ -106,7 +106,7 @@ impl<'u> ConstantClocks<'_, 'u> {
         let unit = self.solver.unit;
         let own = self.solver.exprs[id.0 as usize].clone();
         match &unit.expr(id).kind {
-            TypedExprKind::Build(parts) => {
+            TypedKind::Build(parts) => {
                 let mut at = 0;
                 for part in parts {
                     let count = unit.expr(*part).ty.leaf_count();
@@ -114,12 +114,12 @@ impl<'u> ConstantClocks<'_, 'u> {
                     at += count;
                 }
             }
-            TypedExprKind::Replace { base, at, value } => {
+            TypedKind::Replace { base, at, value } => {
                 let count = unit.expr(*value).ty.leaf_count();
                 self.set_prim_arg(*base, &own);
                 self.set_prim_arg(*value, &own.part(*at as usize, count));
             }
-            TypedExprKind::Each(each, operands) => {
+            TypedKind::Each(each, operands) => {
                 for (n, operand) in operands.iter().enumerate() {
                     match (each, n) {
                         (ElementwiseOp::If, 0) => {
@@ -133,18 +133,18 @@ impl<'u> ConstantClocks<'_, 'u> {
                     }
                 }
             }
-            TypedExprKind::When { value, .. } => {
+            TypedKind::When { value, .. } => {
                 let parent = self.solver.parent(own.leaf(0)).unwrap_or(Clock::BASE);
                 self.set_prim_arg(*value, &LeafClocks::Uniform(parent));
             }
-            TypedExprKind::Merge { on, cases } => {
+            TypedKind::Merge { on, cases } => {
                 self.set_prim_arg(*on, &own);
                 for (value, case) in cases {
                     let clock = case_clock(self.solver, *on, *value).unwrap_or(own.leaf(0));
                     self.set_prim_arg(*case, &LeafClocks::Uniform(clock));
                 }
             }
-            TypedExprKind::Call(call) => self.arguments(id, call),
+            TypedKind::Call(call) => self.arguments(id, call),
             kind => {
                 let wanted = LeafClocks::Uniform(own.leaf(0));
                 let mut operands = Vec::new();

@@ -4,7 +4,7 @@
 use crate::clocks::check::Check;
 use crate::clocks::clock::Clock;
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use rpi_diag::{Code, Diagnostic, Fix};
 
 impl Check<'_, '_> {
@@ -47,7 +47,7 @@ impl Check<'_, '_> {
         let text = crate::clocks::format_clock(self.solver.units, self.solver.facts, unit, &[tick]);
         // In `a fby b` the operand of the delay is sampled, not the delay, whose span may be that of both operands.
         let inner = match &unit.expr(fast).kind {
-            TypedExprKind::Each(crate::typed::ElementwiseOp::Pre, operands) => operands[0],
+            TypedKind::Each(crate::typed::ElementwiseOp::Pre, operands) => operands[0],
             _ => fast,
         };
         let span = unit.expr(inner).span;

@@ -36,7 +36,7 @@ pub use clock::{Decider, Sampling};
 
 use crate::facts::Facts;
 use crate::hash::FastMap;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, FlowId, Unit};
 use rpi_diag::Diagnostic;
 use std::fmt::Write as _;
@@ -167,7 +167,7 @@ pub fn infer(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagn
 /// Returns whether a unit calls a unit with sampled ports.
 fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     unit.exprs.iter().any(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => {
+        TypedKind::Call(call) => {
             let callee = &units[call.unit.0 as usize];
             let mut ports = callee.inputs.iter().chain(&callee.outputs);
             let exposed = &facts[call.unit.0 as usize].clocks.exposed;
@@ -215,7 +215,7 @@ fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sam
     let Decider::CallInternal(call, number) = tick.decider else {
         return String::new();
     };
-    let TypedExprKind::Call(call) = &unit.expr(call).kind else {
+    let TypedKind::Call(call) = &unit.expr(call).kind else {
         return String::new();
     };
     let (callee, clocks) = (

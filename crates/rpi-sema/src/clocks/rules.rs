@@ -4,7 +4,7 @@ use super::canonical_decider;
 use crate::clocks::LeafClocks;
 use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::solve::Solver;
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, FlowRole, Unit};
 use rpi_image::StateSize;
 
@@ -15,39 +15,39 @@ impl Solver<'_> {
         let count = self.count(id);
         let own = |id: ExprId| &self.exprs[id.0 as usize];
         let row = match &unit.expr(id).kind {
-            TypedExprKind::Flow(_) if self.reads_inactive[id.0 as usize] => {
+            TypedKind::Flow(_) if self.reads_inactive[id.0 as usize] => {
                 LeafClocks::Uniform(Clock::BASE)
             }
-            TypedExprKind::Flow(flow) => self.flows[flow.0 as usize].clone(),
-            TypedExprKind::Part { base, at } => own(*base).part(*at as usize, count),
-            TypedExprKind::Slice { base, from, step } => self.slice(*base, (*from, *step), count),
-            TypedExprKind::Select { base, index } => self.select(*base, *index, count),
-            TypedExprKind::Build(parts) => self.build(parts),
-            TypedExprKind::Repeat(element) => match own(*element) {
+            TypedKind::Flow(flow) => self.flows[flow.0 as usize].clone(),
+            TypedKind::Part { base, at } => own(*base).part(*at as usize, count),
+            TypedKind::Slice { base, from, step } => self.slice(*base, (*from, *step), count),
+            TypedKind::Select { base, index } => self.select(*base, *index, count),
+            TypedKind::Build(parts) => self.build(parts),
+            TypedKind::Repeat(element) => match own(*element) {
                 LeafClocks::Uniform(clock) => LeafClocks::Uniform(*clock),
                 LeafClocks::PerLeaf(leaves) => {
                     LeafClocks::from_leaves(leaves.iter().copied().cycle().take(count), Clock::ANY)
                 }
             },
-            TypedExprKind::Replace { base, at, value } => {
+            TypedKind::Replace { base, at, value } => {
                 self.replaced(*base, *at as usize, *value, count)
             }
-            TypedExprKind::Each(each, operands) => self.each(*each, operands, count),
+            TypedKind::Each(each, operands) => self.each(*each, operands, count),
             // Presence of a flow may be tested on every clock.
-            TypedExprKind::Present(_) => LeafClocks::Uniform(Clock::ANY),
-            TypedExprKind::When { clock, .. } => {
+            TypedKind::Present(_) => LeafClocks::Uniform(Clock::ANY),
+            TypedKind::When { clock, .. } => {
                 let by = canonical_decider::decider_of(self, clock.flow);
                 let value = clock.value;
                 LeafClocks::Uniform(self.ticks.intern(Sampling { decider: by, value }))
             }
-            TypedExprKind::Merge { on, .. } => LeafClocks::Uniform(self.leaf(*on, 0)),
-            TypedExprKind::Current(operand) => {
+            TypedKind::Merge { on, .. } => LeafClocks::Uniform(self.leaf(*on, 0)),
+            TypedKind::Current(operand) => {
                 own(*operand).map_arrays(|clock| match self.parent(clock) {
                     Some(parent) => parent,
                     None => clock,
                 })
             }
-            TypedExprKind::Call(call) => self.call(id, call),
+            TypedKind::Call(call) => self.call(id, call),
             kind => {
                 let mut operands = Vec::new();
                 kind.operands(&mut |operand| operands.push(operand));
@@ -171,18 +171,18 @@ impl Solver<'_> {
     /// all cycles.
     pub(super) fn has_first_cycle(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
-            TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, operands) => {
+            TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, operands) => {
                 !self.is_constant(operands[0])
             }
-            TypedExprKind::Each(ElementwiseOp::Arrow, operands) => {
+            TypedKind::Each(ElementwiseOp::Arrow, operands) => {
                 !operands.iter().all(|id| self.is_constant(*id))
             }
-            TypedExprKind::Each(ElementwiseOp::Hold, _) | TypedExprKind::Current(_) => true,
-            TypedExprKind::Prim(call) => {
+            TypedKind::Each(ElementwiseOp::Hold, _) | TypedKind::Current(_) => true,
+            TypedKind::Prim(call) => {
                 let desc = call.prim.desc();
                 !matches!(desc.state, StateSize::None) || desc.role == rpi_image::Role::First
             }
-            TypedExprKind::Call(call) => self.units[call.unit.0 as usize].has_state,
+            TypedKind::Call(call) => self.units[call.unit.0 as usize].has_state,
             _ => false,
         }
     }
@@ -191,8 +191,8 @@ impl Solver<'_> {
     /// recognised.
     pub(super) fn is_constant(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
-            TypedExprKind::Const(_) | TypedExprKind::Literal(_) | TypedExprKind::None => true,
-            TypedExprKind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
+            TypedKind::Const(_) | TypedKind::Literal(_) | TypedKind::None => true,
+            TypedKind::Flow(flow) => self.unit.flow(*flow).role == FlowRole::Param,
             _ => false,
         }
     }

@@ -7,7 +7,7 @@ use crate::clocks::clock::{Clock, Decider, Sampling, Samplings};
 use crate::clocks::{ClockId, Clocks, InactiveBlocks, LeafClocks};
 use crate::facts::{Definition, Dependents, Facts};
 use crate::hash::FastMap;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{Equation, ExprId, FlowId, FlowPresence, FlowRole, TargetPlace, Unit};
 use rpi_diag::Diagnostic;
 
@@ -70,7 +70,7 @@ impl<'u> Solver<'u> {
         let borders = InactiveBlocks::new(unit);
         let outside = unit.exprs.iter().zip(&reads.blocks);
         let outside = outside.map(|(expr, reader)| match expr.kind {
-            TypedExprKind::Flow(flow) => borders.is_outside(flow, *reader),
+            TypedKind::Flow(flow) => borders.is_outside(flow, *reader),
             _ => false,
         });
         Solver {

@@ -76,36 +76,45 @@ pub(super) fn elab_call<'u>(
                 path,
             )
         }
-        Activation::Condact {
-            every,
-            default,
-            restart,
-        } => {
-            let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
-            let restart = restart.map(|restart| [id, restart]);
-            let inner = condact::condact_fragment(elab, scope, &every, restart, &path, at, span);
-            elab.inlining.keeps_results = !scope.unit.is_lustre;
-            let result = results_of(
-                elab,
-                scope,
-                call,
-                (id, &args),
-                Position::in_fragment(inner),
-                path,
-            );
-            let result = fragment_outputs::gate_wire(elab, &result, inner, at.fragment);
-            let default = default
-                .map(|one| sampled_flows::operand_wire(elab, scope, [id, one], at.unguarded()));
-            let callee = &elab.units[call.unit.0 as usize];
-            let run = ConditionalCall {
-                condition: every,
-                result,
-                default,
-                is_optional: callee.optional_leaves().collect(),
-            };
-            condact::hold_results(elab, &run, id, scope, at)
-        }
+        Activation::Condact { .. } => elab_condact(elab, scope, call, (id, &args), at, path),
     }
+}
+
+/// Elaborates a call that runs under a condition and keeps its results between runs.
+fn elab_condact<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    call: &'u Call,
+    (id, args): (ExprId, &[Option<CallArgument>]),
+    at: Position,
+    path: String,
+) -> Wire {
+    let Activation::Condact {
+        every,
+        default,
+        restart,
+    } = &call.activation
+    else {
+        return crate::elab::signal::empty_wire();
+    };
+    let span = scope.unit.expr(id).span;
+    let every = expr::elab_operand(elab, scope, [id, *every], at.unguarded());
+    let restart = restart.map(|restart| [id, restart]);
+    let inner = condact::condact_fragment(elab, scope, &every, restart, &path, at, span);
+    elab.inlining.keeps_results = !scope.unit.is_lustre;
+    let inside = Position::in_fragment(inner);
+    let result = results_of(elab, scope, call, (id, args), inside, path);
+    let result = fragment_outputs::gate_wire(elab, &result, inner, at.fragment);
+    let default =
+        default.map(|one| sampled_flows::operand_wire(elab, scope, [id, one], at.unguarded()));
+    let callee = &elab.units[call.unit.0 as usize];
+    let run = ConditionalCall {
+        condition: every,
+        result,
+        default,
+        is_optional: callee.optional_leaves().collect(),
+    };
+    condact::hold_results(elab, &run, id, scope, at)
 }
 
 fn arguments<'u>(

@@ -13,7 +13,7 @@ use crate::elab::signal::{Signal, empty_wire};
 use crate::elab::{ElabMode, Elaborator, Position};
 use crate::ty::Ty;
 use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowId, Unit, UnitKind};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Value;
 use rpi_image::claim::{claim_key, read_key};
@@ -234,7 +234,7 @@ fn reads_past(scope: &Scope<'_>, id: ExprId) -> bool {
     let kind = &scope.unit.expr(id).kind;
     let mut found = matches!(
         kind,
-        TypedExprKind::Each(ElementwiseOp::Pre, _) | TypedExprKind::Call(_)
+        TypedKind::Each(ElementwiseOp::Pre, _) | TypedKind::Call(_)
     );
     kind.operands(&mut |operand| found = found || reads_past(scope, operand));
     found
@@ -282,14 +282,14 @@ fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
         count: expr.ty.leaf_count(),
     };
     match &expr.kind {
-        TypedExprKind::Flow(flow) => Some(whole(flow_name(unit, *flow), Some(*flow))),
-        TypedExprKind::Part { base, at } => read_part(scope, *base).map(|part| ReadPart {
+        TypedKind::Flow(flow) => Some(whole(flow_name(unit, *flow), Some(*flow))),
+        TypedKind::Part { base, at } => read_part(scope, *base).map(|part| ReadPart {
             first: part.first + *at as usize,
             count: expr.ty.leaf_count(),
             ..part
         }),
-        TypedExprKind::Sensor { device, port } => {
-            let TypedExprKind::Flow(device) = unit.expr(*device).kind else {
+        TypedKind::Sensor { device, port } => {
+            let TypedKind::Flow(device) = unit.expr(*device).kind else {
                 return None;
             };
             let port = unit
@@ -301,7 +301,7 @@ fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
                 None,
             ))
         }
-        TypedExprKind::Prim(call) => {
+        TypedKind::Prim(call) => {
             let name = crate::check::predeclared_flow_of_prim(call.prim.desc().name)?;
             Some(whole(name.to_owned(), None))
         }

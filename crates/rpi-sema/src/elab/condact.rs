@@ -62,14 +62,8 @@ fn hold_leaf(
     let default = run.default.as_ref().and_then(|wire| wire.get(k)).cloned();
     let is_optional = run.is_optional.get(k).copied().unwrap_or_default();
     if let (Some(default @ Signal::Const(_)), false) = (&default, is_optional) {
-        return nodes::add_family_member(
-            elab,
-            PrimitiveFamily::Hold,
-            scalar,
-            &[signal, default.clone()],
-            at,
-            span,
-        );
+        let inputs = [signal, default.clone()];
+        return nodes::add_family_member(elab, PrimitiveFamily::Hold, scalar, &inputs, at, span);
     }
     let result = nodes::new_alias(elab, scalar);
     let alias = Signal::Port(result);
@@ -77,19 +71,18 @@ fn hold_leaf(
         true => PrimitiveFamily::OptionalPre,
         false => PrimitiveFamily::Pre,
     };
+    let add = |elab: &mut Elaborator<'_>, family, inputs: &[Signal]| {
+        nodes::add_family_member(elab, family, scalar, inputs, at, span)
+    };
     let before = elementwise::delay(elab, pre, scalar, &alias, at, span);
     let before = match default {
         None => before,
         Some(default) => {
             let first = nodes::first_port(elab, at.fragment, span);
-            let inputs = [first, default, before];
-            nodes::add_family_member(
+            add(
                 elab,
                 PrimitiveFamily::Conditional,
-                scalar,
-                &inputs,
-                at,
-                span,
+                &[first, default, before],
             )
         }
     };
@@ -97,23 +90,9 @@ fn hold_leaf(
         // A run whose result is absent is remembered as absent, too.
         true => {
             let inputs = [run.condition.clone(), signal, before];
-            nodes::add_family_member(
-                elab,
-                PrimitiveFamily::Conditional,
-                scalar,
-                &inputs,
-                at,
-                span,
-            )
+            add(elab, PrimitiveFamily::Conditional, &inputs)
         }
-        false => nodes::add_family_member(
-            elab,
-            PrimitiveFamily::Coalesce,
-            scalar,
-            &[signal, before],
-            at,
-            span,
-        ),
+        false => add(elab, PrimitiveFamily::Coalesce, &[signal, before]),
     };
     call::bind_alias(elab, result, &held);
     held

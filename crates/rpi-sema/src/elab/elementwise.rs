@@ -15,7 +15,7 @@ use crate::elab::scope::Scope;
 use crate::elab::short_circuit;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, Unit};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Type, Value};
@@ -191,7 +191,7 @@ fn drops_branch<'u>(
     value: &Value,
 ) -> bool {
     let unit = scope.unit;
-    let TypedExprKind::Each(_, operands) = &unit.expr(id).kind else {
+    let TypedKind::Each(_, operands) = &unit.expr(id).kind else {
         return true;
     };
     let is_of_instance = unit.static_conditions.binary_search(&operands[0]).is_ok();
@@ -274,7 +274,7 @@ fn defining_fragment<'u>(
     reader: FragmentId,
 ) -> Option<FragmentId> {
     let kind = &scope.unit.expr(x).kind;
-    let &TypedExprKind::Flow(flow) = kind else {
+    let &TypedKind::Flow(flow) = kind else {
         let mut inner = None;
         kind.operands(&mut |operand| inner = inner.or(Some(operand)));
         return defining_fragment(elab, scope, inner?, reader);
@@ -358,7 +358,7 @@ fn arrow<'u>(
     if elab.mode == ElabMode::Constant {
         return elab.fail(NotConstantError::RunTime(span));
     }
-    if let (TypedExprKind::None, TypedExprKind::Each(ElementwiseOp::Pre, operands)) =
+    if let (TypedKind::None, TypedKind::Each(ElementwiseOp::Pre, operands)) =
         (&unit.expr(a).kind, &unit.expr(b).kind)
     {
         return delay_leaves(elab, scope, operands[0], b, at, |_| true);
@@ -441,8 +441,8 @@ pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
     let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {
-            TypedExprKind::Flow(_) => return true,
-            TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, _) => {}
+            TypedKind::Flow(_) => return true,
+            TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, _) => {}
             _ => parts.enter(id),
         }
     }

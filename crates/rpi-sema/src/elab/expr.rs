@@ -20,7 +20,7 @@ use crate::elab::subrange;
 use crate::elab::time;
 use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::typed::ExprId;
-use crate::typed::{Activation, TypedExprKind};
+use crate::typed::{Activation, TypedKind};
 use rpi_diag::{Diagnostic, Span};
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
@@ -32,11 +32,11 @@ const MAX_RECURSIVE_CALLS: usize = 30;
 /// Returns the first argument of a call, or the base of a part.
 fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     match &scope.unit.expr(id).kind {
-        TypedExprKind::Call(call) if matches!(call.activation, Activation::Always) => {
+        TypedKind::Call(call) if matches!(call.activation, Activation::Always) => {
             call.args.first().copied().flatten()
         }
-        TypedExprKind::Prim(call) => call.inputs.first().copied().flatten(),
-        TypedExprKind::Part { base, .. } => Some(*base),
+        TypedKind::Prim(call) => call.inputs.first().copied().flatten(),
+        TypedKind::Part { base, .. } => Some(*base),
         _ => None,
     }
 }
@@ -98,68 +98,71 @@ fn elaborate_expr<'u>(
     let expr = unit.expr(id);
     let span = expr.span;
     match &expr.kind {
-        TypedExprKind::Error => unreported_error(elab, span),
-        TypedExprKind::Const(leaves) => time::constants(elab, leaves, &expr.ty, at, span),
-        TypedExprKind::Literal(leaf) => {
+        TypedKind::Error => unreported_error(elab, span),
+        TypedKind::Const(leaves) => time::constants(elab, leaves, &expr.ty, at, span),
+        TypedKind::Literal(leaf) => {
             time::constants(elab, std::slice::from_ref(leaf), &expr.ty, at, span)
         }
-        TypedExprKind::None => (0..expr.ty.leaf_count().max(1))
+        TypedKind::None => (0..expr.ty.leaf_count().max(1))
             .map(|_| Signal::Absent)
             .collect(),
-        TypedExprKind::Arbitrary => external_ports::open_value(elab, scope, id, at),
-        TypedExprKind::Flow(flow) => {
+        TypedKind::Arbitrary => external_ports::open_value(elab, scope, id, at),
+        TypedKind::Flow(flow) => {
             let facts = sampled_flows::facts_of(elab, scope);
             let outside = facts.is_some_and(|facts| facts.clocks.reads_inactive_block(id));
             fragment_outputs::read_flow(elab, scope, (*flow, outside), at, span)
         }
-        TypedExprKind::Sensor { device, port } => {
-            device::sensor(elab, scope, *device, *port, at, span)
-        }
-        TypedExprKind::Part { base, at: offset } => {
+        TypedKind::Sensor { device, port } => device::sensor(elab, scope, *device, *port, at, span),
+        TypedKind::Part { base, at: offset } => {
             let wire = elab_expr(elab, scope, *base, at);
             sub_wire(&wire, *offset as usize, expr.ty.leaf_count())
         }
-        TypedExprKind::Slice { base, from, step } => {
-            slice(elab, scope, *base, *from, *step, id, at)
-        }
-        TypedExprKind::Select { base, index } => select(elab, scope, *base, *index, id, at),
-        TypedExprKind::Build(parts) => build(elab, scope, parts, &expr.ty, at),
-        TypedExprKind::Repeat(element) => {
+        TypedKind::Slice { base, from, step } => slice(elab, scope, *base, *from, *step, id, at),
+        TypedKind::Select { base, index } => select(elab, scope, *base, *index, id, at),
+        TypedKind::Build(parts) => build(elab, scope, parts, &expr.ty, at),
+        TypedKind::Repeat(element) => {
             let wire = elab_expr(elab, scope, *element, at);
             let count = expr.ty.leaf_count();
             wire.iter().cloned().cycle().take(count).collect()
         }
-        TypedExprKind::Replace {
+        TypedKind::Replace {
             base,
             at: offset,
             value,
-        } => {
-            let mut wire = elab_expr(elab, scope, *base, at).to_vec();
-            let leaves = elab_expr(elab, scope, *value, at);
-            for (slot, signal) in wire.iter_mut().skip(*offset as usize).zip(leaves.iter()) {
-                *slot = signal.clone();
-            }
-            subrange::check_replaced(elab, scope, wire.into(), [id, *value], *offset, at)
-        }
-        TypedExprKind::Each(each, operands) => {
+        } => replace(elab, scope, (id, *base, *value), *offset, at),
+        TypedKind::Each(each, operands) => {
             elementwise::elementwise(elab, scope, *each, operands, id, at)
         }
-        TypedExprKind::Equal { operands, negated } => {
+        TypedKind::Equal { operands, negated } => {
             presence::equality(elab, scope, id, *operands, *negated, at)
         }
-        TypedExprKind::Present(operand) => presence::present(elab, scope, [id, *operand], at, span),
-        TypedExprKind::Prim(call) => prim_calls::prim_call(elab, scope, call, id, at),
-        TypedExprKind::Call(call) => call::elab_call(elab, scope, call, id, at),
-        TypedExprKind::When { value, .. } => {
+        TypedKind::Present(operand) => presence::present(elab, scope, [id, *operand], at, span),
+        TypedKind::Prim(call) => prim_calls::prim_call(elab, scope, call, id, at),
+        TypedKind::Call(call) => call::elab_call(elab, scope, call, id, at),
+        TypedKind::When { value, .. } => {
             outside_flows::sampled_value(elab, scope, [id, *value], at)
         }
-        TypedExprKind::Merge { on, cases } => {
+        TypedKind::Merge { on, cases } => {
             sampled_flows::merge_expr(elab, scope, *on, cases, id, at)
         }
-        TypedExprKind::Current(operand) => {
-            sampled_flows::elab_current(elab, scope, [id, *operand], at)
-        }
+        TypedKind::Current(operand) => sampled_flows::elab_current(elab, scope, [id, *operand], at),
     }
+}
+
+/// Replaces leaves of `base`, from `offset` on, by those of `value`.
+fn replace<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    (id, base, value): (ExprId, ExprId, ExprId),
+    offset: u32,
+    at: Position,
+) -> Wire {
+    let mut wire = elab_expr(elab, scope, base, at).to_vec();
+    let leaves = elab_expr(elab, scope, value, at);
+    for (slot, signal) in wire.iter_mut().skip(offset as usize).zip(leaves.iter()) {
+        *slot = signal.clone();
+    }
+    subrange::check_replaced(elab, scope, wire.into(), [id, value], offset, at)
 }
 
 /// Elaborates a struct, array or tuple from its parts.

@@ -7,7 +7,7 @@
 use crate::elab::Elaborator;
 use crate::elab::scope::Scope;
 use crate::hash::FastSet;
-use crate::typed::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedExprKind};
+use crate::typed::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedKind};
 use crate::typed::{Block, BlockId, Equation, ExprId, Unit, UnitId, UnitKind};
 use rpi_image::Role;
 use rpi_prims::PrimId;
@@ -154,27 +154,26 @@ fn compute_expr_properties(elab: &Elaborator<'_>, unit: &Unit) -> Vec<ExprProper
 /// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
 fn own_properties(elab: &Elaborator<'_>, expr: &Expr) -> ExprProperties {
     let kind = &expr.kind;
-    let called = match kind {
-        TypedExprKind::Call(call) => {
-            elab.cache.unit_properties.get(&call.unit).filter(|called| {
+    let called =
+        match kind {
+            TypedKind::Call(call) => elab.cache.unit_properties.get(&call.unit).filter(|called| {
                 called.is_stateless && matches!(call.activation, Activation::Always)
-            })
-        }
-        _ => None,
-    };
+            }),
+            _ => None,
+        };
     let goes_on = match kind {
-        TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold, _)
-        | TypedExprKind::Current(_) => true,
-        TypedExprKind::Prim(call) => has_state(call),
+        TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold, _)
+        | TypedKind::Current(_) => true,
+        TypedKind::Prim(call) => has_state(call),
         // A callee without properties is part of a recursion, which is reported elsewhere.
-        TypedExprKind::Call(_) => called.is_none(),
+        TypedKind::Call(_) => called.is_none(),
         _ => false,
     };
     let can_fault = match kind {
-        TypedExprKind::Select { .. } => true,
-        TypedExprKind::Build(_) | TypedExprKind::Replace { .. } => expr.ty.has_subrange(true),
-        TypedExprKind::Prim(call) => call.prim.desc().may_fault && !goes_on,
-        TypedExprKind::Call(_) => called.is_some_and(|called| called.can_fault),
+        TypedKind::Select { .. } => true,
+        TypedKind::Build(_) | TypedKind::Replace { .. } => expr.ty.has_subrange(true),
+        TypedKind::Prim(call) => call.prim.desc().may_fault && !goes_on,
+        TypedKind::Call(_) => called.is_some_and(|called| called.can_fault),
         _ => false,
     };
     ExprProperties {
@@ -199,7 +198,7 @@ fn has_no_fragment(id: BlockId, block: &Block) -> bool {
 /// Iterates over the calls in a unit.
 fn calls(unit: &Unit) -> impl Iterator<Item = &Call> {
     unit.exprs.iter().filter_map(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => Some(&**call),
+        TypedKind::Call(call) => Some(&**call),
         _ => None,
     })
 }

@@ -8,7 +8,7 @@ use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, single_wire};
 use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::typed::ExprId;
-use crate::typed::{PrimCall, TypedExprKind};
+use crate::typed::{PrimCall, TypedKind};
 use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::prim;
@@ -162,7 +162,7 @@ pub(super) fn not_present<'u>(
 ) -> Option<Wire> {
     let span = scope.unit.expr(id).span;
     let operand = call.inputs.first().copied().flatten()?;
-    let TypedExprKind::Present(tested) = scope.unit.expr(operand).kind else {
+    let TypedKind::Present(tested) = scope.unit.expr(operand).kind else {
         return None;
     };
     let [scalar] = expr::leaf_scalars(&scope.unit.expr(tested).ty)[..] else {

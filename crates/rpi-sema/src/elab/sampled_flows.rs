@@ -13,7 +13,7 @@ use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::{ElabMode, Elaborator, Position};
 use crate::facts::Facts;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, UnitId};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
@@ -223,7 +223,7 @@ fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> 
             }
             Decider::CallInternal(call, number) => (call, number),
         };
-        let TypedExprKind::Call(call) = &unit.expr(call).kind else {
+        let TypedKind::Call(call) = &unit.expr(call).kind else {
             return Scalar::Bool;
         };
         let exposed = elab.facts[call.unit.0 as usize].clocks.exposed();

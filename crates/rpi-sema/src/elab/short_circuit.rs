@@ -15,7 +15,7 @@ use crate::elab::scope::Scope;
 use crate::elab::signal::{Signal, Wire, single_wire};
 use crate::elab::{ElabMode, Elaborator, Position};
 use crate::typed::ExprId;
-use crate::typed::{PrimCall, TypedExprKind};
+use crate::typed::{PrimCall, TypedKind};
 use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
@@ -211,7 +211,7 @@ fn where_absent<'u>(
     let unit = scope.unit;
     let expr = unit.expr(id);
     let is_one = absent.iter().all(|leaf| *leaf == absent[0]);
-    if let TypedExprKind::Build(parts) = &expr.kind
+    if let TypedKind::Build(parts) = &expr.kind
         && !is_one
         && sampled_flows::clocked_facts(elab, scope).is_none()
     {

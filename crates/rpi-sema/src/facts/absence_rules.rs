@@ -4,7 +4,7 @@ use crate::facts::Absence;
 use crate::facts::dependents::Dependents;
 use crate::facts::presence::PresenceInference;
 use crate::ty::Ty;
-use crate::typed::{Activation, Call, ElementwiseOp, PrimCall, TypedExprKind};
+use crate::typed::{Activation, Call, ElementwiseOp, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowId, UnitKind};
 use rpi_image::{Fallback, Presence, Role};
 
@@ -13,62 +13,64 @@ impl PresenceInference<'_> {
         let expr = self.unit.expr(id);
         let count = expr.ty.leaf_count();
         match &expr.kind {
-            TypedExprKind::Error
-            | TypedExprKind::Const(_)
-            | TypedExprKind::Literal(_)
-            | TypedExprKind::Arbitrary
-            | TypedExprKind::Present(_) => Absence::NEVER,
-            TypedExprKind::None => Absence::MAYBE,
-            TypedExprKind::Flow(flow) => self.flow(*flow, reads.blocks[id.0 as usize]),
-            TypedExprKind::Sensor { device, port } => self.sensor(*device, *port),
-            TypedExprKind::Part { base, at } => self.absence(*base).part(*at as usize, count),
-            TypedExprKind::Slice { base, .. } | TypedExprKind::Repeat(base) => {
+            TypedKind::Error
+            | TypedKind::Const(_)
+            | TypedKind::Literal(_)
+            | TypedKind::Arbitrary
+            | TypedKind::Present(_) => Absence::NEVER,
+            TypedKind::None => Absence::MAYBE,
+            TypedKind::Flow(flow) => self.flow(*flow, reads.blocks[id.0 as usize]),
+            TypedKind::Sensor { device, port } => self.sensor(*device, *port),
+            TypedKind::Part { base, at } => self.absence(*base).part(*at as usize, count),
+            TypedKind::Slice { base, .. } | TypedKind::Repeat(base) => {
                 Absence::Uniform(self.absence(*base).any())
             }
-            TypedExprKind::Select { base, index } => {
+            TypedKind::Select { base, index } => {
                 let slowest = |operand: &ExprId| self.is_absent_in(id, *operand);
                 let one = self.clocks.expr_clocks(id).uniform().is_some();
                 Absence::Uniform([base, index].into_iter().any(slowest) || !one)
             }
-            TypedExprKind::Build(parts) => {
+            TypedKind::Build(parts) => {
                 let leaves = parts.iter().flat_map(|part| {
                     let absence = self.absence(*part);
                     (0..self.count(*part)).map(move |k| absence.leaf(k))
                 });
                 Absence::from_leaves(leaves)
             }
-            TypedExprKind::Replace { base, at, value } => {
+            TypedKind::Replace { base, at, value } => {
                 let part = self.absence(*value);
                 self.absence(*base)
                     .replaced(count, *at as usize, &part, self.count(*value))
             }
-            TypedExprKind::Each(each, operands) => self.each(*each, operands, id),
-            TypedExprKind::Equal { operands, .. } => {
+            TypedKind::Each(each, operands) => self.each(*each, operands, id),
+            TypedKind::Equal { operands, .. } => {
                 Absence::Uniform(operands.iter().any(|one| self.is_absent_in(id, *one)))
             }
-            TypedExprKind::Prim(call) => Absence::from_leaves(self.prim_leaves(id, call, &expr.ty)),
-            TypedExprKind::Call(call) => self.call(id, call),
-            TypedExprKind::When { value, .. } => {
-                let slower = |k: usize| {
-                    !self
-                        .clocks
-                        .split_operand_samplings(*value, k, id)
-                        .1
-                        .is_empty()
-                };
-                match self.clocks.has_samplings() {
-                    true => self.absence(*value).or(count, slower),
-                    false => self.absence(*value),
-                }
-            }
-            TypedExprKind::Merge { on, cases } => {
+            TypedKind::Prim(call) => Absence::from_leaves(self.prim_leaves(id, call, &expr.ty)),
+            TypedKind::Call(call) => self.call(id, call),
+            TypedKind::When { value, .. } => self.when(*value, id, count),
+            TypedKind::Merge { on, cases } => {
                 let any = cases.iter().any(|(_, id)| self.absence(*id).any());
                 Absence::Uniform(any || self.absence(*on).any())
             }
             // In Lustre the initialisation analysis rejects reads before the first tick.
-            TypedExprKind::Current(operand) if self.unit.is_lustre => self.absence(*operand),
-            TypedExprKind::Current(_) => Absence::MAYBE,
+            TypedKind::Current(operand) if self.unit.is_lustre => self.absence(*operand),
+            TypedKind::Current(_) => Absence::MAYBE,
         }
+    }
+
+    fn when(&self, value: ExprId, id: ExprId, count: usize) -> Absence {
+        if !self.clocks.has_samplings() {
+            return self.absence(value);
+        }
+        let is_slower = |k: usize| {
+            !self
+                .clocks
+                .split_operand_samplings(value, k, id)
+                .1
+                .is_empty()
+        };
+        self.absence(value).or(count, is_slower)
     }
 
     fn sensor(&self, device: ExprId, port: u32) -> Absence {

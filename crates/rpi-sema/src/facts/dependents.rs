@@ -1,7 +1,7 @@
 //! Dependency lists for fixpoint iterations: from operands to expressions, from flows to their readers, from values to
 //! their definitions. A change is propagated only to its readers.
 
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{BlockId, Equation, ExprId, FlowId, SharedFlow, Unit};
 
 /// Definition of a flow.
@@ -34,7 +34,7 @@ impl<'u> Dependents<'u> {
         for (id, expr) in (0u32..).zip(&unit.exprs) {
             expr.kind
                 .operands(&mut |operand| parents.push((operand.0, id)));
-            if let TypedExprKind::Flow(flow) = expr.kind {
+            if let TypedKind::Flow(flow) = expr.kind {
                 of_flows.push((flow.0, id));
             }
         }

@@ -1,7 +1,7 @@
 //! Mutually exclusive fragments: `??` over flows of fragments of which one is always active is always present.
 
 use crate::typed::{BlockId, ExprId, FlowId, Unit};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 
 /// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
 /// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is
@@ -24,9 +24,9 @@ pub(super) fn is_always_present(
 /// Collects the flows, or bases of parts, in a chain of `??`.
 fn sources(unit: &Unit, id: ExprId, flows: &mut Vec<FlowId>) {
     match &unit.expr(id).kind {
-        TypedExprKind::Flow(flow) => flows.push(*flow),
-        TypedExprKind::Part { base, .. } => sources(unit, *base, flows),
-        TypedExprKind::Each(ElementwiseOp::Coalesce, operands) => {
+        TypedKind::Flow(flow) => flows.push(*flow),
+        TypedKind::Part { base, .. } => sources(unit, *base, flows),
+        TypedKind::Each(ElementwiseOp::Coalesce, operands) => {
             operands.iter().for_each(|id| sources(unit, *id, flows));
         }
         _ => {}
@@ -52,8 +52,8 @@ fn have_opposite_conditions(unit: &Unit, blocks: &[BlockId]) -> bool {
 /// `holds`.
 pub(crate) fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
     match &unit.expr(id).kind {
-        TypedExprKind::Flow(flow) => Some((flow.0, holds)),
-        TypedExprKind::Prim(call) if call.prim.desc().name == "Core::BooleanNot" => {
+        TypedKind::Flow(flow) => Some((flow.0, holds)),
+        TypedKind::Prim(call) if call.prim.desc().name == "Core::BooleanNot" => {
             literal(unit, call.inputs.first().copied()??, !holds)
         }
         _ => None,

@@ -7,7 +7,7 @@ use crate::clocks::{self, ClockId, Clocks, InactiveBlocks};
 use crate::facts::Absence;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Dependents;
-use crate::typed::{Activation, ElementwiseOp, TypedExprKind};
+use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, TargetPlace, Unit};
 use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 use rpi_image::Presence;
@@ -104,7 +104,7 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
             } else if !std::mem::replace(&mut met[at], true) {
                 open.push((at, true));
                 let calls = units[at].exprs.iter().filter_map(|expr| match &expr.kind {
-                    TypedExprKind::Call(call) => Some(call.unit.0 as usize),
+                    TypedKind::Call(call) => Some(call.unit.0 as usize),
                     _ => None,
                 });
                 open.extend(calls.filter(|callee| !met[*callee]).map(|at| (at, false)));
@@ -174,20 +174,20 @@ impl<'u> PresenceInference<'u> {
 
     /// Returns whether anything in the unit can be absent. Most units can skip the inference.
     fn can_be_absent(&self) -> bool {
-        let of_expr = |(id, kind): (ExprId, &TypedExprKind)| match kind {
-            TypedExprKind::None
-            | TypedExprKind::When { .. }
-            | TypedExprKind::Merge { .. }
-            | TypedExprKind::Current(_) => true,
-            TypedExprKind::Sensor { .. } | TypedExprKind::Each(ElementwiseOp::Coalesce, _) => true,
-            TypedExprKind::Prim(call) => {
+        let of_expr = |(id, kind): (ExprId, &TypedKind)| match kind {
+            TypedKind::None
+            | TypedKind::When { .. }
+            | TypedKind::Merge { .. }
+            | TypedKind::Current(_) => true,
+            TypedKind::Sensor { .. } | TypedKind::Each(ElementwiseOp::Coalesce, _) => true,
+            TypedKind::Prim(call) => {
                 let outputs = call.prim.desc().outputs;
                 outputs
                     .iter()
                     .any(|port| !matches!(port.presence, Presence::Strict | Presence::Always))
                     && !self.add_prim(id, call).iter().all(|absent| !absent)
             }
-            TypedExprKind::Call(call) => {
+            TypedKind::Call(call) => {
                 self.call(id, call).any() || !matches!(call.activation, Activation::Always)
             }
             _ => false,
@@ -366,17 +366,17 @@ impl<'u> PresenceInference<'u> {
 
     /// Returns a fix that rewrites `if present(x) then x else y` to `x ?? y`.
     fn fix_present_or(&self, id: ExprId) -> Option<Fix> {
-        let TypedExprKind::Each(ElementwiseOp::If, operands) = &self.unit.expr(id).kind else {
+        let TypedKind::Each(ElementwiseOp::If, operands) = &self.unit.expr(id).kind else {
             return None;
         };
         let [condition, yes, no] = operands[..] else {
             return None;
         };
-        let TypedExprKind::Present(asked) = self.unit.expr(condition).kind else {
+        let TypedKind::Present(asked) = self.unit.expr(condition).kind else {
             return None;
         };
         let flow = |id: ExprId| match self.unit.expr(id).kind {
-            TypedExprKind::Flow(flow) => Some(flow),
+            TypedKind::Flow(flow) => Some(flow),
             _ => None,
         };
         let same = flow(asked).is_some() && flow(asked) == flow(yes);
@@ -401,7 +401,7 @@ impl<'u> PresenceInference<'u> {
         let span = self.unit.expr(id).span;
         let fix = Fix::maybe(format!("use `{otherwise}` while it is absent"));
         match self.unit.expr(id).kind {
-            TypedExprKind::Flow(_) | TypedExprKind::Part { .. } | TypedExprKind::Call(_) => {
+            TypedKind::Flow(_) | TypedKind::Part { .. } | TypedKind::Call(_) => {
                 fix.insert_after(span, format!(" ?? {otherwise}"))
             }
             _ => fix
@@ -414,7 +414,7 @@ impl<'u> PresenceInference<'u> {
     pub(super) fn absence_error(&self, id: ExprId, reader: ClockId, why: &str) -> Diagnostic {
         let span = self.unit.expr(id).span;
         let message = match self.unit.expr(id).kind {
-            TypedExprKind::Flow(flow) => {
+            TypedKind::Flow(flow) => {
                 format!("`{}` may be absent here", self.unit.flow(flow).name)
             }
             _ => "this value may be absent".to_owned(),

@@ -5,7 +5,7 @@ use crate::facts::Absence;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Dependents;
 use crate::facts::presence::PresenceInference;
-use crate::typed::{Activation, Call, ElementwiseOp, TypedExprKind};
+use crate::typed::{Activation, Call, ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, Flow, FlowId, FlowPresence, SharedFlow, TargetPlace, Unit, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use std::collections::BTreeSet;
@@ -20,8 +20,8 @@ pub(super) fn check_presence(
     conditions(inference, diagnostics);
     for id in (0..).map(ExprId).take(inference.unit.exprs.len()) {
         match &inference.unit.expr(id).kind {
-            TypedExprKind::Call(call) => arguments(inference, id, call, diagnostics),
-            TypedExprKind::Each(ElementwiseOp::Coalesce, operands)
+            TypedKind::Call(call) => arguments(inference, id, call, diagnostics),
+            TypedKind::Each(ElementwiseOp::Coalesce, operands)
                 if !reads_one_of(inference, operands[0], &faulty) =>
             {
                 warn_needless_coalesce(inference, id, [operands[0], operands[1]], diagnostics);
@@ -38,7 +38,7 @@ fn reads_one_of(inference: &PresenceInference<'_>, id: ExprId, flows: &BTreeSet<
     }
     let mut parts = inference.unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
-        if matches!(&expr.kind, TypedExprKind::Flow(flow) if flows.contains(flow)) {
+        if matches!(&expr.kind, TypedKind::Flow(flow) if flows.contains(flow)) {
             return true;
         }
         parts.enter(id);
@@ -167,8 +167,8 @@ fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
     let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {
-            TypedExprKind::Flow(flow) if unit.flow(*flow).block.0 as usize == block => return true,
-            TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, _) => {}
+            TypedKind::Flow(flow) if unit.flow(*flow).block.0 as usize == block => return true,
+            TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, _) => {}
             _ => parts.enter(id),
         }
     }
@@ -231,7 +231,7 @@ fn warn_needless_coalesce(
 ) {
     let unit = inference.unit;
     let sure = !inference.for_reader(id, first).any() && unit.expr(first).ty.leaf_count() > 0;
-    if sure && !matches!(unit.expr(first).kind, TypedExprKind::Error) {
+    if sure && !matches!(unit.expr(first).kind, TypedKind::Error) {
         let diagnostic = Diagnostic::new(Code::RPI3002, "the right side of `??` is never used")
             .primary(unit.expr(second).span, "never used")
             .secondary(unit.expr(first).span, "this is always present");
@@ -246,32 +246,31 @@ pub(super) fn absence_cause(
     id: ExprId,
     reader: ClockId,
 ) -> Option<(Span, String)> {
-    let (unit, clocks) = (inference.unit, inference.clocks);
-    let (mut at, mut reader) = (id, reader);
+    let (unit, clocks, mut at, mut reader) = (inference.unit, inference.clocks, id, reader);
     loop {
         let expr = unit.expr(at);
         let row = clocks.expr_clocks(at);
-        let slower = row.iter().find(|own| clocks.is_slower(*own, reader));
-        if let Some(own) = slower.filter(|_| at != id) {
+        if at != id
+            && let Some(own) = row.iter().find(|own| clocks.is_slower(*own, reader))
+        {
             let path = clocks.samplings_beyond(own, reader);
             let clock = crate::clocks::format_clock(inference.units, inference.facts, unit, path);
             return Some((expr.span, format!("this is present only `{clock}`")));
         }
         reader = clocks.computed_on(at);
         match &expr.kind {
-            TypedExprKind::Flow(flow) => {
+            TypedKind::Flow(flow) => {
                 let flow = unit.flow(*flow);
-                let block = unit.block(flow.block);
-                return Some(match block.when {
-                    Some(when) => (
-                        unit.expr(when).span,
-                        format!("`{}` is absent while this is false", flow.name),
-                    ),
+                return Some(match unit.block(flow.block).when {
+                    Some(when) => {
+                        let text = format!("`{}` is absent while this is false", flow.name);
+                        (unit.expr(when).span, text)
+                    }
                     None => (flow.span, format!("`{}` may be absent", flow.name)),
                 });
             }
-            TypedExprKind::None => return Some((expr.span, "`none` is absent".to_owned())),
-            TypedExprKind::Call(call) => match call_absence_cause(inference, call) {
+            TypedKind::None => return Some((expr.span, "`none` is absent".to_owned())),
+            TypedKind::Call(call) => match call_absence_cause(inference, call) {
                 CallAbsenceCause::Here(text) => return Some((expr.span, text)),
                 CallAbsenceCause::Callee(span, text) => return Some((span, text)),
                 CallAbsenceCause::Operand(operand) => {
@@ -285,10 +284,10 @@ pub(super) fn absence_cause(
         // These operators read each operand on the operand's own clock.
         let is_exact = matches!(
             expr.kind,
-            TypedExprKind::Current(_)
-                | TypedExprKind::Merge { .. }
-                | TypedExprKind::Part { .. }
-                | TypedExprKind::Build(_)
+            TypedKind::Current(_)
+                | TypedKind::Merge { .. }
+                | TypedKind::Part { .. }
+                | TypedKind::Build(_)
         );
         let mut next = None;
         expr.kind.operands(&mut |operand| {

@@ -14,7 +14,7 @@ use std::rc::Rc;
 #[derive(Clone, Debug)]
 pub struct Expr {
     /// Kind of the expression, with its operands.
-    pub kind: TypedExprKind,
+    pub kind: TypedKind,
     /// Type.
     pub ty: Ty,
     /// Span of the expression.
@@ -23,7 +23,7 @@ pub struct Expr {
 
 /// Kind of an expression, with its operands.
 #[derive(Clone, Debug)]
-pub enum TypedExprKind {
+pub enum TypedKind {
     /// Error that has been reported.
     Error,
     /// Constant, leaf by leaf.
@@ -172,42 +172,42 @@ pub enum Activation {
     },
 }
 
-impl TypedExprKind {
+impl TypedKind {
     /// Calls `visit` with every operand.
     pub fn operands(&self, visit: &mut impl FnMut(ExprId)) {
         match self {
-            TypedExprKind::Error
-            | TypedExprKind::Const(_)
-            | TypedExprKind::Literal(_)
-            | TypedExprKind::None
-            | TypedExprKind::Arbitrary
-            | TypedExprKind::Flow(_) => {}
-            TypedExprKind::Sensor { device: one, .. }
-            | TypedExprKind::Part { base: one, .. }
-            | TypedExprKind::Slice { base: one, .. }
-            | TypedExprKind::Repeat(one)
-            | TypedExprKind::Present(one)
-            | TypedExprKind::When { value: one, .. }
-            | TypedExprKind::Current(one) => visit(*one),
-            TypedExprKind::Select { base, index } => {
+            TypedKind::Error
+            | TypedKind::Const(_)
+            | TypedKind::Literal(_)
+            | TypedKind::None
+            | TypedKind::Arbitrary
+            | TypedKind::Flow(_) => {}
+            TypedKind::Sensor { device: one, .. }
+            | TypedKind::Part { base: one, .. }
+            | TypedKind::Slice { base: one, .. }
+            | TypedKind::Repeat(one)
+            | TypedKind::Present(one)
+            | TypedKind::When { value: one, .. }
+            | TypedKind::Current(one) => visit(*one),
+            TypedKind::Select { base, index } => {
                 [base, index].into_iter().for_each(|id| visit(*id))
             }
-            TypedExprKind::Replace { base, value, .. } => {
+            TypedKind::Replace { base, value, .. } => {
                 [base, value].into_iter().for_each(|id| visit(*id));
             }
-            TypedExprKind::Build(parts) | TypedExprKind::Each(_, parts) => {
+            TypedKind::Build(parts) | TypedKind::Each(_, parts) => {
                 parts.iter().for_each(|id| visit(*id))
             }
-            TypedExprKind::Equal { operands, .. } => operands.iter().for_each(|id| visit(*id)),
-            TypedExprKind::Prim(call) => {
+            TypedKind::Equal { operands, .. } => operands.iter().for_each(|id| visit(*id)),
+            TypedKind::Prim(call) => {
                 let operands = call.inputs.iter().chain(&call.params);
                 operands.flatten().for_each(|id| visit(*id));
             }
-            TypedExprKind::Call(call) => {
+            TypedKind::Call(call) => {
                 call.args.iter().flatten().for_each(|id| visit(*id));
                 call.activation.operands(visit);
             }
-            TypedExprKind::Merge { on, cases } => {
+            TypedKind::Merge { on, cases } => {
                 visit(*on);
                 cases.iter().for_each(|(_, id)| visit(*id));
             }

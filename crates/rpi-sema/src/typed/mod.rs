@@ -12,7 +12,7 @@ pub(crate) mod traversal;
 mod verify;
 
 pub use crate::typed::task_step::{TakenOverValue, TaskStep};
-pub use expr::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedExprKind};
+pub use expr::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedKind};
 pub use flow::{DeclaredClock, Flow, FlowPresence, FlowRole};
 pub use print::format_unit;
 pub use verify::verify;

@@ -1,6 +1,6 @@
 //! Prints the typed program as text, for tests and debugging.
 
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{Block, BlockId, Equation, ExprId, FlowPresence, TargetPlace, Unit};
 use std::fmt::Write;
 
@@ -62,31 +62,29 @@ fn print_equation(unit: &Unit, equation: &Equation) -> String {
 fn expr(unit: &Unit, id: ExprId) -> String {
     let kind = &unit.expr(id).kind;
     let head = match kind {
-        TypedExprKind::Error => "fault".to_owned(),
-        TypedExprKind::Const(leaves) => format!("const{}", leaves.len()),
-        TypedExprKind::Literal(leaf) => literal(leaf),
-        TypedExprKind::None => "none".to_owned(),
-        TypedExprKind::Arbitrary => "any".to_owned(),
-        TypedExprKind::Flow(flow) => unit.flow(*flow).name.to_string(),
-        TypedExprKind::Sensor { port, .. } => format!("sensor{port}"),
-        TypedExprKind::Part { at, .. } => format!("part@{at}"),
-        TypedExprKind::Slice { from, step, .. } => format!("slice{from}by{step}"),
-        TypedExprKind::Select { .. } => "select".to_owned(),
-        TypedExprKind::Build(_) => "build".to_owned(),
-        TypedExprKind::Repeat(_) => "repeat".to_owned(),
-        TypedExprKind::Replace { at, .. } => format!("replace@{at}"),
-        TypedExprKind::Each(each, _) => format!("{each:?}").to_lowercase(),
-        TypedExprKind::Equal { negated, .. } => {
-            if *negated { "differ" } else { "equal" }.to_owned()
-        }
-        TypedExprKind::Present(_) => "present".to_owned(),
-        TypedExprKind::Prim(call) => call.prim.desc().name.to_owned(),
-        TypedExprKind::Call(call) => format!("unit{}", call.unit.0),
-        TypedExprKind::When { clock, .. } => {
+        TypedKind::Error => "fault".to_owned(),
+        TypedKind::Const(leaves) => format!("const{}", leaves.len()),
+        TypedKind::Literal(leaf) => literal(leaf),
+        TypedKind::None => "none".to_owned(),
+        TypedKind::Arbitrary => "any".to_owned(),
+        TypedKind::Flow(flow) => unit.flow(*flow).name.to_string(),
+        TypedKind::Sensor { port, .. } => format!("sensor{port}"),
+        TypedKind::Part { at, .. } => format!("part@{at}"),
+        TypedKind::Slice { from, step, .. } => format!("slice{from}by{step}"),
+        TypedKind::Select { .. } => "select".to_owned(),
+        TypedKind::Build(_) => "build".to_owned(),
+        TypedKind::Repeat(_) => "repeat".to_owned(),
+        TypedKind::Replace { at, .. } => format!("replace@{at}"),
+        TypedKind::Each(each, _) => format!("{each:?}").to_lowercase(),
+        TypedKind::Equal { negated, .. } => if *negated { "differ" } else { "equal" }.to_owned(),
+        TypedKind::Present(_) => "present".to_owned(),
+        TypedKind::Prim(call) => call.prim.desc().name.to_owned(),
+        TypedKind::Call(call) => format!("unit{}", call.unit.0),
+        TypedKind::When { clock, .. } => {
             format!("when {}={}", unit.flow(clock.flow).name, clock.value)
         }
-        TypedExprKind::Merge { .. } => "merge".to_owned(),
-        TypedExprKind::Current(_) => "current".to_owned(),
+        TypedKind::Merge { .. } => "merge".to_owned(),
+        TypedKind::Current(_) => "current".to_owned(),
     };
     let mut operands = Vec::new();
     kind.operands(&mut |operand| operands.push(expr(unit, operand)));

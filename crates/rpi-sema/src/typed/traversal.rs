@@ -2,7 +2,7 @@
 //! expanded tree can be exponentially larger than the source.
 
 use crate::hash::FastSet;
-use crate::typed::{Expr, TypedExprKind};
+use crate::typed::{Expr, TypedKind};
 use crate::typed::{ExprId, Unit};
 
 /// State of a traversal. A part is returned before its operands, which are visited only if [`enter`](Parts::enter) is
@@ -34,7 +34,7 @@ impl<'u> Traversal<'u> {
     /// Adds the operands of a part, unless they were added before.
     pub(crate) fn enter(&mut self, id: ExprId) {
         let before = self.open.len();
-        let kind: &TypedExprKind = &self.unit.expr(id).kind;
+        let kind: &TypedKind = &self.unit.expr(id).kind;
         kind.operands(&mut |operand| self.open.push(operand));
         // Expressions without operands are not recorded, which keeps the set small.
         if self.open.len() > before && !self.call_guard.insert(id) {

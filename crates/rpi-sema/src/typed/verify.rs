@@ -1,6 +1,6 @@
 //! Invariants of typed units, checked after each pass in tests and debug builds.
 
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{Equation, ExprId, TargetPlace, Unit, UnitId};
 
 /// Checks the invariants of a unit of a program with `units` units.
@@ -35,16 +35,14 @@ fn verify_expr(unit: &Unit, units: usize, id: ExprId) -> Result<(), &'static str
         return Err("an operand does not precede it");
     }
     match &expr.kind {
-        TypedExprKind::Flow(flow) if flow.0 as usize >= unit.flows.len() => Err("no such flow"),
-        TypedExprKind::Call(call)
-            if call.unit >= UnitId(u32::try_from(units).unwrap_or(u32::MAX)) =>
-        {
+        TypedKind::Flow(flow) if flow.0 as usize >= unit.flows.len() => Err("no such flow"),
+        TypedKind::Call(call) if call.unit >= UnitId(u32::try_from(units).unwrap_or(u32::MAX)) => {
             Err("no such unit")
         }
-        TypedExprKind::Const(leaves) if leaves.len() != expr.ty.leaf_count() => {
+        TypedKind::Const(leaves) if leaves.len() != expr.ty.leaf_count() => {
             Err("wrong number of leaves")
         }
-        TypedExprKind::Part { base, at } => {
+        TypedKind::Part { base, at } => {
             let base = unit.expr(*base);
             let fits = base.ty.has_unknown()
                 || *at as usize + expr.ty.leaf_count() <= base.ty.leaf_count();

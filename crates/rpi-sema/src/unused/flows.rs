@@ -5,7 +5,7 @@
 
 use crate::hash::FastSet;
 use crate::program::Program;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{Equation, Flow, FlowRole, TargetPlace, Unit, UnitKind};
 use rpi_diag::{Diagnostic, Span};
 use rpi_net::passes::mark_live::{has_effect, unused};
@@ -61,8 +61,8 @@ fn read(unit: &Unit) -> Vec<bool> {
     let mut read = vec![false; unit.flows.len()];
     for expr in &unit.exprs {
         match &expr.kind {
-            TypedExprKind::Flow(flow) => read[flow.0 as usize] = true,
-            TypedExprKind::When { clock, .. } => read[clock.flow.0 as usize] = true,
+            TypedKind::Flow(flow) => read[flow.0 as usize] = true,
+            TypedKind::When { clock, .. } => read[clock.flow.0 as usize] = true,
             _ => {}
         }
     }
@@ -93,9 +93,9 @@ fn defined<'u>(
 
 /// Returns whether the only value of an equation may have a side effect. Other such values are checked on the net.
 fn may_have_side_effect(unit: &Unit, equation: &Equation) -> bool {
-    let is_effect = |kind: &TypedExprKind| match kind {
-        TypedExprKind::Call(_) => true,
-        TypedExprKind::Prim(call) => has_effect(call.prim.desc()),
+    let is_effect = |kind: &TypedKind| match kind {
+        TypedKind::Call(_) => true,
+        TypedKind::Prim(call) => has_effect(call.prim.desc()),
         _ => false,
     };
     if equation.targets.len() != 1 {

@@ -5,7 +5,7 @@ use crate::check::bodies::contract;
 use crate::check::diagnostics::report;
 use crate::check::signatures::imported;
 use crate::typed::{BlockId, ClaimKind, Equation, ExprId, FlowId, FlowRole, TargetPlace};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Contract, Ident, VarDecl};
 use std::collections::BTreeSet;
@@ -65,9 +65,9 @@ fn find_output_read(cx: &Body<'_, '_>, id: ExprId, allowed: &[&Ident]) -> Option
     let (mut parts, mut seen) = (cx.unit.traverse(id), BTreeSet::new());
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {
-            TypedExprKind::Each(ElementwiseOp::Pre, _) => {}
-            TypedExprKind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
-            TypedExprKind::Flow(flow) if seen.insert(*flow) => {
+            TypedKind::Each(ElementwiseOp::Pre, _) => {}
+            TypedKind::Flow(flow) if is_output(*flow) => return Some((*flow, expr.span)),
+            TypedKind::Flow(flow) if seen.insert(*flow) => {
                 parts.add_roots(defining_values(cx, *flow))
             }
             // Whether a mode of an imported contract applies depends on the arguments of that contract. Its

@@ -18,7 +18,7 @@ use crate::hash::{FastMap, FastSet};
 use crate::program::{DeclId, ModuleId};
 use crate::ty::Ty;
 use crate::typed::{Block, BlockId, ExprId, FlowId, Unit, UnitKind};
-use crate::typed::{Expr, TypedExprKind};
+use crate::typed::{Expr, TypedKind};
 use rpi_diag::{Diagnostic, Span};
 use rpi_syntax::ast::Locals;
 use rpi_syntax::{Dialect, Name};
@@ -204,20 +204,20 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Adds an expression. A time, or a fixed duration in seconds, is wrapped in a `Part`, which can later be replaced
     /// by a conversion between ticks and seconds.
-    pub(crate) fn add(&mut self, kind: TypedExprKind, ty: Ty, span: Span) -> ExprId {
+    pub(crate) fn add(&mut self, kind: TypedKind, ty: Ty, span: Span) -> ExprId {
         match unit::reads_rpi_syntax(self)
             && crate::check::types::exact_time::may_be_converted(&self.unit, &kind, &ty)
         {
             true => {
                 self.times.are_used |= ty == Ty::Duration;
                 let base = self.push(kind, ty.clone(), span);
-                self.push(TypedExprKind::Part { base, at: 0 }, ty, span)
+                self.push(TypedKind::Part { base, at: 0 }, ty, span)
             }
             false => self.push(kind, ty, span),
         }
     }
 
-    fn push(&mut self, kind: TypedExprKind, ty: Ty, span: Span) -> ExprId {
+    fn push(&mut self, kind: TypedKind, ty: Ty, span: Span) -> ExprId {
         let id = ExprId(u32::try_from(self.unit.exprs.len()).unwrap_or(u32::MAX));
         let ty = ty.widened();
         self.unit.exprs.push(Expr { kind, ty, span });
@@ -226,7 +226,7 @@ impl<'c, 'a> Body<'c, 'a> {
 
     /// Adds an error expression, for an error that has been reported.
     pub(crate) fn error_expr(&mut self, span: Span) -> ExprId {
-        self.add(TypedExprKind::Error, Ty::Unknown, span)
+        self.add(TypedKind::Error, Ty::Unknown, span)
     }
 
     /// Reports an error and adds an error expression.

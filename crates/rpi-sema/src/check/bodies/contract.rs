@@ -12,7 +12,7 @@ use crate::check::exprs::bindings::NotEvaluable;
 use crate::check::exprs::ops;
 use crate::check::signatures::imported;
 use crate::ty::Ty;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{BlockId, Claim, ClaimKind, ExprId, FlowRole, Leaf};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
@@ -185,7 +185,7 @@ fn join_conditions(
     let joined = conditions
         .into_iter()
         .reduce(|all, next| ops::binary_prim(cx, by, all, next, span));
-    joined.unwrap_or_else(|| cx.add(TypedExprKind::Literal(Leaf::bool(true)), Ty::Bool, span))
+    joined.unwrap_or_else(|| cx.add(TypedKind::Literal(Leaf::bool(true)), Ty::Bool, span))
 }
 
 /// Checks the condition of a claim; returns `None` if no run can evaluate it.

@@ -8,7 +8,7 @@ use crate::check::diagnostics::report;
 use crate::hash::FastSet;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, TargetPlace};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Severity};
 
 /// Infers the type of every `none` of the unit, and reports those whose type remains unknown.
@@ -37,7 +37,7 @@ pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
 
 fn is_untyped_none(cx: &Body<'_, '_>, id: ExprId) -> bool {
     let expr = cx.unit.expr(id);
-    matches!(expr.kind, TypedExprKind::None) && expr.ty.has_unknown()
+    matches!(expr.kind, TypedKind::None) && expr.ty.has_unknown()
 }
 
 fn has_untyped_none(cx: &Body<'_, '_>) -> bool {
@@ -54,7 +54,7 @@ fn context_types(cx: &Body<'_, '_>) -> Vec<(ExprId, Ty)> {
         for equation in &block.equations {
             if let [target] = &equation.targets[..] {
                 types.push((equation.value, target.ty.clone()));
-            } else if let TypedExprKind::Build(parts) = &cx.unit.expr(equation.value).kind {
+            } else if let TypedKind::Build(parts) = &cx.unit.expr(equation.value).kind {
                 let parts = parts.iter().zip(&equation.targets);
                 types.extend(parts.map(|(part, target)| (*part, target.ty.clone())));
             }
@@ -75,31 +75,31 @@ fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     let expr = cx.unit.expr(id);
     let alike = |ids: &[ExprId]| ids.iter().map(|id| (*id, expr.ty.clone())).collect();
     match &expr.kind {
-        TypedExprKind::Each(ElementwiseOp::If, operands) => {
+        TypedKind::Each(ElementwiseOp::If, operands) => {
             let mut types: Vec<(ExprId, Ty)> = alike(&operands[1..]);
             types.push((operands[0], Ty::Bool));
             types
         }
-        TypedExprKind::Each(_, operands) => alike(operands),
-        TypedExprKind::When { value, .. } => alike(&[*value]),
-        TypedExprKind::Current(operand) => alike(&[*operand]),
-        TypedExprKind::Merge { cases, .. } => {
+        TypedKind::Each(_, operands) => alike(operands),
+        TypedKind::When { value, .. } => alike(&[*value]),
+        TypedKind::Current(operand) => alike(&[*operand]),
+        TypedKind::Merge { cases, .. } => {
             alike(&cases.iter().map(|(_, case)| *case).collect::<Vec<_>>())
         }
-        TypedExprKind::Repeat(_) | TypedExprKind::Build(_) => part_types(cx, id),
-        TypedExprKind::Equal {
+        TypedKind::Repeat(_) | TypedKind::Build(_) => part_types(cx, id),
+        TypedKind::Equal {
             operands: [a, b], ..
         } => {
             vec![(*a, cx.ty_of(*b).clone()), (*b, cx.ty_of(*a).clone())]
         }
-        TypedExprKind::Call(call) => {
+        TypedKind::Call(call) => {
             let header = &cx.checker.instances.entries[call.unit.0 as usize].header;
             let args = call.args.iter().zip(&header.inputs);
             let args = args.filter_map(|(arg, port)| Some(((*arg)?, port.ty.clone())));
             let default = call.activation.default().map(|id| (id, expr.ty.clone()));
             args.chain(default).collect()
         }
-        TypedExprKind::Prim(call) => {
+        TypedKind::Prim(call) => {
             let ports = call.inputs.iter().zip(call.prim.desc().inputs);
             ports
                 .filter_map(|(input, port)| Some(((*input)?, resolve_port_type(port.ty))))
@@ -113,11 +113,11 @@ fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
 fn part_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     let expr = cx.unit.expr(id);
     match (&expr.kind, &expr.ty) {
-        (TypedExprKind::Repeat(element), Ty::Array(ty, _)) => vec![(*element, (**ty).clone())],
-        (TypedExprKind::Build(parts), Ty::Array(ty, _)) => {
+        (TypedKind::Repeat(element), Ty::Array(ty, _)) => vec![(*element, (**ty).clone())],
+        (TypedKind::Build(parts), Ty::Array(ty, _)) => {
             parts.iter().map(|part| (*part, (**ty).clone())).collect()
         }
-        (TypedExprKind::Build(parts), ty) if ty.members().len() == parts.len() => {
+        (TypedKind::Build(parts), ty) if ty.members().len() == parts.len() => {
             let parts = parts.iter().zip(ty.members());
             parts
                 .map(|(part, member)| (*part, member.ty.clone()))
@@ -132,13 +132,13 @@ fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
     let expr = &mut cx.unit.exprs[id.0 as usize];
     let passes_on = matches!(
         expr.kind,
-        TypedExprKind::None
-            | TypedExprKind::Each(..)
-            | TypedExprKind::When { .. }
-            | TypedExprKind::Current(_)
-            | TypedExprKind::Merge { .. }
-            | TypedExprKind::Repeat(_)
-            | TypedExprKind::Build(_)
+        TypedKind::None
+            | TypedKind::Each(..)
+            | TypedKind::When { .. }
+            | TypedKind::Current(_)
+            | TypedKind::Merge { .. }
+            | TypedKind::Repeat(_)
+            | TypedKind::Build(_)
     );
     if passes_on && expr.ty.has_unknown() && !ty.has_unknown() {
         expr.ty = ty.clone().widened();

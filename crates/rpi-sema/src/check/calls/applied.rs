@@ -12,7 +12,7 @@ use crate::check::exprs::expr;
 use crate::check::exprs::ops;
 use crate::check::signatures::header::Header;
 use crate::ty::{Substitution, Ty};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{self, ExprId};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::StaticOp;
@@ -39,7 +39,7 @@ pub(crate) fn call_predefined_op<'a>(
     }
     match sound {
         true => call_operator(cx, predef.op, &given, span),
-        false => cx.add(TypedExprKind::Error, gives, span),
+        false => cx.add(TypedKind::Error, gives, span),
     }
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn call_operator<'a>(
             cx.record_state(span);
             let ty = cx.ty_of(*a).clone();
             cx.add(
-                TypedExprKind::Each(typed::ElementwiseOp::Pre, [*a].into()),
+                TypedKind::Each(typed::ElementwiseOp::Pre, [*a].into()),
                 ty,
                 span,
             )
@@ -78,7 +78,7 @@ pub(crate) fn call_operator<'a>(
                 "both branches of an `if` must have the same type",
             );
             cx.add(
-                TypedExprKind::Each(typed::ElementwiseOp::If, [*c, *a, *b].into()),
+                TypedKind::Each(typed::ElementwiseOp::If, [*c, *a, *b].into()),
                 ty,
                 span,
             )
@@ -108,7 +108,7 @@ pub(crate) fn call_node_param<'a>(
     if let Some(mut args) = args::match_args_to_ports(cx, header, &given, span) {
         args::check_arg_types(cx, header, &mut args, &mut Substitution::default());
     }
-    cx.add(TypedExprKind::Error, header.result_type(), span)
+    cx.add(TypedKind::Error, header.result_type(), span)
 }
 
 fn apply_binary(cx: &mut Body<'_, '_>, op: BinaryOp, a: ExprId, b: ExprId, span: Span) -> ExprId {
@@ -119,7 +119,7 @@ fn apply_binary(cx: &mut Body<'_, '_>, op: BinaryOp, a: ExprId, b: ExprId, span:
             cx.record_state(span);
             let ty = cx.ty_of(b).clone();
             let before = cx.add(
-                TypedExprKind::Each(typed::ElementwiseOp::Pre, [b].into()),
+                TypedKind::Each(typed::ElementwiseOp::Pre, [b].into()),
                 ty,
                 span,
             );
@@ -128,5 +128,5 @@ fn apply_binary(cx: &mut Body<'_, '_>, op: BinaryOp, a: ExprId, b: ExprId, span:
         _ => return ops::binary_prim(cx, op, a, b, span),
     };
     let ty = expr::common_type(cx, a, b, "both sides must have the same type");
-    cx.add(TypedExprKind::Each(each, [a, b].into()), ty, span)
+    cx.add(TypedKind::Each(each, [a, b].into()), ty, span)
 }

@@ -8,7 +8,7 @@ use crate::check::calls::args::CallArgument;
 use crate::check::signatures::header::Header;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 
 /// Replaces positional arguments that are tuples by their elements: `f(g(x))` where `g` has two outputs.
 pub(crate) fn flatten_tuple_args<'a>(
@@ -65,7 +65,7 @@ pub(crate) fn flatten_tuple_args_for<'a>(
 fn add_piece(cx: &mut Body<'_, '_>, base: ExprId, piece: TuplePiece) -> ExprId {
     let span = cx.span_of(base);
     let at = piece.leaf;
-    cx.add(TypedExprKind::Part { base, at }, piece.ty, span)
+    cx.add(TypedKind::Part { base, at }, piece.ty, span)
 }
 
 /// Returns the elements of a tuple as expressions.

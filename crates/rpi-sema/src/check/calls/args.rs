@@ -18,7 +18,7 @@ use crate::program::DeclId;
 use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, FlowRole, UnitKind};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
@@ -343,8 +343,7 @@ pub(crate) fn check_arg_types(
 
 /// Binds the frames of a device parameter to those of the device passed for it.
 fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Substitution) {
-    let (Ty::Device(device), TypedExprKind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind)
-    else {
+    let (Ty::Device(device), TypedKind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind) else {
         return;
     };
     let outer = cx.unit.flow(*flow).name.clone();
@@ -360,23 +359,23 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
     let mut parts = cx.unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         let fixed = match &expr.kind {
-            TypedExprKind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
-            TypedExprKind::Sensor { .. }
-            | TypedExprKind::When { .. }
-            | TypedExprKind::Merge { .. }
-            | TypedExprKind::Current(_) => false,
-            TypedExprKind::Each(each, _) => {
+            TypedKind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
+            TypedKind::Sensor { .. }
+            | TypedKind::When { .. }
+            | TypedKind::Merge { .. }
+            | TypedKind::Current(_) => false,
+            TypedKind::Each(each, _) => {
                 matches!(
                     each,
                     crate::typed::ElementwiseOp::If | crate::typed::ElementwiseOp::Coalesce
                 )
             }
-            TypedExprKind::Prim(call) => {
+            TypedKind::Prim(call) => {
                 let desc = call.prim.desc();
                 desc.role == rpi_image::Role::Compute
                     && matches!(desc.state, rpi_image::StateSize::None)
             }
-            TypedExprKind::Call(call) => {
+            TypedKind::Call(call) => {
                 cx.checker.units[call.unit.0 as usize].kind == UnitKind::Function
             }
             _ => true,

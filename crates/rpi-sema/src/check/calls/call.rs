@@ -35,7 +35,7 @@ use crate::check::types::data;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Substitution, Ty};
 use crate::typed::{self, Equation, ExprId, FlowPresence, FlowRole, Target, TargetPlace, UnitKind};
-use crate::typed::{Activation, TypedExprKind};
+use crate::typed::{Activation, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef};
@@ -225,7 +225,7 @@ fn call_declared<'a>(
     match match_call(cx, id, statics, given, span) {
         Ok(fitted) => add_call(cx, fitted, activation, span),
         // The type is kept, so that the uses of the outputs are still checked.
-        Err(ty) => cx.add(TypedExprKind::Error, ty, span),
+        Err(ty) => cx.add(TypedKind::Error, ty, span),
     }
 }
 
@@ -327,7 +327,7 @@ fn add_call(
         args,
         activation,
     };
-    cx.add(TypedExprKind::Call(Box::new(call)), ty, span)
+    cx.add(TypedKind::Call(Box::new(call)), ty, span)
 }
 
 /// Gives each argument that decides the clock of another port a flow of its own, as clocks refer to flows by name.
@@ -341,7 +341,7 @@ fn name_clock_args(
     }
     let deciding = header.inputs.iter().zip(&mut args);
     for (port, arg) in deciding.filter(|(port, _)| port.is_clock) {
-        let unnamed = |id: &ExprId| !matches!(cx.unit.expr(*id).kind, TypedExprKind::Flow(_));
+        let unnamed = |id: &ExprId| !matches!(cx.unit.expr(*id).kind, TypedKind::Flow(_));
         if let Some(value) = arg.filter(unnamed) {
             *arg = Some(bind_to_flow(cx, port, value));
         }

@@ -13,7 +13,7 @@ use crate::check::exprs::expr;
 use crate::check::signatures::static_args;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::{Activation, ElementwiseOp, TypedExprKind};
+use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Call, Expr, StaticValue};
 
@@ -81,11 +81,11 @@ fn condact_of_operator<'a>(
     let value = call::call_callable(cx, callable, given, Activation::Always, span);
     let ty = cx.ty_of(value).clone();
     statement::expect_type(cx, default, &ty, &ExpectationReason::Unexplained);
-    let none = cx.add(TypedExprKind::None, ty.clone(), span);
-    let there = TypedExprKind::Each(ElementwiseOp::If, [every, value, none].into());
+    let none = cx.add(TypedKind::None, ty.clone(), span);
+    let there = TypedKind::Each(ElementwiseOp::If, [every, value, none].into());
     let there = cx.add(there, ty.clone(), span);
     cx.add(
-        TypedExprKind::Each(ElementwiseOp::Hold, [there, default].into()),
+        TypedKind::Each(ElementwiseOp::Hold, [there, default].into()),
         ty,
         span,
     )

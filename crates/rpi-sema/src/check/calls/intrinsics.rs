@@ -17,7 +17,7 @@ use crate::check::types::exact_time;
 use crate::check::types::machine_int;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::ExprId;
-use crate::typed::{Activation, ElementwiseOp, TypedExprKind};
+use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use crate::units::{Dimension, Ratio};
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Span};
@@ -150,7 +150,7 @@ fn nondeterministic_value<'a>(
         Diagnostic::new(Code::RPI1013, "nondeterministic value")
             .primary(span, "false or 0 at run time"),
     );
-    cx.add(TypedExprKind::Arbitrary, ty, span)
+    cx.add(TypedKind::Arbitrary, ty, span)
 }
 
 /// Checks a predeclared operator with checked arguments.
@@ -162,12 +162,12 @@ pub(crate) fn apply_intrinsic<'a>(
 ) -> ExprId {
     let values: Vec<ExprId> = given.iter().map(|arg| arg.value).collect();
     match (special, &values[..]) {
-        (Intrinsic::Present, [x]) => cx.add(TypedExprKind::Present(*x), Ty::Bool, span),
+        (Intrinsic::Present, [x]) => cx.add(TypedKind::Present(*x), Ty::Bool, span),
         (Intrinsic::Hold, [x, init]) => {
             cx.record_state(span);
             let ty = expr::common_type(cx, *x, *init, "this is the value before the first one");
             cx.add(
-                TypedExprKind::Each(ElementwiseOp::Hold, [*x, *init].into()),
+                TypedKind::Each(ElementwiseOp::Hold, [*x, *init].into()),
                 ty,
                 span,
             )
@@ -207,7 +207,7 @@ fn time_conversion(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
         &ExpectationReason::Unexplained,
     ) {
         true => exact_time::ticks_from_seconds(cx, x, span),
-        false => cx.add(TypedExprKind::Error, Ty::Duration, span),
+        false => cx.add(TypedKind::Error, Ty::Duration, span),
     }
 }
 
@@ -260,7 +260,7 @@ fn check_condact<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> 
         [one] => Some(one),
         _ => {
             let ty = Ty::tuple(defaults.iter().map(|id| cx.ty_of(*id).clone()));
-            Some(cx.add(TypedExprKind::Build(defaults.into()), ty, span))
+            Some(cx.add(TypedKind::Build(defaults.into()), ty, span))
         }
     };
     let activation = Activation::Condact {

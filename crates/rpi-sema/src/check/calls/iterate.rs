@@ -16,7 +16,7 @@ use crate::check::signatures::static_args;
 use crate::check::types::consts;
 use crate::program::Program;
 use crate::ty::{Member, Ty};
-use crate::typed::{Activation, TypedExprKind};
+use crate::typed::{Activation, TypedKind};
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
@@ -211,7 +211,7 @@ fn elements_at(cx: &mut Body<'_, '_>, arrays: &[ExprId], k: u32, n: u32) -> Opti
             Ty::Array(element, m) if m == n => {
                 let at = k * leaf_count(&element);
                 elements.push(cx.add(
-                    TypedExprKind::Part { base: *array, at },
+                    TypedKind::Part { base: *array, at },
                     (*element).clone(),
                     span,
                 ));
@@ -318,7 +318,7 @@ fn collect_column(cx: &mut Body<'_, '_>, elements: &[ExprId], span: Span) -> Exp
         .map_or(Ty::Unknown, |id| cx.ty_of(*id).clone());
     compose::add_array(
         cx,
-        TypedExprKind::Build(elements.into()),
+        TypedKind::Build(elements.into()),
         Rc::new(element),
         n,
         span,
@@ -335,11 +335,7 @@ fn one_or_tuple(cx: &mut Body<'_, '_>, values: Vec<ExprId>, span: Span) -> ExprI
         .iter()
         .map(|id| member(cx.ty_of(*id).clone()))
         .collect();
-    cx.add(
-        TypedExprKind::Build(values.into()),
-        Ty::Tuple(members),
-        span,
-    )
+    cx.add(TypedKind::Build(values.into()), Ty::Tuple(members), span)
 }
 
 /// Checks `boolred<<least; most; n>>(a)`: whether the number of true elements is between the bounds.
@@ -356,7 +352,7 @@ fn count_true(
             .primary(span, "wrong number of arguments");
         return cx.report_error_expr(diagnostic, span);
     };
-    let mut total = cx.add(TypedExprKind::Literal(Leaf::int(0)), Ty::Int, span);
+    let mut total = cx.add(TypedKind::Literal(Leaf::int(0)), Ty::Int, span);
     for k in 0..n {
         let Some(element) = elements_at(cx, &[*array], k, n) else {
             return cx.error_expr(span);
@@ -366,7 +362,7 @@ fn count_true(
     }
     let bounds = [(BinaryOp::Ge, least), (BinaryOp::Le, most)];
     let [at_least, at_most] = bounds.map(|(op, bound)| {
-        let bound = cx.add(TypedExprKind::Literal(Leaf::int(bound)), Ty::Int, span);
+        let bound = cx.add(TypedKind::Literal(Leaf::int(bound)), Ty::Int, span);
         ops::binary_prim(cx, op, total, bound, span)
     });
     ops::logical_prim(cx, prim!("Core::BooleanAnd"), &[at_least, at_most], span)
@@ -374,8 +370,8 @@ fn count_true(
 
 /// Adds the sum of `total` and 1 if the condition holds, else `total`.
 fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: Span) -> ExprId {
-    let [one, zero] = [1, 0].map(|v| cx.add(TypedExprKind::Literal(Leaf::int(v)), Ty::Int, span));
-    let more = TypedExprKind::Each(
+    let [one, zero] = [1, 0].map(|v| cx.add(TypedKind::Literal(Leaf::int(v)), Ty::Int, span));
+    let more = TypedKind::Each(
         crate::typed::ElementwiseOp::If,
         [condition, one, zero].into(),
     );

@@ -12,7 +12,7 @@ use crate::check::exprs::names;
 use crate::check::types::consts;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::{PrimCall, TypedExprKind};
+use crate::typed::{PrimCall, TypedKind};
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{Fallback, PortType, PrimDesc, Role, Scalar, StateSize};
@@ -111,7 +111,7 @@ pub(crate) fn add_prim(
         inputs: all.into(),
         params: vec![None; prim.desc().params.len()].into(),
     };
-    cx.add(TypedExprKind::Prim(Box::new(call)), ty, span)
+    cx.add(TypedKind::Prim(Box::new(call)), ty, span)
 }
 
 /// Adds a call of a primitive without in-ports.
@@ -251,7 +251,7 @@ fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: PrimArgs, span: S
         inputs: slots.inputs.into(),
         params: slots.params.into(),
     };
-    cx.add(TypedExprKind::Prim(Box::new(call)), ty, span)
+    cx.add(TypedKind::Prim(Box::new(call)), ty, span)
 }
 
 /// Composes the reals that replace an in-port into one constant.
@@ -279,7 +279,7 @@ fn compose_inputs(
             reals[place] = consts::fold(cx, value)?.first()?.as_real()?;
         }
         let ty = prim_ports::resolve_port_type(port.ty);
-        slots.inputs[k] = Some(cx.add(TypedExprKind::Literal(make(&reals)), ty, span));
+        slots.inputs[k] = Some(cx.add(TypedKind::Literal(make(&reals)), ty, span));
     }
     Some(())
 }

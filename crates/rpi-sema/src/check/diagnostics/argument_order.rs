@@ -8,7 +8,7 @@ use crate::check::signatures::header::Header;
 use crate::ty::Substitution;
 use crate::ty::check_assignable;
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use rpi_diag::{Code, Diagnostic, Fix};
 
 /// Maximum number of mismatched arguments for which other orders are tried.
@@ -117,7 +117,7 @@ fn reorder_fix(
 
 /// Returns the name of a flow if the expression is only that name.
 fn plain_flow_name(cx: &Body<'_, '_>, id: ExprId) -> Option<String> {
-    let TypedExprKind::Flow(flow) = &cx.unit.expr(id).kind else {
+    let TypedKind::Flow(flow) = &cx.unit.expr(id).kind else {
         return None;
     };
     let name = cx.unit.flow(*flow).name.to_string();

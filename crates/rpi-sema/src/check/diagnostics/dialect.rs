@@ -7,7 +7,7 @@
 //! reported by the parser.
 
 use crate::facts::literal;
-use crate::typed::{ElementwiseOp, PrimCall, TypedExprKind};
+use crate::typed::{ElementwiseOp, PrimCall, TypedKind};
 use crate::typed::{Equation, ExprId, FlowId, Leaf, TargetPlace, Unit};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
@@ -53,7 +53,7 @@ fn dialect_warning(at: Span, (_, word, here, elsewhere): &Division) -> Diagnosti
 fn first_negative_dividend(unit: &Unit) -> Option<(Span, &'static Division)> {
     let mut search = NegativeSearch::new(unit);
     unit.exprs.iter().find_map(|expr| {
-        let TypedExprKind::Prim(call) = &expr.kind else {
+        let TypedKind::Prim(call) = &expr.kind else {
             return None;
         };
         let division = DIVISIONS.iter().find(|(prim, ..)| *prim == call.prim)?;
@@ -108,18 +108,16 @@ impl<'u> NegativeSearch<'u> {
     /// regardless.
     fn sign_dependencies(&mut self, id: ExprId) -> Option<Vec<ExprId>> {
         match &self.unit.expr(id).kind {
-            TypedExprKind::Error => Some(Vec::new()),
-            TypedExprKind::Literal(_) | TypedExprKind::Const(_) => {
+            TypedKind::Error => Some(Vec::new()),
+            TypedKind::Literal(_) | TypedKind::Const(_) => {
                 self.constant(id).filter(|n| *n >= 0).map(|_| Vec::new())
             }
-            TypedExprKind::Flow(flow) => self.sources(*flow),
-            TypedExprKind::When { value, .. } | TypedExprKind::Current(value) => Some(vec![*value]),
-            TypedExprKind::Merge { cases, .. } => {
-                Some(cases.iter().map(|(_, case)| *case).collect())
-            }
-            TypedExprKind::Each(ElementwiseOp::If, operands) => self.unproven_branches(operands),
-            TypedExprKind::Each(_, operands) => Some(operands.to_vec()),
-            TypedExprKind::Prim(call) => {
+            TypedKind::Flow(flow) => self.sources(*flow),
+            TypedKind::When { value, .. } | TypedKind::Current(value) => Some(vec![*value]),
+            TypedKind::Merge { cases, .. } => Some(cases.iter().map(|(_, case)| *case).collect()),
+            TypedKind::Each(ElementwiseOp::If, operands) => self.unproven_branches(operands),
+            TypedKind::Each(_, operands) => Some(operands.to_vec()),
+            TypedKind::Prim(call) => {
                 let (_, count) = SIGN_PRESERVING
                     .iter()
                     .find(|(prim, _)| *prim == call.prim)?;
@@ -150,7 +148,7 @@ impl<'u> NegativeSearch<'u> {
     /// Whether the branch `way` is not negative because the condition holds (`holds`) or fails: `x` where `x >= 0`,
     /// `-x` where `x < 0`.
     fn is_proven_nonnegative(&self, condition: ExprId, holds: bool, way: ExprId) -> bool {
-        let TypedExprKind::Prim(test) = &self.unit.expr(condition).kind else {
+        let TypedKind::Prim(test) = &self.unit.expr(condition).kind else {
             return false;
         };
         let Some((high, low)) = operands(test).filter(|_| LOWER_BOUND_TESTS.contains(&test.prim))
@@ -178,7 +176,7 @@ impl<'u> NegativeSearch<'u> {
     /// Returns the operand of a negation.
     fn negated(&self, id: ExprId) -> Option<ExprId> {
         match &self.unit.expr(id).kind {
-            TypedExprKind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => {
+            TypedKind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => {
                 *call.inputs.first()?
             }
             _ => None,
@@ -188,8 +186,8 @@ impl<'u> NegativeSearch<'u> {
     /// Returns the value of an integer constant.
     fn constant(&self, id: ExprId) -> Option<i64> {
         match &self.unit.expr(id).kind {
-            TypedExprKind::Literal(leaf) => leaf.as_int(),
-            TypedExprKind::Const(leaves) => match &leaves[..] {
+            TypedKind::Literal(leaf) => leaf.as_int(),
+            TypedKind::Const(leaves) => match &leaves[..] {
                 [leaf] => Leaf::as_int(leaf),
                 _ => None,
             },
@@ -219,7 +217,7 @@ fn add_sources(unit: &Unit) -> Vec<Vec<ExprId>> {
 /// Returns the value of target `k` of an equation: its part of a tuple, or else the whole value.
 fn target_value(unit: &Unit, equation: &Equation, k: usize) -> ExprId {
     match &unit.expr(equation.value).kind {
-        TypedExprKind::Build(parts) if parts.len() == equation.targets.len() => parts[k],
+        TypedKind::Build(parts) if parts.len() == equation.targets.len() => parts[k],
         _ => equation.value,
     }
 }

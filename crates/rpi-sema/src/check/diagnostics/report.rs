@@ -6,7 +6,7 @@ use crate::check::types::quantity;
 use crate::check::types::quantity::MeasuredValue;
 use crate::ty::{Ty, TypeMismatchError};
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::units::Dimension;
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
@@ -71,7 +71,7 @@ pub(crate) fn is_number_literal(cx: &Body<'_, '_>, id: ExprId) -> bool {
 
 /// Whether an expression is the element that an iterator takes from an array. Only the array has source text.
 fn is_iterator_element(cx: &Body<'_, '_>, id: ExprId) -> bool {
-    matches!(cx.unit.expr(id).kind, TypedExprKind::Part { base, .. } if cx.span_of(base) == cx.span_of(id))
+    matches!(cx.unit.expr(id).kind, TypedKind::Part { base, .. } if cx.span_of(base) == cx.span_of(id))
 }
 
 /// Returns the diagnostic for a value whose type is of another kind than the expected type.
@@ -150,7 +150,7 @@ fn with_output_fixes(
 fn real_literal_fix(cx: &Body<'_, '_>, id: ExprId) -> Fix {
     let (span, fix) = (cx.span_of(id), Fix::sure("write a real"));
     let value = match &cx.unit.expr(id).kind {
-        TypedExprKind::Literal(leaf) => leaf.as_int(),
+        TypedKind::Literal(leaf) => leaf.as_int(),
         _ => None,
     };
     let text = value.map(|value| value.to_string());
@@ -172,11 +172,11 @@ pub(crate) fn to_real_fix(cx: &Body<'_, '_>, id: ExprId) -> Fix {
 fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
     let (span, title) = (cx.span_of(id), format!("convert with `{word}`"));
     match &cx.unit.expr(id).kind {
-        TypedExprKind::Flow(_)
-        | TypedExprKind::Literal(_)
-        | TypedExprKind::Const(_)
-        | TypedExprKind::Call(_)
-        | TypedExprKind::Part { .. } => Fix::maybe(title).insert_before(span, format!("{word} ")),
+        TypedKind::Flow(_)
+        | TypedKind::Literal(_)
+        | TypedKind::Const(_)
+        | TypedKind::Call(_)
+        | TypedKind::Part { .. } => Fix::maybe(title).insert_before(span, format!("{word} ")),
         _ => Fix::maybe(title)
             .insert_before(span, format!("{word} ("))
             .insert_after(span, ")"),

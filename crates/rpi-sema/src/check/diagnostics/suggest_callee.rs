@@ -9,7 +9,7 @@ use crate::check::types::type_decls;
 use crate::program::{Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, ExprKind};
@@ -82,7 +82,7 @@ pub(crate) fn suggest_struct_literal<'a>(
     if let Some(diagnostic) = diagnostic_at(cx, name.span, Code::RPI1003) {
         *diagnostic = mended;
     }
-    cx.add(TypedExprKind::Error, Ty::Struct(ty), span)
+    cx.add(TypedKind::Error, Ty::Struct(ty), span)
 }
 
 /// Reports a call `map(f, a)` of an iterator whose static arguments are written among the arguments.

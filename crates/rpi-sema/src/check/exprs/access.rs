@@ -16,7 +16,7 @@ use crate::check::types::consts;
 use crate::check::types::type_decls;
 use crate::program::{DeclKind, Lookup};
 use crate::ty::{DevicePortTy, DeviceTy, Member, Substitution, Ty};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{BlockId, ExprId, FlowId, TargetPlace};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
@@ -186,7 +186,7 @@ pub(crate) fn member_access(cx: &mut Body<'_, '_>, base: ExprId, field: &Ident) 
         Ty::Device(device) => sensor_access(cx, base, &device, field, span),
         Ty::Spatial(..) => spatial_parts::spatial_part(cx, base, field, span),
         ty => match find_member(&ty, &field.name) {
-            Some((at, ty)) => cx.add(TypedExprKind::Part { base, at }, ty, span),
+            Some((at, ty)) => cx.add(TypedKind::Part { base, at }, ty, span),
             None => cx.report_error_expr(unknown_member(&ty, &value_description(&ty), field), span),
         },
     }
@@ -227,7 +227,7 @@ fn sensor_access(
         return cx.error_expr(span);
     };
     let port = u32::try_from(index).unwrap_or(u32::MAX);
-    cx.add(TypedExprKind::Sensor { device: base, port }, ty, span)
+    cx.add(TypedKind::Sensor { device: base, port }, ty, span)
 }
 
 /// Returns the type of a device's port, with the frames of this device. Reports a size that depends on a parameter
@@ -255,7 +255,7 @@ fn port_type(
         report::report_diagnostic(cx, diagnostic);
         return None;
     };
-    let TypedExprKind::Flow(flow) = cx.unit.expr(base).kind else {
+    let TypedKind::Flow(flow) = cx.unit.expr(base).kind else {
         return Some(ty.clone());
     };
     Some(ty.substituted(&device_frame_subst(cx, device, flow)))
@@ -312,7 +312,7 @@ pub(crate) fn actuator_target<'a>(
         return nowhere;
     };
     let base = cx.add(
-        TypedExprKind::Flow(flow),
+        TypedKind::Flow(flow),
         Ty::Device(device.clone()),
         target.name.span,
     );

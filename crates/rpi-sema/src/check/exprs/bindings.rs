@@ -4,7 +4,7 @@
 use crate::check::bodies::body::Body;
 use crate::ty::Ty;
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, ExprKind, Ident};
@@ -71,19 +71,19 @@ pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Op
     let bound = cx.bindings.bound_names[at].clone();
     Some(match &bound.value {
         BindingValue::Index(value) => cx.add(
-            TypedExprKind::Literal(crate::typed::Leaf::int(*value)),
+            TypedKind::Literal(crate::typed::Leaf::int(*value)),
             Ty::Int,
             span,
         ),
         BindingValue::Expr(value) => copy_of(cx, *value, span),
-        BindingValue::Refined(ty) => cx.add(TypedExprKind::Arbitrary, ty.clone(), span),
+        BindingValue::Refined(ty) => cx.add(TypedKind::Arbitrary, ty.clone(), span),
         BindingValue::Quantified(_) if cx.bindings.forbidden.is_some_and(|before| at < before) => {
             report_not_constant(cx, &bound, span)
         }
         BindingValue::Quantified(_) if cx.bindings.pre_depth > bound.pre_depth => {
             report_pre_of_quantified(cx, &bound, span)
         }
-        BindingValue::Quantified(ty) => cx.add(TypedExprKind::Arbitrary, ty.clone(), span),
+        BindingValue::Quantified(ty) => cx.add(TypedKind::Arbitrary, ty.clone(), span),
     })
 }
 

@@ -5,7 +5,7 @@ use crate::check::diagnostics::report;
 use crate::check::exprs::expr;
 use crate::check::exprs::ops::ORDERINGS;
 use crate::typed::ExprId;
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Fix, Span};
 use rpi_syntax::ast::{Binary, ExprKind};
 use rpi_syntax::ops::BinaryOp;
@@ -26,7 +26,7 @@ pub(crate) fn elementwise_binary<'a>(
     if report::has_error_since(cx, before) && hint_comparison_precedence(cx, binary) {
         return cx.error_expr(span);
     }
-    cx.add(TypedExprKind::Each(each, [left, right].into()), ty, span)
+    cx.add(TypedKind::Each(each, [left, right].into()), ty, span)
 }
 
 /// Adds the missing parentheses to the reported diagnostic about `a ?? b = c`; returns `false` for any other

@@ -2,7 +2,7 @@
 
 use crate::check::bodies::body::Body;
 use crate::facts::literal;
-use crate::typed::{Activation, Call, TypedExprKind};
+use crate::typed::{Activation, Call, TypedKind};
 use crate::typed::{DeclaredClock, ExprId};
 
 /// Gives a call in a case of a `merge` and its arguments the clock of the case, if the call is activated by the
@@ -33,7 +33,7 @@ pub(crate) fn sample_activated_case(
         activation,
     };
     let (ty, span) = (cx.ty_of(case).clone(), cx.span_of(case));
-    cx.add(TypedExprKind::Call(Box::new(call)), ty, span)
+    cx.add(TypedKind::Call(Box::new(call)), ty, span)
 }
 
 /// Returns the clock of a case, its call, and the restart condition of the call.
@@ -43,7 +43,7 @@ fn case_activation(
     value: u32,
     case: ExprId,
 ) -> Option<(DeclaredClock, Call, Option<ExprId>)> {
-    let (TypedExprKind::Flow(flow), TypedExprKind::Call(call)) =
+    let (TypedKind::Flow(flow), TypedKind::Call(call)) =
         (&cx.unit.expr(on).kind, &cx.unit.expr(case).kind)
     else {
         return None;
@@ -63,5 +63,5 @@ fn case_activation(
 
 fn add_when(cx: &mut Body<'_, '_>, value: ExprId, clock: DeclaredClock) -> ExprId {
     let (ty, span) = (cx.ty_of(value).clone(), cx.span_of(value));
-    cx.add(TypedExprKind::When { value, clock }, ty, span)
+    cx.add(TypedKind::When { value, clock }, ty, span)
 }

@@ -19,7 +19,7 @@ use crate::check::signatures::unit;
 use crate::hash::{FastMap, FastSet};
 use crate::ty::{EnumTy, Ty, join};
 use crate::typed::{DeclaredClock, ExprId, FlowId};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{self, Clock, ClockValue, Ident, Merge, WhenExpr};
 use std::rc::Rc;
@@ -29,8 +29,8 @@ pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a WhenExpr, span: Spa
     let value = expr::check_expr(cx, &when.value);
     let ty = cx.ty_of(value).clone();
     match resolve_clock(cx, &when.clock) {
-        Some(clock) => cx.add(TypedExprKind::When { value, clock }, ty, span),
-        None => cx.add(TypedExprKind::Error, ty, span),
+        Some(clock) => cx.add(TypedKind::When { value, clock }, ty, span),
+        None => cx.add(TypedKind::Error, ty, span),
     }
 }
 
@@ -165,7 +165,7 @@ pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span
         check_exhaustive_merge(cx, &of, &cases, span);
     }
     let cases = cases.into();
-    cx.add(TypedExprKind::Merge { on, cases }, ty, span)
+    cx.add(TypedKind::Merge { on, cases }, ty, span)
 }
 
 /// Returns the type of the condition of a `merge`; `Unknown` after the error about an unsuitable type.
@@ -174,7 +174,7 @@ fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
     if matches!(ty, Ty::Bool | Ty::Enum(_) | Ty::Unknown) {
         return ty;
     }
-    if let TypedExprKind::Flow(flow) = cx.unit.expr(on).kind {
+    if let TypedKind::Flow(flow) = cx.unit.expr(on).kind {
         cx.reported
             .invalid_clocks
             .record(&flow, cx.diagnostics.len());
@@ -242,7 +242,7 @@ pub(crate) fn current_expr<'a>(
             .help("use `hold(x, 0)` for an initial value: the latest value of `x`, 0 before the first one");
         return cx.report_error_expr(diagnostic, span);
     }
-    cx.add(TypedExprKind::Current(operand), ty, span)
+    cx.add(TypedKind::Current(operand), ty, span)
 }
 
 /// Checks `last x`. For a flow shared by states, it is the value of the previous cycle in whichever state that was.
@@ -259,7 +259,7 @@ pub(crate) fn last_expr<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span:
     cx.bindings.pre_depth -= 1;
     let ty = cx.ty_of(operand).clone();
     cx.add(
-        TypedExprKind::Each(ElementwiseOp::Last, [operand].into()),
+        TypedKind::Each(ElementwiseOp::Last, [operand].into()),
         ty,
         span,
     )
@@ -272,7 +272,7 @@ fn last_operand<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> ExprId {
         return access::member_access(cx, base, &field.field);
     }
     let id = expr::check_expr(cx, operand);
-    if let TypedExprKind::Flow(flow) = cx.unit.expr(id).kind
+    if let TypedKind::Flow(flow) = cx.unit.expr(id).kind
         && let Some(outer) = outermost_total_flow(cx, flow)
     {
         return names::flow_expr(cx, outer, operand.span);

@@ -19,7 +19,7 @@ use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{self, Binary, FieldValue, Ident, StaticArg, StructExpr};
 use std::rc::Rc;
@@ -52,19 +52,13 @@ pub(crate) fn array_literal<'a>(
         }
     }
     let n = u32::try_from(ids.len()).unwrap_or(u32::MAX);
-    add_array(
-        cx,
-        TypedExprKind::Build(ids.into()),
-        Rc::new(element),
-        n,
-        span,
-    )
+    add_array(cx, TypedKind::Build(ids.into()), Rc::new(element), n, span)
 }
 
 /// Adds an expression of an array type; reports an array with too many leaves.
 pub(crate) fn add_array(
     cx: &mut Body<'_, '_>,
-    kind: TypedExprKind,
+    kind: TypedKind,
     element: Rc<Ty>,
     n: u32,
     span: Span,
@@ -83,7 +77,7 @@ pub(crate) fn array_repeat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
         return cx.error_expr(span);
     };
     let ty = Rc::new(cx.ty_of(element).clone());
-    add_array(cx, TypedExprKind::Repeat(element), ty, n, span)
+    add_array(cx, TypedKind::Repeat(element), ty, n, span)
 }
 
 /// Checks the concatenation of arrays, `x | y`.
@@ -111,7 +105,7 @@ pub(crate) fn array_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
     let n = n.saturating_add(*m);
     add_array(
         cx,
-        TypedExprKind::Build([left, right].into()),
+        TypedKind::Build([left, right].into()),
         a.clone(),
         n,
         span,
@@ -179,8 +173,8 @@ pub(crate) fn struct_literal<'a>(
     let given = check_field_values(cx, &ty, &value.fields);
     let parts = given.and_then(|given| fill_fields(cx, &ty, &given, base, span));
     match parts {
-        Some(parts) => cx.add(TypedExprKind::Build(parts.into()), Ty::Struct(ty), span),
-        None => cx.add(TypedExprKind::Error, Ty::Struct(ty), span),
+        Some(parts) => cx.add(TypedKind::Build(parts.into()), Ty::Struct(ty), span),
+        None => cx.add(TypedKind::Error, Ty::Struct(ty), span),
     }
 }
 
@@ -281,16 +275,14 @@ pub(crate) fn fill_fields(
         let part = match (given[k], base, ty.defaults.get(k)) {
             (Some(id), ..) => Some(id),
             (None, Some(base), _) => {
-                Some(cx.add(TypedExprKind::Part { base, at }, field.ty.clone(), span))
+                Some(cx.add(TypedKind::Part { base, at }, field.ty.clone(), span))
             }
             (None, None, Some(Some(default))) if default.is_empty() => {
-                Some(cx.add(TypedExprKind::Error, field.ty.clone(), span))
+                Some(cx.add(TypedKind::Error, field.ty.clone(), span))
             }
-            (None, None, Some(Some(default))) => Some(cx.add(
-                TypedExprKind::Const(default.clone()),
-                field.ty.clone(),
-                span,
-            )),
+            (None, None, Some(Some(default))) => {
+                Some(cx.add(TypedKind::Const(default.clone()), field.ty.clone(), span))
+            }
             _ => None,
         };
         match part {

@@ -24,7 +24,7 @@ use crate::check::types::exact_time;
 use crate::check::types::machine_int;
 use crate::check::types::quantity::angle_without_unit;
 use crate::ty::{Ty, join};
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, Leaf};
 use crate::units::BaseDim;
 use rpi_diag::{Applicability, Code, Diagnostic, Span};
@@ -42,14 +42,14 @@ pub(crate) fn check_expr<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> Expr
 fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
     let span = expr.span;
     match &expr.kind {
-        ExprKind::Bool(value) => cx.add(TypedExprKind::Literal(Leaf::bool(*value)), Ty::Bool, span),
+        ExprKind::Bool(value) => cx.add(TypedKind::Literal(Leaf::bool(*value)), Ty::Bool, span),
         ExprKind::Number(number) => {
             cx.inference.number_literals.insert(span);
             number_literal(cx, number, false, span)
         }
         ExprKind::Quantity(quantity) => quantity_literal(cx, quantity, span),
         ExprKind::Str(text) => cx.add(
-            TypedExprKind::Literal(Leaf::Str(text.to_string())),
+            TypedKind::Literal(Leaf::Str(text.to_string())),
             Ty::Text,
             span,
         ),
@@ -91,7 +91,7 @@ pub(crate) fn number_literal(
         } else {
             number.real_value()
         };
-        return cx.add(TypedExprKind::Literal(Leaf::real(value)), Ty::REAL, span);
+        return cx.add(TypedKind::Literal(Leaf::real(value)), Ty::REAL, span);
     }
     let Some(value) = number.int_value() else {
         // The parser has reported it, except after a sign that may be the end of `uint@<64>`.
@@ -101,7 +101,7 @@ pub(crate) fn number_literal(
         return cx.error_expr(span);
     };
     match signed_literal(value, negative) {
-        Some(value) => cx.add(TypedExprKind::Literal(Leaf::int(value)), Ty::Int, span),
+        Some(value) => cx.add(TypedKind::Literal(Leaf::int(value)), Ty::Int, span),
         None => cx.report_error_expr(integer_too_large(span), span),
     }
 }
@@ -113,7 +113,7 @@ fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> E
         Ok(Some(measure)) => {
             let value = measure.factor.apply(quantity.number.real_value());
             cx.add(
-                TypedExprKind::Literal(Leaf::real(value)),
+                TypedKind::Literal(Leaf::real(value)),
                 Ty::Real(measure.dim),
                 span,
             )
@@ -126,7 +126,7 @@ fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> E
 /// checking alone would accept it.
 pub(crate) fn check_angle_unit(cx: &mut Body<'_, '_>, id: ExprId, expected: &Ty) -> bool {
     let expr = cx.unit.expr(id);
-    let (TypedExprKind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
+    let (TypedKind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
         (&expr.kind, &expr.ty, expected)
     else {
         return true;
@@ -176,7 +176,7 @@ fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> Ex
         "both branches of an `if` must have the same type",
     );
     cx.add(
-        TypedExprKind::Each(ElementwiseOp::If, [condition, yes, no].into()),
+        TypedKind::Each(ElementwiseOp::If, [condition, yes, no].into()),
         ty,
         span,
     )
@@ -289,7 +289,7 @@ pub(crate) fn boolean_operands<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr
     if let Ty::Array(element, n) = cx.ty_of(id).clone() {
         let parts = (0..n).map(|k| {
             cx.add(
-                TypedExprKind::Part { base: id, at: k },
+                TypedKind::Part { base: id, at: k },
                 (*element).clone(),
                 operand.span,
             )
@@ -312,7 +312,7 @@ fn none_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
 
 /// Adds the disjunction of the operands.
 fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
-    let first = cx.add(TypedExprKind::Literal(Leaf::bool(false)), Ty::Bool, span);
+    let first = cx.add(TypedKind::Literal(Leaf::bool(false)), Ty::Bool, span);
     let or = |any: ExprId, next: &ExprId| {
         ops::logical_prim(cx, prim!("Core::BooleanOr"), &[any, *next], span)
     };
@@ -322,7 +322,7 @@ fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
 /// Adds an expression that is true if at most one operand is true. Its size is linear in the number of operands.
 pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
     let [first, rest @ ..] = operands else {
-        return cx.add(TypedExprKind::Literal(Leaf::bool(true)), Ty::Bool, span);
+        return cx.add(TypedKind::Literal(Leaf::bool(true)), Ty::Bool, span);
     };
     let (mut any, mut two) = (*first, None);
     for next in rest {
@@ -335,7 +335,7 @@ pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span
     }
     match two {
         Some(two) => ops::logical_prim(cx, prim!("Core::BooleanNot"), &[two], span),
-        None => cx.add(TypedExprKind::Literal(Leaf::bool(true)), Ty::Bool, span),
+        None => cx.add(TypedKind::Literal(Leaf::bool(true)), Ty::Bool, span),
     }
 }
 
@@ -343,7 +343,7 @@ pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span
 fn tuple_expr<'a>(cx: &mut Body<'_, 'a>, elements: &'a [ast::Expr], span: Span) -> ExprId {
     let elements: Vec<ExprId> = elements.iter().map(|e| check_expr(cx, e)).collect();
     let ty = Ty::tuple(elements.iter().map(|id| cx.ty_of(*id).clone()));
-    cx.add(TypedExprKind::Build(elements.into()), ty, span)
+    cx.add(TypedKind::Build(elements.into()), ty, span)
 }
 
 /// Returns the diagnostic for an integer literal that exceeds 64 bits.

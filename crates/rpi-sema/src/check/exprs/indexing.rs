@@ -11,7 +11,7 @@ use crate::check::signatures::unit;
 use crate::check::types::consts;
 use crate::check::types::is_kind2_type;
 use crate::ty::Ty;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Index, SliceBounds, SliceExpr};
@@ -57,12 +57,12 @@ pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Sp
         Some(k) => match checked_index(cx, k, n, cx.span_of(at)) {
             Some(k) => {
                 let at = k * access::leaf_count(&element);
-                cx.add(TypedExprKind::Part { base, at }, (*element).clone(), span)
+                cx.add(TypedKind::Part { base, at }, (*element).clone(), span)
             }
             None => cx.error_expr(span),
         },
         None => cx.add(
-            TypedExprKind::Select { base, index: at },
+            TypedKind::Select { base, index: at },
             (*element).clone(),
             span,
         ),
@@ -90,14 +90,14 @@ fn tuple_index(
         .map(|member| access::leaf_count(&member.ty))
         .sum();
     let ty = members[k as usize].ty.clone();
-    cx.add(TypedExprKind::Part { base, at: from }, ty, span)
+    cx.add(TypedKind::Part { base, at: from }, ty, span)
 }
 
 /// Returns the value of an integer expression if it is known at compile time.
 pub(crate) fn const_int(cx: &mut Body<'_, '_>, id: ExprId) -> Option<i64> {
     match &cx.unit.expr(id).kind {
-        TypedExprKind::Literal(value) => value.as_int(),
-        TypedExprKind::Flow(_) if cx.unit.kind != crate::typed::UnitKind::Constant => None,
+        TypedKind::Literal(value) => value.as_int(),
+        TypedKind::Flow(_) if cx.unit.kind != crate::typed::UnitKind::Constant => None,
         _ => consts::fold_silently(cx, id)?
             .first()
             .and_then(Leaf::as_int),
@@ -161,7 +161,7 @@ pub(crate) fn slice_access<'a>(cx: &mut Body<'_, 'a>, slice: &'a SliceExpr, span
     };
     let ty = Ty::Array(element, range.len);
     let (from, step) = (range.from, range.step);
-    cx.add(TypedExprKind::Slice { base, from, step }, ty, span)
+    cx.add(TypedKind::Slice { base, from, step }, ty, span)
 }
 
 fn slice_range<'a>(

@@ -14,7 +14,7 @@ use crate::check::types::data;
 use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::{EnumTy, Ty};
 use crate::typed::ExprId;
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arm, Ident, Match, Pattern};
@@ -66,7 +66,7 @@ pub(crate) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -
         let ty = cases
             .first()
             .map_or(Ty::Unknown, |case| cx.ty_of(case.value).clone());
-        return cx.add(TypedExprKind::Error, ty, span);
+        return cx.add(TypedKind::Error, ty, span);
     };
     if !report::has_error_since(cx, before) {
         check_exhaustiveness(cx, &all, value, of, &cases, span);
@@ -85,7 +85,7 @@ pub(crate) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -
         };
         let ty = cx.ty_of(case.value).clone();
         cx.add(
-            TypedExprKind::Each(ElementwiseOp::If, [test, case.value, rest].into()),
+            TypedKind::Each(ElementwiseOp::If, [test, case.value, rest].into()),
             ty,
             span,
         )
@@ -189,7 +189,7 @@ fn check_part_patterns<'a>(
     for (k, field) in fields.iter().enumerate() {
         if let Some(pattern) = k.checked_sub(from).and_then(|k| pattern.parts.get(k)) {
             let span = pattern.name.span;
-            let part = TypedExprKind::Part { base: value, at };
+            let part = TypedKind::Part { base: value, at };
             let part = cx.add(part, field.ty.clone(), span);
             shapes.push(check_pattern(cx, part, pattern, tests));
         }
@@ -263,13 +263,7 @@ fn check_exhaustiveness(
         needless.clear();
     }
     if !missing.is_empty() {
-        let missing = join_names(missing.iter().map(String::as_str));
-        let diagnostic = Diagnostic::new(
-            Code::RPI2011,
-            format!("non-exhaustive match: {missing} not covered"),
-        )
-        .primary(span, "a `match` needs a case for every alternative");
-        report::report_diagnostic(cx, diagnostic);
+        report::report_diagnostic(cx, not_covered(&missing, span));
     }
     if unknown {
         report::report_diagnostic(cx, too_many_cases(span));
@@ -277,6 +271,13 @@ fn check_exhaustiveness(
     for k in needless {
         report::report_diagnostic(cx, unreachable_case(&of.arms[..k], &of.arms[k].pattern));
     }
+}
+
+fn not_covered(missing: &[String], span: Span) -> Diagnostic {
+    let missing = join_names(missing.iter().map(String::as_str));
+    let message = format!("non-exhaustive match: {missing} not covered");
+    Diagnostic::new(Code::RPI2011, message)
+        .primary(span, "a `match` needs a case for every alternative")
 }
 
 /// Returns the diagnostic for a case that no value reaches.

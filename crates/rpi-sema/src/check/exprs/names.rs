@@ -22,7 +22,7 @@ use crate::check::types::data;
 use crate::check::types::type_decls;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::Ty;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{BlockId, ExprId, FlowId, Leaf, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
@@ -161,14 +161,14 @@ pub(crate) fn flow_expr(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) -> Expr
         type_inference::record_unknown_read(cx, flow, span);
     }
     let ty = cx.unit.flow(flow).ty.clone();
-    cx.add(TypedExprKind::Flow(flow), ty, span)
+    cx.add(TypedKind::Flow(flow), ty, span)
 }
 
 /// Adds an expression for a constant.
 pub(crate) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Span) -> ExprId {
     let kind = match &constant.leaves[..] {
-        [one] => TypedExprKind::Literal(one.clone()),
-        _ => TypedExprKind::Const(constant.leaves.clone()),
+        [one] => TypedKind::Literal(one.clone()),
+        _ => TypedKind::Const(constant.leaves.clone()),
     };
     // Constants are evaluated without a known tick length, so times are in seconds there.
     let ty = match &constant.ty {
@@ -189,7 +189,7 @@ fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
         },
         DeclKind::EnumValue { ty, index } => {
             let ty = type_decls::type_decl(cx.checker, ty);
-            cx.add(TypedExprKind::Literal(Leaf::int(index.into())), ty, span)
+            cx.add(TypedKind::Literal(Leaf::int(index.into())), ty, span)
         }
         DeclKind::Constructor { ty, index } => {
             data::constructor_value(cx, (ty, index), &[], &[], span)
@@ -220,7 +220,7 @@ fn not_a_flow(cx: &mut Body<'_, '_>, name: &str, is: &str, span: Span, declared:
 
 fn resolve_predeclared(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if name == "none" {
-        return cx.add(TypedExprKind::None, Ty::Unknown, span);
+        return cx.add(TypedKind::None, Ty::Unknown, span);
     }
     let found = PREDECLARED_FLOWS.iter().find(|flow| name == flow.name);
     match found.filter(|_| unit::reads_rpi_syntax(cx)) {
@@ -330,11 +330,7 @@ pub(crate) fn command_result(
         return Some(cx.report_error_expr(diagnostic, span));
     }
     let identity = result_identity(&format!("{name}.{}", field.name));
-    Some(cx.add(
-        TypedExprKind::Literal(Leaf::int(identity)),
-        Ty::Result,
-        span,
-    ))
+    Some(cx.add(TypedKind::Literal(Leaf::int(identity)), Ty::Result, span))
 }
 
 /// Resolves a name with parts, as in `export a.b`.

@@ -12,7 +12,7 @@ use crate::check::types::exact_time;
 use crate::check::types::frames;
 use crate::check::types::quantity;
 use crate::ty::{Geometry, Ty, join};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf, Unit};
 use crate::units::{Dimension, Ratio};
 use rpi_diag::{Code, Diagnostic, Span};
@@ -23,10 +23,10 @@ use std::rc::Rc;
 
 /// Whether an expression is the integer 0: a literal, or one operation on literals.
 pub(crate) fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
-    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, TypedExprKind::Literal(_));
+    let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, TypedKind::Literal(_));
     let known = match &cx.unit.expr(id).kind {
-        TypedExprKind::Literal(_) => true,
-        TypedExprKind::Prim(call) => {
+        TypedKind::Literal(_) => true,
+        TypedKind::Prim(call) => {
             let mut inputs = call.inputs.iter().flatten();
             inputs.all(|input| literal(&cx.unit, *input))
         }
@@ -211,7 +211,7 @@ pub(crate) fn equality(
     }
     let negated = op == BinaryOp::Ne;
     let operands = [left, right];
-    cx.add(TypedExprKind::Equal { operands, negated }, Ty::Bool, span)
+    cx.add(TypedKind::Equal { operands, negated }, Ty::Bool, span)
 }
 
 /// Whether this is a chained comparison `a < b < c`, which the parser has reported.

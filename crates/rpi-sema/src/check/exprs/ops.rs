@@ -21,7 +21,7 @@ use crate::check::types::machine_int;
 use crate::check::types::quantity;
 use crate::check::types::{UNCHECKED_TYPE_PREFIXES, is_kind2_type};
 use crate::ty::Ty;
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Scalar;
@@ -176,7 +176,7 @@ pub(crate) fn unary_prim(
     }
     let ty = cx.ty_of(operand).clone();
     if ty.is_unknown() {
-        return cx.add(TypedExprKind::Error, unary_guess(op), span);
+        return cx.add(TypedKind::Error, unary_guess(op), span);
     }
     if (op, &ty) == (UnaryOp::BitNot, &Ty::Bool) {
         return precedence_hints::bitwise_not_on_boolean(cx, operand, span);
@@ -200,7 +200,7 @@ pub(crate) fn unary_prim(
         && matches!(op, UnaryOp::Neg | UnaryOp::BitNot | UnaryOp::ToInt)
     {
         let ty = if op == UnaryOp::ToInt { Ty::Int } else { ty };
-        return cx.add(TypedExprKind::Arbitrary, ty, span);
+        return cx.add(TypedKind::Arbitrary, ty, span);
     }
     let kind = match &ty {
         Ty::Duration => Some(Int),
@@ -216,15 +216,17 @@ pub(crate) fn unary_prim(
             prim::add_prim(cx, *prim, &[operand], ty, span)
         }
         None => {
-            let diagnostic = Diagnostic::new(
-                Code::RPI2006,
-                format!("`{}` cannot take `{ty}`", op.spelling()),
-            )
-            .primary(cx.span_of(operand), format!("this is `{ty}`"));
-            let diagnostic = quantity::with_operand_hint(diagnostic, op, &ty);
+            let diagnostic = unsupported_operand(cx, op, operand, &ty);
             cx.report_error_expr(diagnostic, span)
         }
     }
+}
+
+fn unsupported_operand(cx: &Body<'_, '_>, op: UnaryOp, operand: ExprId, ty: &Ty) -> Diagnostic {
+    let message = format!("`{}` cannot take `{ty}`", op.spelling());
+    let diagnostic = Diagnostic::new(Code::RPI2006, message)
+        .primary(cx.span_of(operand), format!("this is `{ty}`"));
+    quantity::with_operand_hint(diagnostic, op, ty)
 }
 
 fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
@@ -234,7 +236,7 @@ fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId 
     cx.bindings.pre_depth -= 1;
     let ty = cx.ty_of(operand).clone();
     cx.add(
-        TypedExprKind::Each(ElementwiseOp::Pre, [operand].into()),
+        TypedKind::Each(ElementwiseOp::Pre, [operand].into()),
         ty,
         span,
     )
@@ -264,7 +266,7 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
                 return cx.error_expr(span);
             }
             if operand_types::is_chained_comparison(binary) {
-                return cx.add(TypedExprKind::Error, Ty::Bool, span);
+                return cx.add(TypedKind::Error, Ty::Bool, span);
             }
             if let Some(meant) =
                 precedence_hints::reinterpret_operator(cx, binary, [left, right], span)
@@ -279,7 +281,7 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
 /// Whether the left side is an invalid sampled flow, as in `x when x > 0.0`. The comparison then reports no further
 /// error.
 fn is_invalid_sample(cx: &Body<'_, '_>, lhs: &ast::Expr, left: ExprId) -> bool {
-    matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, TypedExprKind::Error)
+    matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, TypedKind::Error)
 }
 
 /// Checks a binary operator on checked operands.
@@ -301,7 +303,7 @@ pub(crate) fn binary_prim(
         // After errors on both sides, of arrays for instance, the result type cannot be guessed.
         let faulty = !cx.inference.is_running && a.is_unknown() && b.is_unknown();
         let guess = if faulty { Ty::Unknown } else { guess };
-        return cx.add(TypedExprKind::Error, guess, span);
+        return cx.add(TypedKind::Error, guess, span);
     }
     if let Some(value) = machine_int::machine_binary(cx, op, [left, right], span) {
         return value;
@@ -309,7 +311,7 @@ pub(crate) fn binary_prim(
     let shifts = matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) && b == Ty::Int;
     if is_kind2_type(&a, UNCHECKED_TYPE_PREFIXES) && (a == b || shifts) {
         let ty = if ORDERINGS.contains(&op) { Ty::Bool } else { a };
-        return cx.add(TypedExprKind::Arbitrary, ty, span);
+        return cx.add(TypedKind::Arbitrary, ty, span);
     }
     if let Some(of_times) = exact_time::time_operator(cx, op, left, right, span) {
         return of_times;
@@ -359,12 +361,12 @@ fn fby<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     cx.bindings.pre_depth -= 1;
     let ty = expr::common_type(cx, left, right, "both sides must have the same type");
     let delayed = cx.add(
-        TypedExprKind::Each(ElementwiseOp::Pre, [right].into()),
+        TypedKind::Each(ElementwiseOp::Pre, [right].into()),
         ty.clone(),
         span,
     );
     cx.add(
-        TypedExprKind::Each(ElementwiseOp::Arrow, [left, delayed].into()),
+        TypedKind::Each(ElementwiseOp::Arrow, [left, delayed].into()),
         ty,
         span,
     )

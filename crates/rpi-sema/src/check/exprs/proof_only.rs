@@ -12,7 +12,7 @@ use crate::check::types;
 use crate::check::types::is_kind2_type;
 use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{
@@ -49,7 +49,7 @@ pub(crate) fn check_quantifier<'a>(
             span,
         ),
     }
-    cx.add(TypedExprKind::Arbitrary, Ty::Bool, span)
+    cx.add(TypedKind::Arbitrary, Ty::Bool, span)
 }
 
 /// Reports a quantifier over arrays, sets or maps.
@@ -175,7 +175,7 @@ pub(crate) fn empty_set<'a>(cx: &mut Body<'_, 'a>, types: &'a [StaticArg], span:
         _ => Ty::Unknown,
     };
     not_executable(cx, "a set", WHY_NO_SETS, span);
-    cx.add(TypedExprKind::Arbitrary, ty, span)
+    cx.add(TypedKind::Arbitrary, ty, span)
 }
 
 /// Checks the membership `x in s`.
@@ -198,7 +198,7 @@ pub(crate) fn membership<'a>(
         );
         report::report_diagnostic(cx, diagnostic);
     }
-    cx.add(TypedExprKind::Arbitrary, Ty::Bool, span)
+    cx.add(TypedKind::Arbitrary, Ty::Bool, span)
 }
 
 /// Reports a nondeterministic value in a constant.

@@ -13,7 +13,7 @@ use crate::check::exprs::spatial_ops;
 use crate::check::types;
 use crate::ty::{Geometry, Ty, join};
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::units::{BaseDim, Dimension};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_image::Scalar;
@@ -63,7 +63,7 @@ pub(crate) fn spatial_part(
     };
     let base = prim::prim_by_position(cx, prim, &[base], span);
     let ty = part_type(scalar, &geometry, &field.name);
-    cx.add(TypedExprKind::Part { base, at: *port }, ty, span)
+    cx.add(TypedKind::Part { base, at: *port }, ty, span)
 }
 
 /// Returns the spatial type of a struct expression, unless a declaration has its name.
@@ -101,7 +101,7 @@ pub(crate) fn spatial_value<'a>(
     }
     let known = base.map_or(wanted, |base| cx.ty_of(base).clone());
     let Some(parts) = given_parts(cx, scalar, &given, base, span) else {
-        return cx.add(TypedExprKind::Error, known, span);
+        return cx.add(TypedKind::Error, known, span);
     };
     compose_spatial(cx, &known, &parts, span)
 }
@@ -167,7 +167,7 @@ fn compose_spatial(cx: &mut Body<'_, '_>, known: &Ty, parts: &[ExprId], span: Sp
         }
         let expected = part_type(*scalar, &Rc::new(geometry.clone()), name);
         if !statement::expect_type(cx, *part, &expected, &wanted) {
-            return cx.add(TypedExprKind::Error, known.clone(), span);
+            return cx.add(TypedKind::Error, known.clone(), span);
         }
         wanted =
             ExpectationReason::Because(cx.span_of(*part), format!("this is `{}`", cx.ty_of(*part)));

@@ -19,7 +19,7 @@ use crate::check::limits::nesting;
 use crate::check::types::consts;
 use crate::check::types::{UNCHECKED_TYPE_PREFIXES, is_kind2_type};
 use crate::ty::Ty;
-use crate::typed::{ElementwiseOp, TypedExprKind};
+use crate::typed::{ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::Span;
 use rpi_syntax::Name;
@@ -95,7 +95,7 @@ fn keyed_update<'a>(cx: &mut Body<'_, 'a>, base: ExprId, change: &'a Change, spa
         ([Access::Index(key)], None) if is_kind2_type(&ty, &["map<"]) => {
             expr::check_expr(cx, key);
             expr::check_expr(cx, &change.value);
-            cx.add(TypedExprKind::Error, ty, span)
+            cx.add(TypedKind::Error, ty, span)
         }
         _ => apply_change(cx, base, change, span),
     }
@@ -178,11 +178,11 @@ fn replace_at_leaf<'a>(
             inside.value
         }
         _ => {
-            let old = cx.add(TypedExprKind::Part { base, at }, inner, inside.span);
+            let old = cx.add(TypedKind::Part { base, at }, inner, inside.span);
             replace_at_path(cx, old, inside)?
         }
     };
-    Some(cx.add(TypedExprKind::Replace { base, at, value }, ty, inside.span))
+    Some(cx.add(TypedKind::Replace { base, at, value }, ty, inside.span))
 }
 
 /// Returns an array with the element at a run-time index replaced.
@@ -201,24 +201,20 @@ fn replace_at_index<'a>(
     let numbers: Vec<ExprId> = (0..n).map(|k| index_literal(cx, k, span)).collect();
     let all = compose::add_array(
         cx,
-        TypedExprKind::Build(numbers.clone().into()),
+        TypedKind::Build(numbers.clone().into()),
         Rc::new(Ty::Int),
         n,
         span,
     );
     let index = cx.add(
-        TypedExprKind::Select {
+        TypedKind::Select {
             base: all,
             index: at,
         },
         Ty::Int,
         span,
     );
-    let old = cx.add(
-        TypedExprKind::Select { base, index },
-        (*element).clone(),
-        span,
-    );
+    let old = cx.add(TypedKind::Select { base, index }, (*element).clone(), span);
     let new = replace_at_path(cx, old, inside)?;
     let mut elements = Vec::with_capacity(numbers.len());
     for (k, number) in (0..n).zip(numbers) {
@@ -226,12 +222,12 @@ fn replace_at_index<'a>(
             return None;
         }
         let at = k * leaf_count(&element);
-        let old = cx.add(TypedExprKind::Part { base, at }, (*element).clone(), span);
+        let old = cx.add(TypedKind::Part { base, at }, (*element).clone(), span);
         elements.push(select_if_equal(cx, [index, number], [old, new], span));
     }
     Some(compose::add_array(
         cx,
-        TypedExprKind::Build(elements.into()),
+        TypedKind::Build(elements.into()),
         element,
         n,
         span,
@@ -247,25 +243,21 @@ fn select_if_equal(
     span: Span,
 ) -> ExprId {
     let negated = false;
-    let is_it = cx.add(TypedExprKind::Equal { operands, negated }, Ty::Bool, span);
+    let is_it = cx.add(TypedKind::Equal { operands, negated }, Ty::Bool, span);
     let [one, zero] = [1, 0].map(|k| index_literal(cx, k, span));
-    let which = TypedExprKind::Each(ElementwiseOp::If, [is_it, one, zero].into());
+    let which = TypedKind::Each(ElementwiseOp::If, [is_it, one, zero].into());
     let index = cx.add(which, Ty::Int, span);
     let ty = cx.ty_of(values[0]).clone();
     let base = compose::add_array(
         cx,
-        TypedExprKind::Build(values.into()),
+        TypedKind::Build(values.into()),
         Rc::new(ty.clone()),
         2,
         span,
     );
-    cx.add(TypedExprKind::Select { base, index }, ty, span)
+    cx.add(TypedKind::Select { base, index }, ty, span)
 }
 
 fn index_literal(cx: &mut Body<'_, '_>, k: u32, span: Span) -> ExprId {
-    cx.add(
-        TypedExprKind::Literal(Leaf::int(i64::from(k))),
-        Ty::Int,
-        span,
-    )
+    cx.add(TypedKind::Literal(Leaf::int(i64::from(k))), Ty::Int, span)
 }

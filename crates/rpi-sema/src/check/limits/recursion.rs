@@ -3,7 +3,7 @@
 //! A recursion over static parameters has a unit for each choice of static arguments, and so no dependency cycle of
 //! units.
 
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 
@@ -36,7 +36,7 @@ pub(crate) fn check(units: &[Unit]) -> Vec<Diagnostic> {
 
 fn call_edges(unit: &Unit) -> Vec<CallEdge> {
     let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => Some(CallEdge {
+        TypedKind::Call(call) => Some(CallEdge {
             to: call.unit,
             span: expr.span,
         }),

@@ -9,7 +9,7 @@ use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::expr;
 use crate::check::signatures::unit;
 use crate::ty::Ty;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{BlockId, Equation, ExprId, FlowPresence, FlowRole, Target, TargetPlace};
 use rpi_diag::Span;
 use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
@@ -67,9 +67,9 @@ pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId
 }
 
 /// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
-pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedExprKind) -> Option<Vec<ExprId>> {
+pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedKind) -> Option<Vec<ExprId>> {
     match kind {
-        TypedExprKind::Part { base, .. } => import_args(cx, *base),
+        TypedKind::Part { base, .. } => import_args(cx, *base),
         _ => None,
     }
 }
@@ -78,7 +78,7 @@ pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedExprKind) -> Opt
 fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
     let mut imports = cx.contract.imports.iter();
     let import = imports.find(|import| import.call == Some(instance))?;
-    let TypedExprKind::Call(call) = &cx.unit.expr(instance).kind else {
+    let TypedKind::Call(call) = &cx.unit.expr(instance).kind else {
         return None;
     };
     let given = call.args.iter().take(import.syntax.input_count);
@@ -114,7 +114,7 @@ fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId
         value,
         span,
     });
-    if let TypedExprKind::Call(call) = &cx.unit.expr(value).kind {
+    if let TypedKind::Call(call) = &cx.unit.expr(value).kind {
         let unit = call.unit;
         unit::check_unit_now(cx.checker, unit);
         let callee = &cx.checker.units[unit.0 as usize];
@@ -147,7 +147,7 @@ pub(crate) fn imported_mode_condition(
         return cx.report_error_expr(diagnostic, span);
     };
     let base = import_instance(cx, at);
-    let TypedExprKind::Call(call) = &cx.unit.expr(base).kind else {
+    let TypedKind::Call(call) = &cx.unit.expr(base).kind else {
         return cx.error_expr(span);
     };
     let callee = &cx.checker.units[call.unit.0 as usize];
@@ -159,7 +159,7 @@ pub(crate) fn imported_mode_condition(
         return cx.report_error_expr(diagnostic, span);
     };
     let at = u32::try_from(place).unwrap_or(u32::MAX);
-    cx.add(TypedExprKind::Part { base, at }, Ty::Bool, span)
+    cx.add(TypedKind::Part { base, at }, Ty::Bool, span)
 }
 
 /// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
@@ -196,7 +196,7 @@ fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
         else {
             continue;
         };
-        let TypedExprKind::Call(call) = &cx.unit.expr(base).kind else {
+        let TypedKind::Call(call) = &cx.unit.expr(base).kind else {
             continue;
         };
         let callee = &cx.checker.units[call.unit.0 as usize];
@@ -211,7 +211,7 @@ fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
             if modes.len() >= MAX_MODES {
                 return modes;
             }
-            let value = cx.add(TypedExprKind::Part { base, at }, Ty::Bool, span);
+            let value = cx.add(TypedKind::Part { base, at }, Ty::Bool, span);
             let name = name.as_str().into();
             modes.push((Ident { name, span }, value));
         }

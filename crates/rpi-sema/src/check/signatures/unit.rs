@@ -21,7 +21,7 @@ use crate::check::task;
 use crate::check::types::consts;
 use crate::elab::MAX_DEPTH;
 use crate::program::{DeclId, DeclKind};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Severity, Span};
 use rpi_syntax::ast::{
@@ -211,13 +211,13 @@ pub(crate) fn reads_no_ports(
     let unit = &checker.units[id.0 as usize];
     let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
     let mut exprs = unit.exprs.iter();
-    !exprs.any(|expr| matches!(expr.kind, TypedExprKind::Flow(flow) if flows.contains(&flow)))
+    !exprs.any(|expr| matches!(expr.kind, TypedKind::Flow(flow) if flows.contains(&flow)))
 }
 
 fn calls_of(checker: &Checker<'_>, id: UnitId) -> Vec<UnitId> {
     let exprs = &checker.units[id.0 as usize].exprs;
     let calls = exprs.iter().filter_map(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => Some(call.unit),
+        TypedKind::Call(call) => Some(call.unit),
         _ => None,
     });
     calls.collect()
@@ -378,7 +378,7 @@ fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
 fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
     let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
     here.find_map(|expr| match &expr.kind {
-        TypedExprKind::Call(call) => {
+        TypedKind::Call(call) => {
             let header = &cx.checker.instances.entries[call.unit.0 as usize].header;
             let kind = match header.kind {
                 UnitKind::Node => "node",

@@ -15,7 +15,7 @@ use crate::check::{Checker, Constant, Lazy};
 use crate::elab::{self, NotConstantError};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{Geometry, Ty};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf, Unit, UnitId};
 use crate::units::Dimension;
 use rpi_diag::{Code, Diagnostic};
@@ -205,8 +205,8 @@ pub(crate) fn fold_silently(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Lea
 /// Returns the value of an expression, or why it is not constant.
 pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstantError> {
     match &cx.unit.expr(id).kind {
-        TypedExprKind::Literal(leaf) => return Ok([leaf.clone()].into()),
-        TypedExprKind::Const(leaves) => return Ok(leaves.clone()),
+        TypedKind::Literal(leaf) => return Ok([leaf.clone()].into()),
+        TypedKind::Const(leaves) => return Ok(leaves.clone()),
         _ => {}
     }
     // Elaboration inlines calls, so that the called units must be checked first.
@@ -232,7 +232,7 @@ fn called_units(unit: &Unit, id: ExprId) -> Vec<UnitId> {
     let mut found = Vec::new();
     let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
-        if let TypedExprKind::Call(call) = &expr.kind {
+        if let TypedKind::Call(call) = &expr.kind {
             found.push(call.unit);
         }
         parts.enter(id);

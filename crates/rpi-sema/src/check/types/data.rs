@@ -26,7 +26,7 @@ use crate::ty::StructTy;
 use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
@@ -165,8 +165,8 @@ pub(crate) fn inferred_struct<'a>(
             let given = compose::match_fields(cx, &ty, &values);
             let parts = given.and_then(|given| compose::fill_fields(cx, &ty, &given, None, span));
             match parts {
-                Some(parts) => cx.add(TypedExprKind::Build(parts.into()), Ty::Struct(ty), span),
-                None => cx.add(TypedExprKind::Error, Ty::Struct(ty), span),
+                Some(parts) => cx.add(TypedKind::Build(parts.into()), Ty::Struct(ty), span),
+                None => cx.add(TypedKind::Error, Ty::Struct(ty), span),
             }
         }
         _ => report_uninferred_params(cx, &value.ty, span),
@@ -298,18 +298,18 @@ pub(crate) fn constructor_value<'a>(
         parts.push(match k.checked_sub(from).and_then(|k| values.get(k)) {
             Some(value) => *value,
             None if k == 0 => cx.add(
-                TypedExprKind::Literal(Leaf::int(index.into())),
+                TypedKind::Literal(Leaf::int(index.into())),
                 field.ty.clone(),
                 span,
             ),
             None => cx.add(
-                TypedExprKind::Const(filler_value(&field.ty)),
+                TypedKind::Const(filler_value(&field.ty)),
                 field.ty.clone(),
                 span,
             ),
         });
     }
-    cx.add(TypedExprKind::Build(parts.into()), Ty::Struct(ty), span)
+    cx.add(TypedKind::Build(parts.into()), Ty::Struct(ty), span)
 }
 
 /// Reports a wrong number of parts of an alternative.
@@ -341,7 +341,7 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     };
     if let Some(Ty::Enum(all)) = tag {
         let tag = cx.add(
-            TypedExprKind::Part { base: value, at: 0 },
+            TypedKind::Part { base: value, at: 0 },
             Ty::Enum(all.clone()),
             span,
         );
@@ -366,7 +366,7 @@ pub(crate) fn tag_test(
     span: Span,
 ) -> ExprId {
     let index = cx.add(
-        TypedExprKind::Literal(Leaf::int(index as i64)),
+        TypedKind::Literal(Leaf::int(index as i64)),
         Ty::Enum(all.clone()),
         span,
     );
@@ -392,7 +392,7 @@ pub(crate) fn constructor_test<'a>(
 ) -> ExprId {
     let value = expr::check_expr(cx, &of.value);
     let Some((all, tag)) = alternatives(cx, value) else {
-        return cx.add(TypedExprKind::Error, Ty::Bool, span);
+        return cx.add(TypedKind::Error, Ty::Bool, span);
     };
     match all
         .values
@@ -402,7 +402,7 @@ pub(crate) fn constructor_test<'a>(
         Some(index) => tag_test(cx, &all, tag, index, span),
         None => {
             report_unknown_alternative(cx, &all, &of.constructor);
-            cx.add(TypedExprKind::Error, Ty::Bool, span)
+            cx.add(TypedKind::Error, Ty::Bool, span)
         }
     }
 }

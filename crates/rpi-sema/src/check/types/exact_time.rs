@@ -14,7 +14,7 @@ use crate::check::signatures::static_params;
 use crate::check::signatures::static_params::StaticParamDecl;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
-use crate::typed::{ElementwiseOp, PrimCall, TypedExprKind};
+use crate::typed::{ElementwiseOp, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowRole, Unit, UnitKind};
 use crate::units::Dimension;
 use rpi_diag::Span;
@@ -64,19 +64,19 @@ const TIME_OPS: &[TimeOp] = &[
 ];
 
 /// Whether an expression is added with a part that may be turned into a conversion.
-pub(crate) fn may_be_converted(unit: &Unit, kind: &TypedExprKind, ty: &Ty) -> bool {
+pub(crate) fn may_be_converted(unit: &Unit, kind: &TypedKind, ty: &Ty) -> bool {
     match ty {
-        Ty::Duration => !matches!(kind, TypedExprKind::Error),
+        Ty::Duration => !matches!(kind, TypedKind::Error),
         Ty::Real(Dimension::TIME) => is_load_time_constant(unit, kind),
         _ => false,
     }
 }
 
 /// Whether a value is the same in all cycles, as far as its direct operands show.
-pub(crate) fn is_load_time_constant(unit: &Unit, kind: &TypedExprKind) -> bool {
+pub(crate) fn is_load_time_constant(unit: &Unit, kind: &TypedKind) -> bool {
     match kind {
-        TypedExprKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
-        TypedExprKind::Prim(call) => {
+        TypedKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        TypedKind::Prim(call) => {
             let desc = call.prim.desc();
             let is_pure = desc.role == Role::Compute && matches!(desc.state, StateSize::None);
             let mut inputs = call.inputs.iter().flatten();
@@ -88,8 +88,8 @@ pub(crate) fn is_load_time_constant(unit: &Unit, kind: &TypedExprKind) -> bool {
 
 fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
     match &unit.expr(id).kind {
-        TypedExprKind::Literal(_) => true,
-        TypedExprKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
+        TypedKind::Literal(_) => true,
+        TypedKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
         _ => covers_whole(unit, id, &SECONDS),
     }
 }
@@ -97,7 +97,7 @@ fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
 /// Returns the expression of type `ty` that a part covers completely.
 fn covered_expr(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
     match unit.expr(id).kind {
-        TypedExprKind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
+        TypedKind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
         _ => None,
     }
 }
@@ -114,10 +114,10 @@ pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     let base = covered_expr(&cx.unit, id, &Ty::Duration);
     let converted = base.map(|base| match &cx.unit.expr(base).kind {
         // The core provides these values in seconds, too.
-        TypedExprKind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
+        TypedKind::Prim(call) if call.prim == prim!("Rpi::PeriodTicks") => {
             prim_call(prim!("Core::CycleTime"), None)
         }
-        TypedExprKind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
+        TypedKind::Prim(call) if call.prim == prim!("Rpi::Elapsed") => {
             prim_call(prim!("Rpi::Time"), None)
         }
         _ => prim_call(prim!("Rpi::SecondsFromTicks"), Some(base)),
@@ -126,11 +126,11 @@ pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     expr.ty = SECONDS;
     if let Some(kind) = converted {
         expr.kind = kind;
-    } else if let TypedExprKind::Prim(call) = &expr.kind
+    } else if let TypedKind::Prim(call) = &expr.kind
         && let (true, [Some(base)]) = (call.prim == prim!("Rpi::WholeTicks"), &call.inputs[..])
     {
         // An earlier conversion is undone rather than converted back, because it has rounded.
-        expr.kind = TypedExprKind::Part { base: *base, at: 0 };
+        expr.kind = TypedKind::Part { base: *base, at: 0 };
     }
 }
 
@@ -167,16 +167,16 @@ pub(crate) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<Ex
         }
         parts.push(id);
         match &expr.kind {
-            TypedExprKind::Literal(_) | TypedExprKind::Error => {}
-            TypedExprKind::Each(each, operands) => {
+            TypedKind::Literal(_) | TypedKind::Error => {}
+            TypedKind::Each(each, operands) => {
                 open.extend(
                     operands
                         .iter()
                         .skip(usize::from(*each == ElementwiseOp::If)),
                 );
             }
-            TypedExprKind::When { value, .. } | TypedExprKind::Current(value) => open.push(*value),
-            TypedExprKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+            TypedKind::When { value, .. } | TypedKind::Current(value) => open.push(*value),
+            TypedKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
             _ if covers_whole(&cx.unit, id, &SECONDS) => {}
             _ => return None,
         }
@@ -322,8 +322,8 @@ pub(crate) fn convert_time_args(
     }
 }
 
-fn prim_call(prim: PrimId, input: Option<ExprId>) -> TypedExprKind {
-    TypedExprKind::Prim(Box::new(PrimCall {
+fn prim_call(prim: PrimId, input: Option<ExprId>) -> TypedKind {
+    TypedKind::Prim(Box::new(PrimCall {
         prim,
         inputs: input.into_iter().map(Some).collect(),
         params: Box::default(),

@@ -4,7 +4,7 @@ use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::ty::{Geometry, Ty};
 use crate::typed::ExprId;
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::units::Dimension;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_image::Scalar;
@@ -78,7 +78,7 @@ fn with_exchange_fix(
     right: ExprId,
 ) -> Diagnostic {
     let name = |id: ExprId| match &cx.unit.expr(id).kind {
-        TypedExprKind::Flow(flow) => Some(cx.unit.flow(*flow).name.to_string()),
+        TypedKind::Flow(flow) => Some(cx.unit.flow(*flow).name.to_string()),
         _ => None,
     };
     match (name(left), name(right)) {

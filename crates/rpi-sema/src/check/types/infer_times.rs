@@ -14,7 +14,7 @@ use crate::check::types::exact_time::SECONDS;
 use crate::check::types::exact_time::is_load_time_constant;
 use crate::hash::FastMap;
 use crate::ty::Ty;
-use crate::typed::{ElementwiseOp, Expr, PrimCall, TypedExprKind};
+use crate::typed::{ElementwiseOp, Expr, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowId, FlowRole, Unit};
 use std::collections::BTreeMap;
 
@@ -123,7 +123,7 @@ fn add_sources(
     while let Some(id) = open.pop() {
         let expr = cx.unit.expr(id);
         match &expr.kind {
-            TypedExprKind::Flow(read) if all.contains_key(&outermost_shared_flow(cx, *read)) => {
+            TypedKind::Flow(read) if all.contains_key(&outermost_shared_flow(cx, *read)) => {
                 let read = outermost_shared_flow(cx, *read);
                 all.entry(read).or_default().readers.push(flow);
                 all.entry(flow).or_default().reads.push(read);
@@ -208,14 +208,14 @@ fn neighbours(
 /// Adds the operands whose type is that of the expression to `open`; returns `false` if there are none.
 fn push_same_type_operands(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
     match &expr.kind {
-        TypedExprKind::Part { base, .. } if is_time_or_seconds(&unit.expr(*base).ty) => {
+        TypedKind::Part { base, .. } if is_time_or_seconds(&unit.expr(*base).ty) => {
             open.push(*base)
         }
-        TypedExprKind::Each(ElementwiseOp::If, parts) => open.extend(parts.iter().skip(1)),
-        TypedExprKind::Each(_, parts) => open.extend(parts),
-        TypedExprKind::When { value, .. } | TypedExprKind::Current(value) => open.push(*value),
-        TypedExprKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
-        TypedExprKind::Prim(call) if UNIT_PRESERVING.contains(&call.prim.desc().name) => {
+        TypedKind::Each(ElementwiseOp::If, parts) => open.extend(parts.iter().skip(1)),
+        TypedKind::Each(_, parts) => open.extend(parts),
+        TypedKind::When { value, .. } | TypedKind::Current(value) => open.push(*value),
+        TypedKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),
+        TypedKind::Prim(call) if UNIT_PRESERVING.contains(&call.prim.desc().name) => {
             let inputs = call.inputs.iter().flatten();
             open.extend(inputs.filter(|id| is_time_or_seconds(&unit.expr(**id).ty)));
         }
@@ -240,22 +240,17 @@ const UNIT_PRESERVING: &[&str] = &[
 ];
 
 /// Whether a value in seconds is a converted time of the core.
-fn is_converted_time(kind: &TypedExprKind) -> bool {
+fn is_converted_time(kind: &TypedKind) -> bool {
     let name = |call: &PrimCall| call.prim.desc().name;
-    matches!(kind, TypedExprKind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
+    matches!(kind, TypedKind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
 }
 
 /// Whether a value in seconds may also be in ticks: it is fixed, or its type is unknown.
 fn may_be_ticks(unit: &Unit, expr: &Expr) -> bool {
     match &expr.kind {
-        TypedExprKind::Literal(_)
-        | TypedExprKind::Const(_)
-        | TypedExprKind::Error
-        | TypedExprKind::None => true,
-        TypedExprKind::Flow(flow) => {
-            unit.flow(*flow).role == FlowRole::Param || expr.ty.is_unknown()
-        }
-        TypedExprKind::Prim(call) => {
+        TypedKind::Literal(_) | TypedKind::Const(_) | TypedKind::Error | TypedKind::None => true,
+        TypedKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param || expr.ty.is_unknown(),
+        TypedKind::Prim(call) => {
             call.prim.desc().name == "Rpi::WholeTicks" || is_load_time_constant(unit, &expr.kind)
         }
         _ => expr.ty.is_unknown(),

@@ -10,7 +10,7 @@ use crate::check::exprs::proof_only;
 use crate::check::signatures::unit;
 use crate::check::types::consts;
 use crate::ty::{MachineInt, Ty};
-use crate::typed::TypedExprKind;
+use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_net::prim;
@@ -36,11 +36,7 @@ pub(crate) fn machine_conversion<'a>(
     };
     match large_literal_bits(&arg.value) {
         Some(bits) => {
-            let bits = cx.add(
-                TypedExprKind::Literal(Leaf::int(bits)),
-                Ty::Int,
-                arg.value.span,
-            );
+            let bits = cx.add(TypedKind::Literal(Leaf::int(bits)), Ty::Int, arg.value.span);
             wrap_to_width(cx, bits, to, span)
         }
         None => {
@@ -94,7 +90,7 @@ pub(crate) fn convert_to_machine(
     span: Span,
 ) -> ExprId {
     match cx.ty_of(value).clone() {
-        Ty::Unknown => cx.add(TypedExprKind::Error, Ty::Machine(to), span),
+        Ty::Unknown => cx.add(TypedKind::Error, Ty::Machine(to), span),
         Ty::Int | Ty::Machine(_) => wrap_to_width(cx, value, to, span),
         found => {
             let diagnostic =
@@ -121,7 +117,7 @@ fn signed_width(cx: &mut Body<'_, '_>, of: MachineInt, span: Span) -> ExprId {
 }
 
 fn int_literal(cx: &mut Body<'_, '_>, bits: i64, span: Span) -> ExprId {
-    cx.add(TypedExprKind::Literal(Leaf::int(bits)), Ty::Int, span)
+    cx.add(TypedKind::Literal(Leaf::int(bits)), Ty::Int, span)
 }
 
 /// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine

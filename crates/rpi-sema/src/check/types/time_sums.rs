@@ -4,7 +4,7 @@
 use crate::check::bodies::body::Body;
 use crate::check::signatures::unit;
 use crate::hash::FastMap;
-use crate::typed::{ElementwiseOp, PrimCall, TypedExprKind};
+use crate::typed::{ElementwiseOp, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_net::prim;
@@ -91,10 +91,10 @@ impl<'u> TimeSums<'u> {
         while let Some(id) = open.pop() {
             self.budget = self.budget.checked_sub(1)?;
             match &self.unit.expr(id).kind {
-                TypedExprKind::Prim(call) if self.is_sum(flow, call) => return Some(id),
-                TypedExprKind::Part { base, .. } => open.push(*base),
-                TypedExprKind::Each(ElementwiseOp::If, parts) => open.extend(parts.iter().skip(1)),
-                TypedExprKind::Each(
+                TypedKind::Prim(call) if self.is_sum(flow, call) => return Some(id),
+                TypedKind::Part { base, .. } => open.push(*base),
+                TypedKind::Each(ElementwiseOp::If, parts) => open.extend(parts.iter().skip(1)),
+                TypedKind::Each(
                     ElementwiseOp::Arrow | ElementwiseOp::Coalesce | ElementwiseOp::Hold,
                     parts,
                 ) => open.extend(parts),
@@ -118,7 +118,7 @@ impl<'u> TimeSums<'u> {
 
     /// Whether a real is a converted time.
     fn is_time(&self, id: ExprId) -> bool {
-        let TypedExprKind::Prim(call) = &self.unit.expr(id).kind else {
+        let TypedKind::Prim(call) = &self.unit.expr(id).kind else {
             return false;
         };
         let times = ["Core::CycleTime", "Rpi::Time", "Rpi::SecondsFromTicks"];
@@ -134,10 +134,10 @@ impl<'u> TimeSums<'u> {
             };
             self.budget = left;
             match &self.unit.expr(id).kind {
-                TypedExprKind::Flow(read) if delayed && self.outer_flow(*read) == flow => {
+                TypedKind::Flow(read) if delayed && self.outer_flow(*read) == flow => {
                     return true;
                 }
-                TypedExprKind::Flow(read) => {
+                TypedKind::Flow(read) => {
                     let values = self
                         .defined
                         .get(&self.outer_flow(*read))
@@ -145,14 +145,14 @@ impl<'u> TimeSums<'u> {
                         .flatten();
                     open.extend(values.map(|value| (*value, delayed)));
                 }
-                TypedExprKind::Part { base, .. } => open.push((*base, delayed)),
-                TypedExprKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, parts) => {
+                TypedKind::Part { base, .. } => open.push((*base, delayed)),
+                TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, parts) => {
                     open.extend(parts.iter().map(|part| (*part, true)));
                 }
-                TypedExprKind::Each(ElementwiseOp::If, parts) => {
+                TypedKind::Each(ElementwiseOp::If, parts) => {
                     open.extend(parts.iter().skip(1).map(|part| (*part, delayed)));
                 }
-                TypedExprKind::Each(
+                TypedKind::Each(
                     ElementwiseOp::Arrow | ElementwiseOp::Coalesce | ElementwiseOp::Hold,
                     parts,
                 ) => {
