@@ -281,14 +281,7 @@ pub(super) fn absence_cause(
             },
             _ => {}
         }
-        // These operators read each operand on the operand's own clock.
-        let is_exact = matches!(
-            expr.kind,
-            TypedKind::Current(_)
-                | TypedKind::Merge { .. }
-                | TypedKind::Part { .. }
-                | TypedKind::Build(_)
-        );
+        let is_exact = reads_on_own_clocks(&expr.kind);
         let mut next = None;
         expr.kind.operands(&mut |operand| {
             let is_absent = match is_exact {
@@ -301,6 +294,12 @@ pub(super) fn absence_cause(
         });
         at = next?;
     }
+}
+
+/// Returns whether an operator reads each operand on the operand's own clock.
+fn reads_on_own_clocks(kind: &TypedKind) -> bool {
+    use TypedKind::{Build, Current, Merge, Part};
+    matches!(kind, Current(_) | Merge { .. } | Part { .. } | Build(_))
 }
 
 /// Cause of the absence of a call's result.
