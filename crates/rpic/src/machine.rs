@@ -50,7 +50,8 @@ pub(crate) fn machine(args: &MachineArgs) -> CommandResult {
 fn program(equations: usize) -> String {
     let mut body = String::from("  x0 = time / 1[s];\n");
     for k in 1..equations {
-        let (one, other) = (k - 1, (k * 7919) % k);
+        // A multiple of the golden ratio spreads the second operand over all earlier flows, and with it over the cache.
+        let (one, other) = (k - 1, ((k * 2_654_435_761) >> 7) % k);
         let value = match (k * 31) % 5 {
             0 => format!("0.5 * x{one} + 0.25 * x{other}"),
             1 => format!("if x{one} > x{other} then x{one} else -x{other}"),

@@ -465,6 +465,10 @@ impl Exprs<'_> {
                 };
                 let [a, b] = [0, 1].map(|_| self.maybe(scope, want.kind, depth));
                 let clock = common([&a, &b].map(|part| part.clock.clone()).into_iter());
+                // On another clock than the wanted one it would mix clocks in a delay, which is an error.
+                if clock.as_ref().is_some_and(|clock| *clock != want.clock) {
+                    return None;
+                }
                 Some(form(text, vec![a, b], want, clock))
             }
             _ => self.current(scope, want, depth),
