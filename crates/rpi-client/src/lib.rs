@@ -5,7 +5,7 @@
 //!
 //! let core = Core::connect("127.0.0.1:9000", None)?;
 //! let session = core.open_session("demo", OnLoss::Cancel)?;
-//! let goal = session.load(&Program::rpi("command Wait () let finish done when time >= 1[s]; tel"))?;
+//! let goal = session.load(&Program::new("command Wait () let finish done when time >= 1[s]; tel"))?;
 //! goal.start()?;
 //! for feedback in goal.feedback() {
 //!     println!("{} {:?}", feedback.state, feedback.values);

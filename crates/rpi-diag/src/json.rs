@@ -29,6 +29,8 @@ pub(crate) fn pretty(value: &impl Serialize) -> String {
 struct JsonReport<'a> {
     schema: &'static str,
     version: u32,
+    // The key of the public format.
+    #[serde(rename = "findings")]
     diagnostics: Vec<JsonDiagnostic<'a>>,
 }
 

@@ -4,7 +4,7 @@
 //! overrides the location. Tests that need the data are skipped with a message if it is missing:
 //!
 //! ```
-//! let Some(nets) = rpi_testkit::shared_path("nets") else { return };
+//! let Some(nets) = rpi_testkit::external_data_path("nets") else { return };
 //! ```
 
 use std::path::{Path, PathBuf};

@@ -38,7 +38,7 @@ const PLANTED: [(&str, ExtraAction); 4] = [
 
 /// Runs a case in a child process.
 fn case(name: &str) -> ExitStatus {
-    run_test_in_process("fence::a_case", CASE, name).status
+    run_test_in_process("syscall_filter::a_case", CASE, name).status
 }
 
 /// Entry point of the child processes. Without a case in the environment it does nothing.

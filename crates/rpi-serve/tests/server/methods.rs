@@ -86,8 +86,8 @@ fn called((client, folder, extension): ClientSources) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for path in files_below(folder, &[extension]) {
         let text = std::fs::read_to_string(path).unwrap();
-        // `ask` adds the name of the object to the parameters of `call`.
-        for way in ["call(", "ask("] {
+        // `request` (`_ask` in Python) adds the name of the object to the parameters of `call`.
+        for way in ["call(", "request(", "_ask("] {
             let arguments = text.split(way).skip(1);
             let named = arguments.filter_map(|rest| rest.trim_start().strip_prefix('"'));
             found.extend(named.filter_map(|name| Some(name.split_once('"')?.0.to_owned())));
