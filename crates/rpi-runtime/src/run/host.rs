@@ -73,45 +73,47 @@ impl TaskContext<'_> {
 
 /// Interface between the tasks of a run and the control core.
 struct TaskCoreAdapter<'b, 'a> {
-    desk: &'b mut TaskContext<'a>,
+    context: &'b mut TaskContext<'a>,
     books: &'b mut CommandLog<'a>,
 }
 
 impl TaskCore for TaskCoreAdapter<'_, '_> {
     fn image(&self, index: usize) -> Arc<Image> {
-        Arc::clone(&self.desk.images[index])
+        Arc::clone(&self.context.images[index])
     }
 
     fn load(&mut self, index: usize) -> Result<CommandId, RequestError> {
-        self.desk.load(index)
+        self.context.load(index)
     }
 
     fn start(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
-        self.desk.control.start(id)
+        self.context.control.start(id)
     }
 
     fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), RequestError> {
-        self.desk.control.schedule(rule)
+        self.context.control.schedule(rule)
     }
 
     fn cancel(&mut self, id: CommandId) {
         // A command that has ended in the meantime need not be cancelled, so a refusal is ignored.
-        let _ = self.desk.control.cancel(id);
+        let _ = self.context.control.cancel(id);
     }
 
     fn unload(&mut self, id: CommandId) {
         // A refusal means that the command was already unloaded.
-        let _ = self.desk.control.unload(id);
+        let _ = self.context.control.unload(id);
     }
 
     fn can_plan(&self, first_tick: Option<u64>) -> bool {
-        let planning = self.desk.planning_ticks;
-        first_tick.map_or(planning == 0, |first| self.desk.tick() >= first + planning)
+        let planning = self.context.planning_ticks;
+        first_tick.map_or(planning == 0, |first| {
+            self.context.tick() >= first + planning
+        })
     }
 
     fn report_late(&mut self, in_motion: bool) {
-        self.desk.late_successors += 1;
-        self.desk.missed_takeovers += u64::from(in_motion);
+        self.context.late_successors += 1;
+        self.context.missed_takeovers += u64::from(in_motion);
     }
 
     fn report_handled(&mut self, id: CommandId) {
@@ -124,7 +126,7 @@ impl TaskCore for TaskCoreAdapter<'_, '_> {
                 return self.books.set_load_failure(indices, faults);
             }
             NotStartedError::Rejected(why) => why.to_string(),
-            NotStartedError::Refused(why) => end_text::refusal_text(why, self.desk.cell),
+            NotStartedError::Refused(why) => end_text::refusal_text(why, self.context.cell),
             // Rules are dropped when everything is stopped. The stop is reported for the running commands.
             NotStartedError::Dropped => return,
         };
@@ -258,7 +260,7 @@ impl Host<'_> {
     pub(super) fn serve(&mut self, sink: &mut dyn Sink) {
         self.process_events(sink);
         let mut bench = TaskCoreAdapter {
-            desk: &mut self.context,
+            context: &mut self.context,
             books: &mut self.command_log,
         };
         for task in &mut self.tasks {

@@ -67,9 +67,9 @@ pub(super) fn setup<'a>(
         bounds,
         tape,
     );
-    let desk = task_context(job, (control, sets), now, tick_ns);
+    let context = task_context(job, (control, sets), now, tick_ns);
     let host = Host {
-        context: desk,
+        context,
         tasks: job.plans.iter().map(Task::new).collect(),
         drain,
         channels,

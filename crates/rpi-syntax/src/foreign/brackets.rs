@@ -35,11 +35,8 @@ pub(super) fn array_in_braces(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
         )
         .secondary(found.token_span(close), "the array ends here")
         .fix(fix);
-    let mend = found.replace_brackets(open, close, [LBracket, RBracket]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = found.replace_brackets(open, close, [LBracket, RBracket]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns whether the braces contain no field, only values.
@@ -73,11 +70,8 @@ pub(super) fn targets_in_brackets(found: &ErrorContext<'_, '_>) -> Option<Foreig
                     .replace(found.token_span(at), "(")
                     .replace(found.token_span(close), ")"),
             );
-    let mend = found.replace_brackets(at, close, [LParen, RParen]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = found.replace_brackets(at, close, [LParen, RParen]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a call with its arguments in `<< >>`: `f<<x, c>>;`.
@@ -112,11 +106,8 @@ pub(super) fn arguments_in_static_brackets(found: &ErrorContext<'_, '_>) -> Opti
             "`{name}(...)`, or `{name}<<...>>(...)` if it has static parameters"
         ))
         .fix(Fix::maybe(format!("write `{meant}`")).replace(found.range_span(callee..at), meant));
-    let mend = found.replace_brackets(open, close, [Token::LParen, Token::RParen]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = found.replace_brackets(open, close, [Token::LParen, Token::RParen]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a range test within an expression: `x in 0..3`.
@@ -174,9 +165,6 @@ pub(super) fn string_as_comment(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         )
         .help("write the documentation of a declaration before it, after `--|`");
     let semi = usize::from(found.token_at(end) == Some(Token::Semi));
-    let mend = Repair::ReplaceTokens(vec![(at..end + semi, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..end + semi, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }

@@ -19,11 +19,8 @@ pub(super) fn end_for_tel(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         )
         .secondary(found.token_span(open), "the body begins here")
         .fix(Fix::sure("write `tel`").replace(found.token_span(end), "tel"));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(end, &[Token::Tel])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(end, &[Token::Tel])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns the `let` of a declaration's body and the foreign `end` that closes it.
@@ -102,11 +99,8 @@ pub(super) fn python_conditional(found: &ErrorContext<'_, '_>) -> Option<Foreign
         b,
     ];
     // The tokens are out of text order now, but each keeps its own location for later diagnostics.
-    let mend = Repair::ReplaceTokens(vec![(start..end, parts.concat())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(start..end, parts.concat())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises an automaton in a Lustre file: `automaton initial state S ... end`.

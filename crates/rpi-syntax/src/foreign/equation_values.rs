@@ -16,11 +16,8 @@ pub(super) fn doubled_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = foreign_syntax("an equation ends with one `;`")
         .primary(found.token_span(at), "unexpected second `;`")
         .fix(Fix::sure("delete it").replace(found.token_span(at), ""));
-    let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises several values without parentheses: `y, z = a, b;`.
@@ -57,14 +54,11 @@ pub(super) fn tuple_without_parens(found: &ErrorContext<'_, '_>) -> Option<Forei
             fix.insert_before(found.token_span(eq + 1), "(")
                 .insert_after(found.token_span(phrase.end - 1), ")"),
         );
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.insertion(eq + 1, Token::LParen),
         found.insertion(phrase.end, Token::RParen),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises an increment: `y = n++;`.
@@ -90,11 +84,8 @@ pub(super) fn increment(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
             found.source_text(name)
         ))
         .fix(Fix::maybe("write `+ 1`").replace(signs, " + 1"));
-    let mend = Repair::ReplaceTokens(vec![(at - 1..at + 1, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at - 1..at + 1, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Keywords of conditional expressions in Structured Text: foreign spellings, RPI text, RPI tokens.

@@ -127,16 +127,13 @@ pub(super) fn if_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
         .primary(found.token_span(own), "`if` is not a function")
         .fix(Fix::sure(format!("write `{meant}`")).replace(place, meant));
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.replacement(own, &[Token::LParen, Token::If]),
         (open..open + 1, Vec::new()),
         found.replacement(first, &[Token::Then]),
         found.replacement(second, &[Token::Else]),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns the commas and semicolons directly within a pair of brackets.
@@ -277,11 +274,8 @@ pub(super) fn method_call(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         let diagnostic = foreign_syntax("functions of a module are called without the module name")
             .primary(place, format!("write `{name}(...)`"))
             .fix(Fix::maybe(format!("write `{name}`")).replace(place, name));
-        let mend = Repair::ReplaceTokens(vec![(base..base + 2, Vec::new())]);
-        return Some(ForeignSyntax {
-            diagnostic,
-            repair: mend,
-        });
+        let repair = Repair::ReplaceTokens(vec![(base..base + 2, Vec::new())]);
+        return Some(ForeignSyntax { diagnostic, repair });
     }
     let diagnostic =
         foreign_syntax("values have no methods").primary(place, "method call of another language");
@@ -420,9 +414,6 @@ pub(super) fn call_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = foreign_syntax("a call needs no word")
         .primary(found.token_span(at), "keyword of another language")
         .fix(Fix::sure(format!("delete `{}`", found.source_text(at))).replace(place, ""));
-    let mend = Repair::ReplaceTokens(vec![(at..fault, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..fault, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }

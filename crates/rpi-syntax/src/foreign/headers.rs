@@ -21,11 +21,8 @@ pub(super) fn missing_returns(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
             let diagnostic = diagnostic()
                 .primary(span, "`->` initialises a flow")
                 .fix(fix);
-            let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Returns])]);
-            Some(ForeignSyntax {
-                diagnostic,
-                repair: mend,
-            })
+            let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Returns])]);
+            Some(ForeignSyntax { diagnostic, repair })
         }
         Token::LParen => {
             let span = found.token_span(at);
@@ -33,11 +30,8 @@ pub(super) fn missing_returns(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
             let diagnostic = diagnostic()
                 .primary(span, "expected `returns` before this")
                 .fix(fix);
-            let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Returns)]);
-            Some(ForeignSyntax {
-                diagnostic,
-                repair: mend,
-            })
+            let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Returns)]);
+            Some(ForeignSyntax { diagnostic, repair })
         }
         _ => None,
     }
@@ -60,11 +54,8 @@ pub(super) fn body_in_braces(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         )
         .secondary(found.token_span(close), "the body ends here")
         .fix(fix);
-    let mend = found.replace_brackets(at, close, [Token::Let, Token::Tel]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = found.replace_brackets(at, close, [Token::Let, Token::Tel]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a body without `let`: `node f (x: real) returns (y: real) y = x; tel`.
@@ -88,11 +79,8 @@ pub(super) fn body_without_let(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
             "equations are written between `let` and `tel`",
         )
         .fix(Fix::sure("insert `let`").insert_after(before, "\nlet"));
-    let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Let)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Let)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Reports a body without `let` and `tel`: `node f (x: real) returns (y: real) y = x;`.
@@ -105,14 +93,11 @@ fn body_without_let_and_tel(found: &ErrorContext<'_, '_>, at: usize) -> ForeignS
                 .insert_after(before, "\nlet")
                 .insert_after(found.token_span(last - 1), "\ntel"),
         );
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.insertion(at, Token::Let),
         found.insertion(last, Token::Tel),
     ]);
-    ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    }
+    ForeignSyntax { diagnostic, repair }
 }
 
 /// Recognises a body without `let` after local declarations: `var z: real; y = x; tel`.
@@ -137,11 +122,8 @@ pub(super) fn no_let_after_locals(found: &ErrorContext<'_, '_>) -> Option<Foreig
             "the first equation; equations are written between `let` and `tel`",
         )
         .fix(Fix::sure("insert `let`").insert_after(found.token_span(name - 1), "\nlet"));
-    let mend = Repair::ReplaceTokens(vec![found.insertion(name, Token::Let)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.insertion(name, Token::Let)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a body between keywords of other languages: `begin y = x; end`.
@@ -179,11 +161,8 @@ pub(super) fn begin_end(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         }
         None => diagnostic.fix(fix),
     };
-    let mend = Repair::ReplaceTokens(tokens);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(tokens);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns the `end` or `tel` that closes the body opened at token `begin`, skipping nested blocks.
@@ -224,11 +203,8 @@ pub(super) fn comma_for_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
             "`,` separates names of the same type: `x, y: real`",
         )
         .fix(Fix::sure("write `;`").replace(found.token_span(at), ";"));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Semi])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Semi])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises declarations without a separator: `(x: real y: int)`.
@@ -283,11 +259,8 @@ pub(super) fn missing_colon(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     let name = found.token_span(at - 1);
     let diagnostic = found.unexpected_token();
     let diagnostic = diagnostic.fix(Fix::sure("insert `:`").insert_after(name, ":"));
-    let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Colon)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Colon)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a declaration with the type before the name: `(real x)`.
@@ -311,14 +284,11 @@ pub(super) fn type_first(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
         .primary(span, "the type comes first here")
         .fix(Fix::sure(format!("write `{meant}`")).replace(span, meant));
     let token = found.lexemes[ty].token;
-    let mend = match known(token) {
+    let repair = match known(token) {
         true => Repair::ReplaceTokens(vec![(ty..ty + 2, swap_type_and_name(found, ty))]),
         false => Repair::RemovePhrase(ty..ty + 2, vec![found.ident(ty + 1)]),
     };
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns whether two names in a row are a type and the name declared with it.
@@ -371,14 +341,11 @@ pub(super) fn size_in_brackets(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
         .primary(span, "brackets enclose an index, or the unit of a `real`")
         .fix(size_fix(found, at + 3, format!("write `{meant}`")).replace(span, meant));
     let size = found.lexemes[at + 1];
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.replacement(at, &[Hat]),
         (at + 1..at + 3, vec![size]),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Creates a fix for the size of an array: not a sure one for two sizes, `int[3][2]`, whose order changes too.
@@ -427,13 +394,13 @@ pub(super) fn array_of(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     tokens.extend(found.replacement(word, &[Hat]).1);
     tokens.push(found.lexemes[close - 1]);
     // The size of `0..2` is not a token of the text, so no token can stand for it.
-    let mend = match close - open {
+    let repair = match close - open {
         2 => Repair::ReplaceTokens(vec![(word..last + 1, tokens)]),
         _ => Repair::RemoveErrorPhrase,
     };
     Some(ForeignSyntax {
         diagnostic: diagnostic.fix(fix),
-        repair: mend,
+        repair,
     })
 }
 
@@ -475,11 +442,8 @@ pub(super) fn enum_by_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = foreign_syntax("the values of an enum are separated by `,`")
         .primary(found.token_span(at), "`;` separates the fields of a struct")
         .fix(fix);
-    let mend = Repair::ReplaceTokens(edits);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(edits);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises an integer type with a unit: `int[m]`.
@@ -497,9 +461,6 @@ pub(super) fn unit_of_int(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         )
         .secondary(span, "declared as an integer")
         .fix(Fix::maybe("make it a `real`").replace(span, "real"));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(at - 1, &[Token::RealType])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(at - 1, &[Token::RealType])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }

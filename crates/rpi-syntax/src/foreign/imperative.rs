@@ -19,11 +19,8 @@ pub(super) fn doubled_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = Diagnostic::new(Code::RPI0001, "unexpected second `;`")
         .primary(span, "the declaration has already ended")
         .fix(Fix::sure("delete `;`").replace(span, ""));
-    let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a declaration keyword before an equation: `let z = x;`, `var z = x;`.
@@ -47,11 +44,8 @@ pub(super) fn declaration_keyword(found: &ErrorContext<'_, '_>) -> Option<Foreig
     let diagnostic = foreign_syntax(format!("an equation needs no `{written}`"))
         .primary(found.token_span(at), "the equation declares the flow")
         .fix(Fix::sure(format!("delete `{written}`")).replace(place, ""));
-    let mend = Repair::ReplaceTokens(vec![(at..name, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..name, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a declaration of locals after `let`: `var z: int;`.
@@ -65,11 +59,8 @@ pub(super) fn declaration_after_let(found: &ErrorContext<'_, '_>) -> Option<Fore
     let diagnostic = foreign_syntax("locals are declared before `let`")
         .primary(found.token_span(at), "declaration among the equations")
         .help("move it between the ports and `let`; in `.rpi` files it is optional: an equation declares its flow");
-    let mend = Repair::ReplaceTokens(vec![(at..(end + 1).min(found.lexemes.len()), Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..(end + 1).min(found.lexemes.len()), Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises compound assignments: `n += 1;` and `n++;`.
@@ -186,11 +177,8 @@ pub(super) fn unnamed_result(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
             let diagnostic = foreign_syntax("the condition of a result follows `when`")
                 .primary(span, "expected `when`")
                 .fix(Fix::sure("write `when`").replace(span, "when"));
-            let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[When])]);
-            Some(ForeignSyntax {
-                diagnostic,
-                repair: mend,
-            })
+            let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[When])]);
+            Some(ForeignSyntax { diagnostic, repair })
         }
         (Finish | Yield | Fail, When | If) => {
             let word = found.source_text(at - 1);

@@ -110,11 +110,8 @@ fn replace_keyword(
     if token == Token::Then && found.token_at(at + 1) == Some(Token::End) {
         edits.push(found.replacement(at + 1, &[Token::Ident]));
     }
-    let mend = Repair::ReplaceTokens(edits);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(edits);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns the keyword among `words` that is most similar to token `at`.

@@ -24,11 +24,8 @@ pub(super) fn remainder(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
             "`%` after a number means per cent: `60%` is 0.6",
         )
         .fix(fix.replace(found.token_span(at), spaced_word(found, at, "mod")));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Mod])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Mod])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises `elif` and similar keywords: `if a then x elif b then y else z`.
@@ -45,11 +42,8 @@ pub(super) fn else_if(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
             format!("`{word}` is from another language"),
         )
         .fix(Fix::sure("write `else if`").replace(found.token_span(at), "else if"));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Else, Token::If])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Else, Token::If])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a conditional expression without `else`: `y = if c then x;`.
@@ -114,11 +108,8 @@ pub(super) fn closing_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
             fix_unless_declared(found, at, format!("delete `{}`", found.source_text(at)))
                 .replace(found.token_span(at), ""),
         );
-    let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Creates a fix that is sure unless token `at` is a declared name, before which an operator could be missing.
@@ -189,15 +180,12 @@ pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
         .primary(found.token_span(at), "`? :` is from another language")
         .fix(fix);
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.insertion(start, Token::If),
         found.replacement(at, &[Token::Then]),
         found.replacement(colon, &[Token::Else]),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns `word` with the spaces that it needs when it replaces token `at`.
@@ -255,14 +243,11 @@ pub(super) fn bare_unit(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     )
     .primary(found.token_span(at), "a unit needs brackets")
     .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.insertion(at, Token::LBracket),
         found.insertion(last, Token::RBracket),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a product without `*`: `3(x + 1)`, `(a + b)(c + d)`, `2 x`.
@@ -289,11 +274,8 @@ pub(super) fn missing_star(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = foreign_syntax("a product is written with `*`")
         .primary(found.token_span(at), "expected `*` before this")
         .fix(Fix::maybe("insert `*`").replace(gap, " * "));
-    let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Star)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Star)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a unit in parentheses: `250(mm)`.
@@ -321,11 +303,8 @@ fn unit_in_parentheses(
     let diagnostic = Diagnostic::new(Code::RPI0007, message)
         .primary(place, "parentheses after a value do not form a unit")
         .fix(Fix::maybe(format!("write `[{unit}]`")).replace(place, format!("[{unit}]")));
-    let mend = found.replace_brackets(at, close, [Token::LBracket, Token::RBracket]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = found.replace_brackets(at, close, [Token::LBracket, Token::RBracket]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns whether the parenthesis at token `close` ends the argument list of a call.
@@ -351,11 +330,8 @@ pub(super) fn field_by_colon(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
     let diagnostic = foreign_syntax("the fields of a struct value are set with `=`")
         .primary(found.token_span(at), "`:` follows argument names in calls")
         .fix(Fix::sure("write `=`").replace(found.token_span(at), " ="));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Eq])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Eq])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a struct value without its type: `limits: Limits = { speed = 1.0 }`.
@@ -410,9 +386,6 @@ pub(super) fn unmatched_bracket(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     let diagnostic = Diagnostic::new(Code::RPI0001, format!("unmatched `{written}`"))
         .primary(found.token_span(at), "no bracket is open here")
         .fix(Fix::maybe(format!("delete `{written}`")).replace(found.token_span(at), ""));
-    let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }

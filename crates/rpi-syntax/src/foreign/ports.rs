@@ -293,11 +293,8 @@ pub(super) fn bare_ports(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
     let diagnostic = foreign_syntax("ports are written in parentheses")
         .primary(found.range_span(at..end), "expected `(`")
         .fix(fix);
-    let mend = Repair::ReplaceTokens(tokens);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(tokens);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises keywords for local variables: `sig z: int;`, `local z: int;`, `VAR_TEMP z: int;`.

@@ -248,12 +248,9 @@ pub(super) fn statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         return None;
     }
     if kind.extent == Extent::Phrase && ends_line(found, at) {
-        let mend = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
+        let repair = Repair::ReplaceTokens(vec![(at..at + 1, Vec::new())]);
         let diagnostic = diagnostic(found, kind, at);
-        return Some(ForeignSyntax {
-            diagnostic,
-            repair: mend,
-        });
+        return Some(ForeignSyntax { diagnostic, repair });
     }
     let end = statement_end(found, kind.extent, at);
     found
@@ -434,11 +431,8 @@ pub(super) fn step_without_arguments(found: &ErrorContext<'_, '_>) -> Option<For
         .fix(rpi_diag::Fix::sure("insert `()`").insert_after(name, "()"));
     let open = found.insertion(at, Token::LParen);
     let close = found.insertion(at, Token::RParen);
-    let mend = Repair::ReplaceTokens(vec![(open.0, [open.1, close.1].concat())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(open.0, [open.1, close.1].concat())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a repetition without `times`: `repeat 3 let Rest(); tel`.
@@ -452,11 +446,8 @@ pub(super) fn repeat_without_times(found: &ErrorContext<'_, '_>) -> Option<Forei
         .fix(
             rpi_diag::Fix::sure("insert `times`").insert_after(found.token_span(at - 1), " times"),
         );
-    let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Times)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Times)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a repetition without `repeat`: `3 times let Rest(); tel`.

@@ -74,11 +74,8 @@ pub(super) fn missing_then(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
             let diagnostic = foreign_syntax("the next state follows `then`")
                 .primary(found.token_span(at), "expected `then` before this")
                 .fix(Fix::sure("insert `then`").insert_after(before, " then"));
-            let mend = Repair::ReplaceTokens(vec![found.insertion(at, Then)]);
-            return Some(ForeignSyntax {
-                diagnostic,
-                repair: mend,
-            });
+            let repair = Repair::ReplaceTokens(vec![found.insertion(at, Then)]);
+            return Some(ForeignSyntax { diagnostic, repair });
         }
         _ => return None,
     };
@@ -162,10 +159,10 @@ pub(super) fn foreign_states(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         .fold(Fix::maybe("write `state`, `let` and `tel`"), |fix, edit| {
             edit.add_to_fix(found, fix)
         });
-    let mend = Repair::ReplaceTokens(edits.iter().map(|edit| edit.token_edit(found)).collect());
+    let repair = Repair::ReplaceTokens(edits.iter().map(|edit| edit.token_edit(found)).collect());
     Some(ForeignSyntax {
         diagnostic: diagnostic.fix(fix),
-        repair: mend,
+        repair,
     })
 }
 

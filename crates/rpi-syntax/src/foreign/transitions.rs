@@ -16,11 +16,8 @@ pub(super) fn transition_with_if(found: &ErrorContext<'_, '_>) -> Option<Foreign
     let diagnostic = foreign_syntax("the condition of a transition needs no `if`")
         .primary(found.token_span(own), "a transition always has a condition")
         .fix(Fix::sure("delete `if`").replace(span_with_trailing_space(found, own), ""));
-    let mend = Repair::ReplaceTokens(vec![(own..own + 1, Vec::new())]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(own..own + 1, Vec::new())]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises SCADE's words before the target state: `until c restart S`, `until if c resume S`.
@@ -48,11 +45,8 @@ pub(super) fn foreign_target_word(found: &ErrorContext<'_, '_>) -> Option<Foreig
     )
     .primary(found.token_span(at), "keyword of another language")
     .fix(fix.replace(found.token_span(at), word));
-    let mend = Repair::ReplaceTokens(edits);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(edits);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises two words before the target state: `until c then continue S`, `until c then resume S`.
@@ -74,14 +68,11 @@ pub(super) fn doubled_target_word(found: &ErrorContext<'_, '_>) -> Option<Foreig
     )
     .primary(both, "one of the two words is enough")
     .fix(Fix::sure(title).replace(both, kept));
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.replacement(then, &[token]),
         (word..word + 1, Vec::new()),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns the fix title, the keyword and its token that replace `then` and the word after it.
@@ -104,7 +95,7 @@ pub(super) fn unless_after_body(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     // Stop at the next transition, in case the `;` between the two is missing.
     let mut words = at + 1..phrase.end;
     let next = words.find(|at| matches!(found.token_at(*at), Some(Token::Until | Token::Unless)));
-    let (end, last, mend) = match next {
+    let (end, last, repair) = match next {
         Some(next) => (
             next,
             next - 1,
@@ -136,10 +127,7 @@ pub(super) fn unless_after_body(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         )
         .secondary(found.token_span(name), "must follow this name")
         .fix(fix);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises the body of a state without `let` and `tel`: `state S: y = x; until c then T;`.
@@ -174,13 +162,13 @@ pub(super) fn state_without_let(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     let fix = Fix::maybe("write `let` and `tel`")
         .replace(found.token_span(at), " let")
         .insert_before(found.token_span(end), "tel ");
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.replacement(at, &[Let]),
         found.insertion(end, Tel),
     ]);
     Some(ForeignSyntax {
         diagnostic: diagnostic.fix(fix),
-        repair: mend,
+        repair,
     })
 }
 
@@ -240,11 +228,8 @@ fn unclosed_block(
         )
         .secondary(end_of_span(last), format!("expected `{word}` here"))
         .fix(Fix::sure(format!("insert `{word}`")).insert_after(last, text));
-    let mend = Repair::ReplaceTokens(vec![found.insertion(at, end)]);
-    ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    }
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, end)]);
+    ForeignSyntax { diagnostic, repair }
 }
 
 /// Returns whether token `at` is the first of a transition's condition.

@@ -42,11 +42,8 @@ pub(super) fn typed_equation(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         let diagnostic = diagnostic.help(format!(
             "it is declared before `let`: `var {written}: ...;`"
         ));
-        let mend = Repair::RemovePhrase(phrase, vec![found.ident(name)]);
-        return Some(ForeignSyntax {
-            diagnostic,
-            repair: mend,
-        });
+        let repair = Repair::RemovePhrase(phrase, vec![found.ident(name)]);
+        return Some(ForeignSyntax { diagnostic, repair });
     }
     let place = found
         .cx
@@ -56,11 +53,8 @@ pub(super) fn typed_equation(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         .help("or declare it with its type before `let`")
         .fix(Fix::maybe(format!("write `{meant} ...`")).replace(place, meant));
     let kept = vec![found.lexemes[name], found.lexemes[sign]];
-    let mend = Repair::ReplaceTokens(vec![(phrase.start..sign + 1, kept)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(phrase.start..sign + 1, kept)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns whether a statement of a body begins at token `at`.
@@ -133,12 +127,9 @@ pub(super) fn missing_eq(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
         }
         None => fix,
     };
-    let mend = Repair::ReplaceTokens(edits);
+    let repair = Repair::ReplaceTokens(edits);
     let diagnostic = diagnostic.fix(fix);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises an assignment with `<=`: `y <= x;`.
@@ -153,11 +144,8 @@ pub(super) fn le_assignment(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     let diagnostic = foreign_syntax("a definition is written with `=`")
         .primary(span, "`<=` is a comparison")
         .fix(Fix::sure("write `=`").replace(span, "="));
-    let mend = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Eq])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(at, &[Token::Eq])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns whether a value seems to begin at token `at`.
@@ -199,11 +187,8 @@ pub(super) fn cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let diagnostic = foreign_syntax(format!("a conversion is written `{word} x`"))
         .primary(span, "a type cannot be in parentheses")
         .fix(Fix::maybe(format!("write `{word}`")).replace(span, format!("{word} ")));
-    let mend = Repair::ReplaceTokens(vec![(open..at + 1, vec![found.lexemes[at - 1]])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(open..at + 1, vec![found.lexemes[at - 1]])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a cast of Rust: `x as int`.
@@ -237,11 +222,8 @@ pub(super) fn as_cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         .fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant));
     let mut tokens = vec![found.lexemes[at + 1]];
     tokens.extend_from_slice(&found.lexemes[start..at]);
-    let mend = Repair::ReplaceTokens(vec![(start..at + 2, tokens)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![(start..at + 2, tokens)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Largest distance from a shift operator to the rejected token, in tokens.
@@ -285,11 +267,8 @@ pub(super) fn shift(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         }
         None => diagnostic.help("a shift by two bits is `x * 4` or `x div 4`"),
     };
-    let mend = Repair::ReplaceTokens(vec![found.replacement(sign, &[Star])]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.replacement(sign, &[Star])]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Returns whether the shift at token `sign` is a complete expression, so that the fix keeps its value.
@@ -397,14 +376,11 @@ pub(super) fn semi_in_head(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
         .primary(span, seen)
         .fix(Fix::maybe(format!("write `{sign}`")).replace(span, sign));
     // The names before the `;` need not have the type after it, so the `,` is not taken for granted.
-    let mend = match meant {
+    let repair = match meant {
         Colon => Repair::ReplaceTokens(vec![found.replacement(at, &[meant])]),
         _ => Repair::RemoveErrorPhrase,
     };
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 fn is_type_word(token: Token) -> bool {

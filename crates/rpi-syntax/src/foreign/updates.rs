@@ -38,14 +38,11 @@ pub(super) fn update_without_parens(found: &ErrorContext<'_, '_>) -> Option<Fore
             fix.insert_before(found.token_span(start), "(")
                 .insert_after(found.token_span(end - 1), ")"),
         );
-    let mend = Repair::ReplaceTokens(vec![
+    let repair = Repair::ReplaceTokens(vec![
         found.insertion(start, Token::LParen),
         found.insertion(end, Token::RParen),
     ]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises an updated field without its dot: `(p with x = 1)`.
@@ -63,9 +60,6 @@ pub(super) fn field_without_dot(found: &ErrorContext<'_, '_>) -> Option<ForeignS
             format!("`.{}`", found.source_text(at)),
         )
         .fix(Fix::sure("insert `.`").insert_before(found.token_span(at), "."));
-    let mend = Repair::ReplaceTokens(vec![found.insertion(at, Token::Dot)]);
-    Some(ForeignSyntax {
-        diagnostic,
-        repair: mend,
-    })
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Dot)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
