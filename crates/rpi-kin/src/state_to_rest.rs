@@ -60,7 +60,9 @@ impl AxisState {
         }
     }
 
-    fn advanced(self, time: f64, jerk: f64) -> Self {
+    /// Returns the state `time` seconds later under a constant `jerk`.
+    #[must_use]
+    pub fn advanced(self, time: f64, jerk: f64) -> Self {
         let AxisState {
             position,
             velocity,
@@ -151,22 +153,35 @@ impl StateToRestProfile {
         })
     }
 
-    fn jerk_at(&self, time: f64) -> f64 {
+    /// Returns the jerk `time` seconds after the start; 0 after the end.
+    #[must_use]
+    pub fn jerk_at(&self, time: f64) -> f64 {
         let mut left = time;
-        let cruise = JerkPhase {
-            duration: self.cruise_time,
-            jerk: 0.0,
-        };
-        let mut parts = self
-            .accelerating
-            .iter()
-            .chain([&cruise])
-            .chain(&self.stopping);
-        let now = parts.find(|part| {
+        let phases = self.phases();
+        let now = phases.iter().find(|part| {
             left -= part.duration;
             left < 0.0
         });
         now.map_or(0.0, |part| part.jerk)
+    }
+
+    /// Returns the phases of constant jerk in order: three to the peak, the time at the peak, three to rest. Unused
+    /// ones have the duration 0.
+    #[must_use]
+    pub fn phases(&self) -> [JerkPhase; 7] {
+        let [a, b, c] = self.accelerating;
+        let [d, e, f] = self.stopping;
+        let cruise = JerkPhase {
+            duration: self.cruise_time,
+            jerk: 0.0,
+        };
+        [a, b, c, cruise, d, e, f]
+    }
+
+    /// Returns the state at the start.
+    #[must_use]
+    pub fn start(&self) -> AxisState {
+        self.start
     }
 
     fn mirrored(self) -> Self {

@@ -14,9 +14,11 @@ pub struct VelocityState {
 
 /// Phase of constant jerk: duration (s) and jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct JerkPhase {
-    pub(crate) duration: f64,
-    pub(crate) jerk: f64,
+pub struct JerkPhase {
+    /// Duration, s; not negative.
+    pub duration: f64,
+    /// Jerk, rad/s³ (or m/s³).
+    pub jerk: f64,
 }
 
 impl JerkPhase {
@@ -105,6 +107,12 @@ impl StopProfile {
             start,
             phases: [JerkPhase::default(), held, JerkPhase::default()],
         }
+    }
+
+    /// Returns the phases of constant jerk, in order; unused ones have the duration 0.
+    #[must_use]
+    pub fn phases(&self) -> &[JerkPhase; 3] {
+        &self.phases
     }
 
     /// Returns the duration in s.

@@ -1,0 +1,116 @@
+//! The arm as seen by the motion core: model, tool and limits; and the state of all axes.
+
+use crate::Joints;
+use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
+
+/// An arm with a tool.
+#[derive(Clone, Copy, Debug)]
+pub struct Arm {
+    model: &'static ArmModel,
+    tool: Pose,
+    tool_inverse: Pose,
+    limits: [AxisLimits; MAX_AXES],
+}
+
+impl Arm {
+    /// Creates an arm of a model with a tool (the tool frame in the flange frame) and the limits of its axes. Missing
+    /// limits are those of the model.
+    #[must_use]
+    pub fn new(model: &'static ArmModel, tool: Pose, limits: &[AxisLimits]) -> Self {
+        let mut own = [AxisLimits::from_radians(0.0, 0.0, 0.0); MAX_AXES];
+        for (axis, slot) in own.iter_mut().enumerate().take(model.axes()) {
+            let given = limits.get(axis).or_else(|| model.limits.get(axis));
+            *slot = given.copied().unwrap_or(*slot);
+        }
+        Self {
+            model,
+            tool,
+            tool_inverse: tool.inverse(),
+            limits: own,
+        }
+    }
+
+    /// Returns the number of axes.
+    #[must_use]
+    pub fn axes(&self) -> usize {
+        self.model.axes()
+    }
+
+    /// Returns the limits of the axes.
+    #[must_use]
+    pub fn limits(&self) -> &[AxisLimits] {
+        &self.limits[..self.axes()]
+    }
+
+    /// Returns the pose of the tool in the base frame.
+    #[must_use]
+    pub fn forward(&self, joints: &Joints) -> Pose {
+        self.model.forward(&joints[..self.axes()]) * self.tool
+    }
+
+    /// Returns the joints for a pose of the tool in the base frame: those nearest to `hint`, with the arm angle of
+    /// `elbow` where the arm is redundant.
+    ///
+    /// # Errors
+    /// Any [`InverseKinematicsError`].
+    pub fn inverse(
+        &self,
+        tool: &Pose,
+        hint: &Joints,
+        elbow: &Joints,
+    ) -> Result<Joints, InverseKinematicsError> {
+        let axes = self.axes();
+        let flange = tool * self.tool_inverse;
+        self.model
+            .inverse_with_elbow(&flange, &hint[..axes], &elbow[..axes], self.limits())
+    }
+}
+
+/// Position (rad), velocity (rad/s) and acceleration (rad/s²) of all axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointState {
+    /// Positions, rad.
+    pub position: Joints,
+    /// Velocities, rad/s.
+    pub velocity: Joints,
+    /// Accelerations, rad/s².
+    pub acceleration: Joints,
+}
+
+impl JointState {
+    /// Creates the state of an arm at rest.
+    #[must_use]
+    pub fn at_rest(position: Joints) -> Self {
+        Self {
+            position,
+            ..Self::default()
+        }
+    }
+
+    /// Returns whether all numbers are finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let parts = [&self.position, &self.velocity, &self.acceleration];
+        parts.into_iter().flatten().all(|value| value.is_finite())
+    }
+
+    /// Returns the state on the parabola through the last three set-points: `position`, with the first and second
+    /// backward differences over `period` (s). A backward difference lags behind the derivative; this corrects the lag.
+    /// Bounds that hold for the derivatives of a curve which continues the parabola hold for the differences, too,
+    /// because a difference of order k is a weighted mean of the k-th derivative (Peano kernel).
+    #[must_use]
+    pub fn from_differences(
+        position: Joints,
+        velocity: Joints,
+        acceleration: Joints,
+        period: f64,
+    ) -> Self {
+        let corrected =
+            core::array::from_fn(|axis| velocity[axis] + period * acceleration[axis] / 2.0);
+        Self {
+            position,
+            velocity: corrected,
+            acceleration,
+        }
+    }
+}

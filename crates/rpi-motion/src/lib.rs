@@ -1,0 +1,43 @@
+//! Motion of an arm along a path, such that a takeover at any moment keeps every limit of its axes.
+//!
+//! The set-point at time t is `q(t) = q_path(s(t)) + r(t)`:
+//!
+//! - [`path`]: `q_path(s)` is the inverse kinematics along a geometric path with the parameter `s`;
+//! - [`time_law`]: `s(t)` is a jerk-limited time law;
+//! - [`residual`]: `r(t)` is what the arm had at the takeover and the path does not have (position, velocity and
+//!   acceleration of each axis). It decays under its own bounds.
+//!
+//! In every cycle the core holds a *held brake*: a way to rest of `s` on the path, together with the rest of `r`, that
+//! [`verify`] has checked against position, velocity, acceleration and jerk of every axis. A new plan replaces it only
+//! after its own brake has been verified. So a plan may be greedy, late or missing: no set-point is ever commanded that
+//! was not verified. To pause or to cancel means to make no new plan.
+//!
+//! [`MotionCore`] allocates when it is created. Afterwards nothing allocates or panics, and the work of each cycle is
+//! counted and bounded ([`MotionCore::NODES_PER_CYCLE`], [`MotionCore::CHECKS_PER_CYCLE`]).
+//!
+//! Sources: Lange and Suppa, Trajectory generation for immediate path-accurate jerk-limited stopping of industrial
+//! robots, ICRA 2015; Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008; Pham and
+//! Pham, A new approach to time-optimal path parameterization based on reachability analysis, T-RO 2018.
+#![no_std]
+
+extern crate alloc;
+
+pub mod arm;
+pub mod check;
+mod entry;
+pub mod motion_core;
+pub mod node_table;
+pub mod path;
+mod plan;
+pub mod residual;
+pub mod stop_margin;
+pub mod time_law;
+pub mod verify;
+
+pub use arm::{Arm, JointState};
+pub use check::{PathReport, check_path};
+pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
+pub use path::Path;
+
+/// Values of all axes, in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.
+pub type Joints = [f64; rpi_kin::MAX_AXES];

@@ -1,0 +1,277 @@
+//! The motion core of one arm: begins a motion from any state, and gives the set-point of each cycle.
+
+use crate::entry::{self, ATTEMPTS};
+use crate::node_table::{NodeTable, PathError};
+use crate::path::Path;
+use crate::plan::{CHECKS, Demand, Planner};
+use crate::residual::Residual;
+use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
+use crate::verify::{Verifier, allowed_ranges};
+use crate::{Arm, JointState, Joints};
+use rpi_kin::state_to_rest::Bounds;
+use rpi_kin::{MAX_AXES, Range};
+
+/// What may change while a motion is under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controls {
+    /// Share of the asked speed, from 0 to 1; 0 pauses.
+    pub speed_share: f64,
+    /// Comes to rest on the path, and stays there until it is false again.
+    pub paused: bool,
+}
+
+impl Default for Controls {
+    fn default() -> Self {
+        Self {
+            speed_share: 1.0,
+            paused: false,
+        }
+    }
+}
+
+/// Why a motion cannot begin or go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MotionError {
+    /// The path cannot be followed from some place on. The arm comes to rest before it.
+    Path(PathError),
+    /// A bound, a pose or a state is not finite, or a bound is not positive.
+    NotFinite,
+}
+
+impl core::fmt::Display for MotionError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            MotionError::Path(error) => error.fmt(f),
+            MotionError::NotFinite => {
+                f.write_str("a number of the motion is not finite, or a bound is not positive")
+            }
+        }
+    }
+}
+
+impl core::error::Error for MotionError {}
+
+impl From<PathError> for MotionError {
+    fn from(error: PathError) -> Self {
+        MotionError::Path(error)
+    }
+}
+
+/// Set-point of one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetPoint {
+    /// Joints, rad.
+    pub joints: Joints,
+    /// Path parameter with its derivatives.
+    pub path: PathState,
+    /// Whether the arm is on the path: the residual has decayed.
+    pub on_path: bool,
+    /// Whether the arm rests at the end of the path.
+    pub done: bool,
+}
+
+/// Motion core of one arm.
+#[derive(Clone, Debug)]
+pub struct MotionCore {
+    arm: Arm,
+    table: NodeTable,
+    /// Period of the set-points, s.
+    period: f64,
+    residual: Residual,
+    held: HeldBrake,
+    planner: Planner,
+    /// Ranges that the motion keeps.
+    ranges: [Range; MAX_AXES],
+    /// Number of the cycle of the motion, from 0; its set-point is that of the time `(cycle + 1) * period`.
+    cycle: u64,
+    /// Entries still to be tried; [`ATTEMPTS`] as long as the path stands.
+    attempt: usize,
+    /// Joints on the path in the last cycle: the hint of the next inverse.
+    hint: Joints,
+}
+
+/// Nodes of the table: 1 MB an arm.
+const NODES: usize = 4096;
+
+/// Cycle in which better entries are tried first: enough of the path is known then.
+const ENTRY_CYCLE: u64 = 4;
+
+/// Share of the tool's bounds for the path parameter while a residual decays.
+const SHARE_WITH_RESIDUAL: f64 = 1.0;
+
+impl MotionCore {
+    /// Greatest number of nodes made in a cycle.
+    pub const NODES_PER_CYCLE: usize = 16;
+
+    /// Greatest number of verifications in a cycle.
+    pub const CHECKS_PER_CYCLE: usize = CHECKS;
+
+    /// Creates the core of an arm at rest for set-points of a period (s). Allocates.
+    #[must_use]
+    pub fn new(arm: Arm, period: f64) -> Self {
+        let zero = [0.0; MAX_AXES];
+        Self {
+            ranges: allowed_ranges(&arm, &zero),
+            arm,
+            table: NodeTable::with_capacity(NODES),
+            period,
+            residual: Residual::default(),
+            held: HeldBrake::standing(0.0, 0.0),
+            planner: Planner::default(),
+            cycle: 0,
+            attempt: ATTEMPTS.len(),
+            hint: zero,
+        }
+    }
+
+    /// Begins a motion along `path` from the state of the arm as commanded, in place of the present one. `asked` are the
+    /// bounds of the tool along the path (m and s), or of the path parameter of a joint line (rad and s). The path may
+    /// start elsewhere than the arm: the difference decays as residual.
+    ///
+    /// # Errors
+    /// A [`MotionError`] if the start of the path cannot be reached or a number is not usable. The present motion then
+    /// goes on.
+    pub fn begin(
+        &mut self,
+        path: Path,
+        state: &JointState,
+        asked: Bounds,
+    ) -> Result<(), MotionError> {
+        if !(asked.are_positive() && state.is_finite()) {
+            return Err(MotionError::NotFinite);
+        }
+        let start = &state.position;
+        self.table.begin(&self.arm, path, start, asked)?;
+        self.ranges = allowed_ranges(&self.arm, start);
+        self.hint = self.table.first_node().joints;
+        self.cycle = 0;
+        self.planner = Planner::default();
+        self.held = HeldBrake::standing(0.0, 0.0);
+        let residual = entry::standing(&self.arm, self.table.first_node(), state, 0.0);
+        self.residual = residual.ok_or(MotionError::NotFinite)?;
+        self.attempt = if self.residual.end() > 0.0 {
+            0
+        } else {
+            ATTEMPTS.len()
+        };
+        Ok(())
+    }
+
+    /// Returns the set-point of the next cycle. Call it once per period.
+    ///
+    /// # Errors
+    /// [`MotionError::Path`] if the inverse at the present place has no solution although its neighbours have one.
+    pub fn next_set_point(&mut self, controls: Controls) -> Result<SetPoint, MotionError> {
+        let time = self.cycle as f64 * self.period;
+        let now = self.held.state_at(time);
+        self.table
+            .extend(&self.arm, Self::NODES_PER_CYCLE, now.s - 1e-3);
+        if self.is_planning_cycle() && !controls.paused && controls.speed_share > 0.0 {
+            if self.attempt < ATTEMPTS.len() && self.cycle >= ENTRY_CYCLE {
+                self.try_entry(time, controls);
+            } else if !self.is_at_end(&now) {
+                self.replan(now, time, controls);
+            }
+        }
+        self.cycle += 1;
+        self.set_point(self.cycle as f64 * self.period)
+    }
+
+    /// Returns why the path cannot be followed to its end, once this is known.
+    #[must_use]
+    pub fn path_error(&self) -> Option<PathError> {
+        self.table.error()
+    }
+
+    /// Returns the time at which the arm is on the path, s since the start of the motion.
+    #[must_use]
+    pub fn residual_end(&self) -> f64 {
+        self.residual.end()
+    }
+
+    /// Returns the path of the motion.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.table.path()
+    }
+
+    fn is_planning_cycle(&self) -> bool {
+        let every = libm::ceil(REPLAN_PERIOD / self.period).max(1.0) as u64;
+        self.cycle.is_multiple_of(every) || self.attempt > 0 && self.attempt < ATTEMPTS.len()
+    }
+
+    fn is_at_end(&self, now: &PathState) -> bool {
+        now.s >= self.path().length() - 1e-12 && now.velocity < 1e-9
+    }
+
+    fn verifier(&self) -> Verifier<'_> {
+        Verifier {
+            arm: &self.arm,
+            table: &self.table,
+            residual: &self.residual,
+            ranges: &self.ranges,
+        }
+    }
+
+    fn demand(&self, time: f64, controls: Controls) -> Demand {
+        let share = controls.speed_share.clamp(0.0, 1.0);
+        let entering = time < self.residual.end();
+        Demand {
+            speed: self.table.asked().speed * share,
+            tool_share: if entering { SHARE_WITH_RESIDUAL } else { 1.0 },
+        }
+    }
+
+    /// Tries one better entry from the state of the arm now: the path stands so far.
+    fn try_entry(&mut self, time: f64, controls: Controls) {
+        let state = self.state_while_standing(time);
+        let demand = self.demand(time, controls);
+        let attempt = ATTEMPTS[self.attempt];
+        let entry = entry::attempted(&self.verifier(), &state, time, attempt, demand);
+        self.attempt += 1;
+        if let Some(entry) = entry {
+            self.attempt = ATTEMPTS.len();
+            self.residual = entry.residual;
+            self.held = entry.brake;
+            self.planner.last_share = entry.share;
+        }
+    }
+
+    /// State of the arm while the path parameter has not moved yet: the start of the path and the residual.
+    fn state_while_standing(&self, time: f64) -> JointState {
+        let mut state = JointState::at_rest(self.table.first_node().joints);
+        for axis in 0..self.arm.axes() {
+            let rest = self.residual.state_at(axis, time);
+            state.position[axis] += rest.position;
+            state.velocity[axis] = rest.velocity;
+            state.acceleration[axis] = rest.acceleration;
+        }
+        state
+    }
+
+    fn replan(&mut self, now: PathState, time: f64, controls: Controls) {
+        let demand = self.demand(time, controls);
+        let held_end = self.held.end();
+        let mut planner = self.planner;
+        let law = planner.plan(&self.verifier(), now, time, held_end, demand);
+        self.planner = planner;
+        if let Some(law) = law {
+            self.held = law;
+        }
+    }
+
+    fn set_point(&mut self, time: f64) -> Result<SetPoint, MotionError> {
+        let path = self.held.state_at(time);
+        let mut joints = self.table.joints_at(&self.arm, path.s, &self.hint)?;
+        self.hint = joints;
+        self.residual.add_to(&mut joints, time);
+        let on_path = time >= self.residual.end();
+        let done = on_path && path.s >= self.path().length() - 1e-10 && path.velocity.abs() < 1e-8;
+        Ok(SetPoint {
+            joints,
+            path,
+            on_path,
+            done,
+        })
+    }
+}

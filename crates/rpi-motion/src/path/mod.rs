@@ -1,0 +1,165 @@
+//! Geometric paths: lines and arcs of the tool, and lines in joint space.
+//!
+//! A path has a parameter `s` from 0 to its length: metres along the way of the tool, or, where the tool turns far on a
+//! short way, the turning weighed with a length; radians of the axis that moves farthest on a joint line. Paths continue
+//! smoothly a little beyond both ends, so that derivatives exist there.
+
+pub mod arc;
+pub mod joint_line;
+pub mod line;
+pub mod orientation;
+
+use crate::Joints;
+pub use arc::Arc;
+pub use joint_line::JointLine;
+pub use line::Line;
+use rpi_kin::Pose;
+
+/// Maximum number of pieces of a path of the tool.
+pub const MAX_PIECES: usize = 16;
+
+/// A piece of a path of the tool.
+#[derive(Clone, Copy, Debug)]
+pub enum Piece {
+    /// A straight line.
+    Line(Line),
+    /// A circular arc.
+    Arc(Arc),
+}
+
+/// A path.
+#[derive(Clone, Copy, Debug)]
+pub enum Path {
+    /// A path of the tool: pieces in order.
+    Tool(ToolPath),
+    /// A straight line in joint space.
+    Joints(JointLine),
+}
+
+/// Pieces of a path of the tool, in order, each beginning where the one before ends.
+#[derive(Clone, Copy, Debug)]
+pub struct ToolPath {
+    pieces: [Option<Piece>; MAX_PIECES],
+    /// Path parameter at the start of each piece, m.
+    starts: [f64; MAX_PIECES],
+    count: usize,
+    length: f64,
+}
+
+/// Curvature of the path at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Curvature {
+    /// Curvature, 1/m.
+    pub value: f64,
+    /// Magnitude of its derivative along the path, 1/m².
+    pub slope: f64,
+}
+
+impl Piece {
+    /// Returns the length of the piece, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        match self {
+            Piece::Line(line) => line.length(),
+            Piece::Arc(arc) => arc.length(),
+        }
+    }
+
+    fn pose(&self, s: f64) -> Pose {
+        match self {
+            Piece::Line(line) => line.pose(s),
+            Piece::Arc(arc) => arc.pose(s),
+        }
+    }
+
+    fn curvature(&self, _s: f64) -> Curvature {
+        match self {
+            Piece::Line(_) => Curvature::default(),
+            Piece::Arc(arc) => arc.curvature(),
+        }
+    }
+}
+
+impl ToolPath {
+    /// Creates a path of one piece.
+    #[must_use]
+    pub fn new(piece: Piece) -> Self {
+        let mut path = Self {
+            pieces: [None; MAX_PIECES],
+            starts: [0.0; MAX_PIECES],
+            count: 0,
+            length: 0.0,
+        };
+        path.push(piece);
+        path
+    }
+
+    /// Appends a piece. Returns false, and does nothing, if there are already [`MAX_PIECES`].
+    pub fn push(&mut self, piece: Piece) -> bool {
+        let Some(slot) = self.pieces.get_mut(self.count) else {
+            return false;
+        };
+        *slot = Some(piece);
+        self.starts[self.count] = self.length;
+        self.length += piece.length();
+        self.count += 1;
+        true
+    }
+
+    /// Returns the length, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    fn piece_at(&self, s: f64) -> Option<(&Piece, f64)> {
+        let behind = self.starts[..self.count].partition_point(|start| *start <= s);
+        let k = behind.saturating_sub(1);
+        let piece = self.pieces[k].as_ref()?;
+        Some((piece, s - self.starts[k]))
+    }
+
+    /// Returns the pose of the tool in the base frame.
+    #[must_use]
+    pub fn pose(&self, s: f64) -> Pose {
+        self.piece_at(s)
+            .map_or_else(Pose::identity, |(piece, own)| piece.pose(own))
+    }
+
+    fn curvature(&self, s: f64) -> Curvature {
+        self.piece_at(s)
+            .map_or_else(Curvature::default, |(piece, own)| piece.curvature(own))
+    }
+}
+
+impl Path {
+    /// Returns the path of one straight line of the tool from one pose to another.
+    #[must_use]
+    pub fn line(from: &Pose, to: &Pose) -> Self {
+        Path::Tool(ToolPath::new(Piece::Line(Line::new(from, to))))
+    }
+
+    /// Returns the straight line in joint space between two positions of the `axes` first joints.
+    #[must_use]
+    pub fn joint_line(from: &Joints, to: &Joints, axes: usize) -> Self {
+        Path::Joints(JointLine::new(from, to, axes))
+    }
+
+    /// Returns the greatest value of the path parameter: m, or rad of the axis that moves farthest.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        match self {
+            Path::Tool(path) => path.length(),
+            Path::Joints(line) => line.length(),
+        }
+    }
+
+    /// Returns the curvature of the way of the tool; 0 for a joint line.
+    #[must_use]
+    pub fn curvature(&self, s: f64) -> Curvature {
+        match self {
+            Path::Tool(path) => path.curvature(s),
+            Path::Joints(_) => Curvature::default(),
+        }
+    }
+}

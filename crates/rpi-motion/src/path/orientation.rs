@@ -1,0 +1,39 @@
+//! Even turning from one orientation to another.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Turning about a fixed axis, proportional to the path parameter (spherical linear interpolation).
+#[derive(Clone, Copy, Debug)]
+pub struct EvenTurning {
+    start: UnitQuaternion<f64>,
+    /// Rotation vector per unit of the path parameter, in base coordinates; rad/m.
+    rate: Vector3<f64>,
+}
+
+impl EvenTurning {
+    /// Turns from `from` to `to`, the shorter way round, while the path parameter grows by `length`.
+    #[must_use]
+    pub fn new(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, length: f64) -> Self {
+        let turn = (to * from.inverse()).scaled_axis();
+        Self {
+            start: *from,
+            rate: if length > 0.0 {
+                turn / length
+            } else {
+                Vector3::zeros()
+            },
+        }
+    }
+
+    /// Returns the orientation at a value of the path parameter.
+    #[must_use]
+    pub fn at(&self, s: f64) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_scaled_axis(self.rate * s) * self.start
+    }
+}
+
+/// Returns the angle between two orientations, rad, from 0 to π.
+#[must_use]
+pub fn angle_between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>) -> f64 {
+    (to * from.inverse()).angle()
+}

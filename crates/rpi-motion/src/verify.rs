@@ -1,0 +1,187 @@
+//! Verification of a brake: path, time law and residual together, against every axis.
+//!
+//! Each phase of constant jerk is cut into equal steps. At both ends of a step the derivatives of each axis are
+//!
+//! - velocity q' v + r',
+//! - acceleration q' a + q'' v² + r'',
+//! - jerk q' j + 3 q'' v a + q''' v³ + r''',
+//!
+//! with v, a, j of the path parameter; the residual r is taken with its exact extrema over the step, since its phases
+//! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and [`USED_JERK_SHARE`].
+
+use crate::node_table::{Node, NodeTable, USED_JERK_SHARE, USED_SHARE};
+use crate::residual::Residual;
+use crate::stop_margin::stopping_distances;
+use crate::time_law::{HeldBrake, PathState};
+use crate::{Arm, Joints};
+use rpi_kin::{AxisLimits, MAX_AXES, Range};
+
+/// Longest step between samples, s.
+const LONGEST_STEP: f64 = 5e-3;
+
+/// Number of samples of one verification, at most, beside two for each phase.
+pub const MOST_SAMPLES: usize = 56;
+
+/// Distance from the end of an axis' range that is kept, rad.
+const RANGE_MARGIN: f64 = 1e-4;
+
+/// Tolerance for the end of a law beyond the known path, in its unit.
+const END_TOLERANCE: f64 = 1e-12;
+
+/// What a brake is verified against.
+#[derive(Clone, Copy, Debug)]
+pub struct Verifier<'a> {
+    /// The arm with its limits.
+    pub arm: &'a Arm,
+    /// The path.
+    pub table: &'a NodeTable,
+    /// The residual.
+    pub residual: &'a Residual,
+    /// Ranges of the axes: see [`allowed_ranges`].
+    pub ranges: &'a [Range; MAX_AXES],
+}
+
+/// Velocity, acceleration, and jerk of one axis by the motion along the path.
+#[derive(Clone, Copy, Debug, Default)]
+struct Terms {
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+    jerk: f64,
+}
+
+impl Verifier<'_> {
+    /// Returns whether the whole brake keeps the limits of all axes and ends on the known path.
+    #[must_use]
+    pub fn accepts(&self, brake: &HeldBrake) -> bool {
+        let end = brake.end();
+        if !(end <= self.table.known_end() + END_TOLERANCE) {
+            return false;
+        }
+        let total: f64 = brake.phases().map(|phase| phase.duration).sum();
+        let step = LONGEST_STEP.max(total / MOST_SAMPLES as f64);
+        let mut state = brake.start;
+        let mut time = brake.start_time;
+        let mut cursor = 0;
+        for phase in brake.phases() {
+            if phase.duration <= 0.0 {
+                continue;
+            }
+            let steps = libm::ceil(phase.duration / step).max(1.0);
+            let width = phase.duration / steps;
+            let mut before = self.terms(&state, phase.jerk, &mut cursor);
+            for _ in 0..steps as u32 {
+                state = state.advanced(width, phase.jerk);
+                if state.velocity < -1e-6 {
+                    return false;
+                }
+                let after = self.terms(&state, phase.jerk, &mut cursor);
+                if !self.step_is_within(&before, &after, time, time + width) {
+                    return false;
+                }
+                time += width;
+                before = after;
+            }
+        }
+        self.rest_is_within(&state, time, &mut cursor)
+    }
+
+    fn terms(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> [Terms; MAX_AXES] {
+        let (one, other, share) = self.table.around(state.s, cursor);
+        let PathState {
+            velocity: v,
+            acceleration: a,
+            ..
+        } = *state;
+        let mut terms = [Terms::default(); MAX_AXES];
+        for (axis, slot) in terms.iter_mut().enumerate().take(self.arm.axes()) {
+            let mix = |of: fn(&Node) -> &Joints| {
+                let (low, high) = (of(one)[axis], of(other)[axis]);
+                low + share * (high - low)
+            };
+            let (first, second, third) = (mix(|n| &n.first), mix(|n| &n.second), mix(|n| &n.third));
+            *slot = Terms {
+                position: mix(|n| &n.joints),
+                velocity: first * v,
+                acceleration: first * a + second * v * v,
+                jerk: first * jerk + 3.0 * second * v * a + third * v * v * v,
+            };
+        }
+        terms
+    }
+
+    fn step_is_within(
+        &self,
+        before: &[Terms; MAX_AXES],
+        after: &[Terms; MAX_AXES],
+        from: f64,
+        to: f64,
+    ) -> bool {
+        let limits = self.arm.limits().iter().enumerate();
+        limits.into_iter().all(|(axis, limits)| {
+            let (one, other) = (&before[axis], &after[axis]);
+            let rest = self.residual.extent(axis, from, to);
+            let within = |a: f64, b: f64, rest: (f64, f64), limit: f64| {
+                a.min(b) + rest.0 >= -limit && a.max(b) + rest.1 <= limit
+            };
+            within(
+                one.velocity,
+                other.velocity,
+                rest.velocity,
+                USED_SHARE * limits.velocity,
+            ) && within(
+                one.acceleration,
+                other.acceleration,
+                rest.acceleration,
+                USED_SHARE * limits.acceleration,
+            ) && within(
+                one.jerk,
+                other.jerk,
+                rest.jerk,
+                USED_JERK_SHARE * (1.0 + 1e-7) * limits.jerk,
+            ) && self.range_is_kept(axis, other, to, limits)
+        })
+    }
+
+    /// Whether the axis could stop within its range from here.
+    fn range_is_kept(&self, axis: usize, at: &Terms, time: f64, limits: &AxisLimits) -> bool {
+        let rest = self.residual.state_at(axis, time);
+        let position = at.position + rest.position;
+        let (below, above) = stopping_distances(
+            at.velocity + rest.velocity,
+            at.acceleration + rest.acceleration,
+            limits,
+        );
+        let range = &self.ranges[axis];
+        position - below >= range.lower && position + above <= range.upper
+    }
+
+    /// Whether the residual may go on alone once the path parameter rests.
+    fn rest_is_within(&self, state: &PathState, time: f64, cursor: &mut usize) -> bool {
+        if time >= self.residual.end() {
+            return true;
+        }
+        let (one, other, share) = self.table.around(state.s, cursor);
+        (0..self.arm.axes()).all(|axis| {
+            let here = one.joints[axis] + share * (other.joints[axis] - one.joints[axis]);
+            let (low, high) = self.residual.span(axis);
+            let range = &self.ranges[axis];
+            here + low >= range.lower && here + high <= range.upper
+        })
+    }
+}
+
+/// Returns the ranges that a motion keeps: those of the axes less a margin. Where the arm starts nearer to the end of a
+/// range, or beyond it, its own position is the end: it may move back, but not farther out.
+#[must_use]
+pub fn allowed_ranges(arm: &Arm, start: &Joints) -> [Range; MAX_AXES] {
+    let mut ranges = [Range::symmetric(0.0); MAX_AXES];
+    for (axis, limits) in arm.limits().iter().enumerate() {
+        let inner = limits.position.shrunk(RANGE_MARGIN);
+        ranges[axis] = Range {
+            lower: inner.lower.min(start[axis] - END_TOLERANCE),
+            upper: inner.upper.max(start[axis] + END_TOLERANCE),
+        };
+    }
+    ranges
+}

@@ -1,0 +1,145 @@
+//! Takeovers at random moments between motions of all kinds keep every limit of every axis, and every motion arrives.
+//!
+//! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
+
+mod random;
+mod watch;
+
+use random::{KINDS, Kind, Random};
+use rpi_kin::{ArmModel, Pose, models};
+use rpi_motion::{Arm, Controls, MotionCore, Path, check_path};
+use watch::{PERIOD, Watch};
+
+const ARMS: [&ArmModel; 4] = [
+    &models::kuka_lbr::LWR_4_PLUS,
+    &models::kuka_kr::KR_6_R900,
+    &models::universal_robots::UR5E,
+    &models::kuka_lbr::IIWA_7,
+];
+
+/// Takeovers of one chain.
+const CHAIN: usize = 10;
+
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| text.parse().expect("a number"))
+}
+
+#[derive(Default, Debug)]
+struct Counts {
+    takeovers: usize,
+    refused_by_check: usize,
+    checked: usize,
+    over_limits: usize,
+    not_arrived: usize,
+    worst: [f64; 3],
+    deviation: f64,
+}
+
+/// A motion that the check accepts, from where the arm is.
+fn motion(
+    model: &ArmModel,
+    arm: &Arm,
+    watch: &Watch,
+    random: &mut Random,
+    counts: &mut Counts,
+) -> Option<(Path, rpi_kin::state_to_rest::Bounds)> {
+    for _ in 0..200 {
+        let kind = KINDS[random.below(3)];
+        let Some(path) = random::path(model, arm, kind, watch.joints(), random) else {
+            continue;
+        };
+        let default = random.unit() < 0.3;
+        let asked = random::asked(kind, random, default);
+        counts.checked += usize::from(kind == Kind::Line);
+        if check_path(arm, path, watch.joints(), asked).is_ok() {
+            return Some((path, asked));
+        }
+        counts.refused_by_check += usize::from(kind == Kind::Line);
+    }
+    None
+}
+
+fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
+    let arm = Arm::new(model, Pose::identity(), &[]);
+    let mut random = Random::new(seed);
+    let mut watch = Watch::standing(&random::joints(model, &mut random));
+    let mut core = MotionCore::new(arm, PERIOD);
+    for number in 0..CHAIN {
+        let Some((path, asked)) = motion(model, &arm, &watch, &mut random, counts) else {
+            return;
+        };
+        core.begin(path, &watch.state(), asked)
+            .expect("the check accepted it");
+        counts.takeovers += 1;
+        let cycles = match () {
+            () if number + 1 == CHAIN => 60_000,
+            () if random.unit() < 0.4 => 1 + random.below(20),
+            () => 1 + random.below(800),
+        };
+        let arrived = run(&mut core, &arm, &path, &mut watch, cycles, counts);
+        if number + 1 == CHAIN && !arrived {
+            counts.not_arrived += 1;
+            println!(
+                "not arrived: {} seed {seed}: {:?}",
+                model.id,
+                core.path_error()
+            );
+        }
+        if !watch.is_within() {
+            println!(
+                "over: {} seed {seed} motion {number} {:?} {}",
+                model.id, watch.worst, watch.out_of_range
+            );
+            break;
+        }
+    }
+    counts.over_limits += usize::from(!watch.is_within());
+    for (most, worst) in counts.worst.iter_mut().zip(watch.worst) {
+        *most = most.max(worst);
+    }
+}
+
+fn run(
+    core: &mut MotionCore,
+    arm: &Arm,
+    path: &Path,
+    watch: &mut Watch,
+    cycles: usize,
+    counts: &mut Counts,
+) -> bool {
+    for _ in 0..cycles {
+        let at = core
+            .next_set_point(Controls::default())
+            .expect("the path was checked");
+        watch.push(arm, &at.joints);
+        if at.on_path
+            && let Path::Tool(path) = path
+        {
+            let off = arm.forward(&at.joints).translation.vector
+                - path.pose(at.path.s).translation.vector;
+            counts.deviation = counts.deviation.max(off.norm());
+        }
+        if at.done {
+            return true;
+        }
+    }
+    false
+}
+
+#[test]
+fn takeovers_at_random_moments_keep_every_limit() {
+    let (chains, first) = (number("RPI_TAKEOVERS", 4), number("RPI_SEED", 1));
+    for model in ARMS {
+        let mut counts = Counts::default();
+        (first..first + chains).for_each(|seed| chain(model, seed, &mut counts));
+        println!("{}: {counts:?}", model.id);
+        assert_eq!(
+            (counts.over_limits, counts.not_arrived),
+            (0, 0),
+            "{}: {counts:?}",
+            model.id
+        );
+        assert!(counts.deviation < 1e-9, "{}: {counts:?}", model.id);
+        assert!(counts.takeovers > 0);
+    }
+}
