@@ -482,6 +482,45 @@ impl NodeTable {
         (one, other, share.clamp(0.0, 1.0))
     }
 
+    /// Returns the number of nodes of finer stretches between two places. `cursor` as in [`NodeTable::around`]; it stays
+    /// at `from`.
+    #[must_use]
+    pub fn fine_nodes_between(&self, from: f64, to: f64, cursor: &mut usize) -> usize {
+        let _ = self.around(from, cursor);
+        let last = self.next.saturating_sub(1);
+        let nodes = (*cursor..last).take_while(|k| self.node(*k).s < to);
+        let widest = self.first_spacing(self.path.length());
+        nodes
+            .filter(|k| self.node(k + 1).s - self.node(*k).s < 0.75 * widest)
+            .count()
+    }
+
+    /// Returns the places of the nodes in a stretch with the greatest speed of each. `cursor` as in
+    /// [`NodeTable::around`].
+    pub fn places_between(
+        &self,
+        from: f64,
+        to: f64,
+        cursor: &mut usize,
+    ) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let _ = self.around(from, cursor);
+        let nodes = (*cursor + 1..self.next).map(|k| self.node(k));
+        nodes
+            .take_while(move |node| node.s <= to)
+            .map(|node| (node.s, node.most.velocity))
+    }
+
+    /// Returns whether the path is curved somewhere in a stretch.
+    #[must_use]
+    pub fn is_curved_between(&self, from: f64, to: f64) -> bool {
+        let mut cursor = 0;
+        let _ = self.around(from, &mut cursor);
+        let nodes = (cursor..self.next).map(|k| self.node(k));
+        nodes
+            .take_while(|node| node.s <= to)
+            .any(|node| node.curvature != Curvature::default())
+    }
+
     /// Returns the smallest bounds of the nodes around a stretch. `cursor` as in [`NodeTable::around`].
     #[must_use]
     pub fn most_between(&self, from: f64, to: f64, cursor: &mut usize) -> MostAllowed {
@@ -523,16 +562,23 @@ fn axis_bounds(arm: &Arm, node: &Node) -> MostAllowed {
     most
 }
 
-/// What the bounds of the tool allow at a place with this curvature: along and across the path together.
+/// What the bounds of the tool allow at a place with this curvature. At a steady speed the acceleration is k v² and the
+/// jerk hypot(k', k²) v³; the verification looks at both together with those along the path.
 fn tool_bounds(asked: Bounds, curvature: Curvature) -> MostAllowed {
+    /// Shares that a steady speed uses of its own bounds, and that remain along a curved path.
+    const STEADY: f64 = 0.985;
+    const ALONG: f64 = 1.0;
     let Curvature { value, slope } = curvature;
-    let curved = value > 0.0 || slope > 0.0;
-    let share = if curved { 0.7 } else { 1.0 };
-    let sideways = libm::sqrt(0.7 * asked.acceleration / value.max(1e-9));
-    let turning = libm::sqrt(slope * slope + value * value * value * value).max(1e-9);
-    let twisting = libm::cbrt(0.5 * asked.jerk / turning);
+    let share = if value == 0.0 && slope == 0.0 {
+        1.0
+    } else {
+        ALONG
+    };
+    let sideways = libm::sqrt(asked.acceleration / value.max(1e-9));
+    let turning = libm::hypot(slope, value * value).max(1e-9);
+    let twisting = libm::cbrt(asked.jerk / turning);
     MostAllowed {
-        velocity: asked.speed.min(sideways).min(twisting),
+        velocity: asked.speed.min(STEADY * sideways).min(STEADY * twisting),
         acceleration: share * asked.acceleration,
         jerk: share * asked.jerk,
     }

@@ -4,12 +4,66 @@ use crate::node_table::{MostAllowed, NodeTable};
 use crate::time_law::{HeldBrake, PathState};
 use crate::verify::Verifier;
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
+use rpi_kin::stop_profile::{StopProfile, VelocityState};
 
 /// Shares of acceleration and jerk that are tried, from fast to slow.
 pub(crate) const SHARES: [f64; 5] = [1.0, 0.7, 0.45, 0.25, 0.1];
 
+/// Share of the bounds of a piece that its brake uses where the path is curved: there, the jerk of the tool across the
+/// path needs a part of the whole.
+const BRAKE_ON_CURVE: f64 = 0.6;
+
+/// Share of the lowest speed ahead that is tried where the speed itself is too high.
+const SLOWER: f64 = 0.4;
+
 /// Verifications of one plan, at most.
-pub(crate) const CHECKS: usize = 7;
+pub(crate) const CHECKS: usize = 12;
+
+/// Speed of a candidate: the greatest of the nearer half of the stretch ahead, of all of it, or a part of that.
+#[derive(Clone, Copy, Debug)]
+enum Speed {
+    Near,
+    Far,
+    BelowFar,
+}
+
+/// A candidate for the next piece.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// By how many steps of [`SHARES`] it is slower than the first one.
+    slower_by: usize,
+    speed: Speed,
+    /// Share of the bounds of the piece that its brake uses.
+    brake: f64,
+}
+
+const fn candidate(slower_by: usize, speed: Speed, brake: f64) -> Candidate {
+    Candidate {
+        slower_by,
+        speed,
+        brake,
+    }
+}
+
+/// Candidates in the order in which they are tried.
+const CANDIDATES: [Candidate; 16] = [
+    candidate(0, Speed::Near, 1.0),
+    candidate(0, Speed::Far, 1.0),
+    candidate(0, Speed::Far, BRAKE_ON_CURVE),
+    candidate(1, Speed::Near, 1.0),
+    candidate(1, Speed::Far, 1.0),
+    candidate(1, Speed::Far, BRAKE_ON_CURVE),
+    candidate(2, Speed::Near, 1.0),
+    candidate(2, Speed::Far, 1.0),
+    candidate(0, Speed::BelowFar, 1.0),
+    candidate(1, Speed::BelowFar, 1.0),
+    candidate(2, Speed::BelowFar, 1.0),
+    candidate(3, Speed::Far, 1.0),
+    candidate(3, Speed::BelowFar, 1.0),
+    candidate(4, Speed::Far, 1.0),
+    candidate(4, Speed::BelowFar, 1.0),
+    candidate(4, Speed::Near, 1.0),
+];
 
 /// What a plan may ask for.
 #[derive(Clone, Copy, Debug)]
@@ -47,28 +101,45 @@ impl Planner {
             near.acceleration.min(far.acceleration),
             near.jerk.min(far.jerk),
         );
+        let curved = table.is_curved_between(now.s, now.s + ahead);
         let mut checks = 0;
-        for number in self.last_share.saturating_sub(1)..SHARES.len() {
-            let share = SHARES[number];
-            for speed in [near.velocity, far.velocity, 0.4 * far.velocity] {
-                if checks == CHECKS {
-                    return None;
-                }
-                let bounds = Bounds {
-                    speed,
-                    acceleration: acceleration * share,
-                    jerk: jerk * share,
-                };
-                let profile = StateToRestProfile::new(now.into(), length, bounds);
-                let law = profile.and_then(|profile| {
-                    HeldBrake::following(profile, time, bounds.acceleration, bounds.jerk)
-                });
-                let Some(law) = law else { continue };
-                checks += 1;
-                if verifier.accepts(&law) {
-                    self.last_share = number;
-                    return Some(law);
-                }
+        let first = self.last_share.saturating_sub(1);
+        for candidate in CANDIDATES {
+            let number = first + candidate.slower_by;
+            let Some(share) = SHARES.get(number) else {
+                continue;
+            };
+            if candidate.brake < 1.0 && !curved {
+                continue;
+            }
+            let bounds = Bounds {
+                speed: match candidate.speed {
+                    Speed::Near => near.velocity,
+                    Speed::Far => far.velocity,
+                    Speed::BelowFar => SLOWER * far.velocity,
+                },
+                acceleration: acceleration * share,
+                jerk: jerk * share,
+            };
+            let profile = StateToRestProfile::new(now.into(), length, bounds);
+            let law = profile.and_then(|profile| {
+                let (acceleration, jerk) = (
+                    candidate.brake * bounds.acceleration,
+                    candidate.brake * bounds.jerk,
+                );
+                HeldBrake::following(profile, time, acceleration, jerk)
+            });
+            let Some(law) = law else { continue };
+            if bounds.speed > far.velocity && !slows_down_in_time(table, &law, bounds, ahead) {
+                continue;
+            }
+            if checks == CHECKS {
+                return None;
+            }
+            checks += 1;
+            if verifier.accepts(&law) {
+                self.last_share = number;
+                return Some(law);
             }
         }
         None
@@ -87,4 +158,32 @@ pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> 
             .min(asked.acceleration * demand.tool_share),
         jerk: most.jerk.min(asked.jerk * demand.tool_share),
     }
+}
+
+/// Whether the law can come down to the speed of each place ahead before it is there. A stop alone would end there in
+/// time, too, but too late to pass at that speed: its acceleration must have decayed when the place begins.
+fn slows_down_in_time(table: &NodeTable, law: &HeldBrake, bounds: Bounds, ahead: f64) -> bool {
+    /// Ratio of the speeds of two places that are looked at: the slowest places count, not each node.
+    const STEP: f64 = 0.8;
+    let turn = law.turn;
+    let mut level = turn.velocity;
+    let mut cursor = 0;
+    let mut places = table.places_between(turn.s, turn.s + ahead, &mut cursor);
+    places.all(|(s, speed)| {
+        if speed >= STEP * level {
+            return true;
+        }
+        level = speed;
+        slowing_distance(&turn, speed, bounds).is_some_and(|distance| turn.s + distance <= s)
+    })
+}
+
+/// Distance in which the path parameter comes from a state to a speed without acceleration.
+fn slowing_distance(from: &PathState, speed: f64, bounds: Bounds) -> Option<f64> {
+    let change = VelocityState {
+        velocity: from.velocity - speed,
+        acceleration: from.acceleration,
+    };
+    let slowing = StopProfile::new(change, bounds.acceleration, bounds.jerk)?;
+    Some(slowing.distance() + speed * slowing.duration())
 }

@@ -133,6 +133,13 @@ fn turning_points(state: AxisState, jerk: f64) -> [f64; 2] {
     [(-a - root) / jerk, (-a + root) / jerk]
 }
 
+/// Whether a difference is only the rounding of an inverse: it moves nothing that a limit could see.
+fn is_rounding(difference: &AxisState) -> bool {
+    difference.position.abs() < 1e-13
+        && difference.velocity.abs() < 1e-12
+        && difference.acceleration.abs() < 1e-9
+}
+
 fn ordered(a: f64, b: f64) -> (f64, f64) {
     if a < b { (a, b) } else { (b, a) }
 }
@@ -164,7 +171,7 @@ impl Residual {
         };
         for axis in 0..count {
             let start = difference(axis);
-            if start == AxisState::default() {
+            if is_rounding(&start) {
                 continue;
             }
             let planned = AxisResidual::new(StateToRestProfile::new(start, 0.0, bounds(axis))?);

@@ -14,13 +14,17 @@ use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
 use crate::time_law::{HeldBrake, PathState};
 use crate::{Arm, Joints};
+use rpi_kin::stop_profile::JerkPhase;
 use rpi_kin::{AxisLimits, MAX_AXES, Range};
 
 /// Longest step between samples, s.
 const LONGEST_STEP: f64 = 5e-3;
 
-/// Number of samples of one verification, at most, beside two for each phase.
-pub const MOST_SAMPLES: usize = 56;
+/// Number of steps of a brake whose path is resolved by the widest spacing, beside two for each phase.
+const COARSE_SAMPLES: f64 = 56.0;
+
+/// Number of samples of one verification, at most.
+pub const MOST_SAMPLES: usize = 400;
 
 /// Distance from the end of an axis' range that is kept, rad.
 const RANGE_MARGIN: f64 = 1e-4;
@@ -41,6 +45,16 @@ pub struct Verifier<'a> {
     pub ranges: &'a [Range; MAX_AXES],
 }
 
+/// Progress of a verification.
+struct Walk {
+    state: PathState,
+    time: f64,
+    /// Number of a node near to the state.
+    cursor: usize,
+    /// Samples that may still be taken.
+    left: usize,
+}
+
 /// Velocity, acceleration, and jerk of one axis by the motion along the path.
 #[derive(Clone, Copy, Debug, Default)]
 struct Terms {
@@ -51,7 +65,8 @@ struct Terms {
 }
 
 impl Verifier<'_> {
-    /// Returns whether the whole brake keeps the limits of all axes and ends on the known path.
+    /// Returns whether the whole brake keeps the limits of all axes and the asked bounds of the tool, and ends on the
+    /// known path. A brake that would need more than [`MOST_SAMPLES`] is not accepted.
     #[must_use]
     pub fn accepts(&self, brake: &HeldBrake) -> bool {
         let end = brake.end();
@@ -59,31 +74,52 @@ impl Verifier<'_> {
             return false;
         }
         let total: f64 = brake.phases().map(|phase| phase.duration).sum();
-        let step = LONGEST_STEP.max(total / MOST_SAMPLES as f64);
-        let mut state = brake.start;
-        let mut time = brake.start_time;
-        let mut cursor = 0;
-        for phase in brake.phases() {
-            if phase.duration <= 0.0 {
-                continue;
-            }
-            let steps = libm::ceil(phase.duration / step).max(1.0);
-            let width = phase.duration / steps;
-            let mut before = self.terms(&state, phase.jerk, &mut cursor);
-            for _ in 0..steps as u32 {
-                state = state.advanced(width, phase.jerk);
-                if state.velocity < -1e-6 {
+        let mut walk = Walk {
+            state: brake.start,
+            time: brake.start_time,
+            cursor: 0,
+            left: MOST_SAMPLES,
+        };
+        let step = LONGEST_STEP.max(total / COARSE_SAMPLES);
+        let mut phases = brake.phases().filter(|phase| phase.duration > 0.0);
+        phases.all(|phase| self.phase_is_within(&mut walk, &phase, step))
+            && self.rest_is_within(&mut walk)
+    }
+
+    /// Walks through a phase of constant jerk in equal steps of at most `step` seconds; each is cut further where the
+    /// path has been resolved more finely, so that no sample misses a bend.
+    fn phase_is_within(&self, walk: &mut Walk, phase: &JerkPhase, step: f64) -> bool {
+        let steps = libm::ceil(phase.duration / step).max(1.0);
+        let width = phase.duration / steps;
+        let mut before = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
+        if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor) {
+            return false;
+        }
+        for _ in 0..steps as u32 {
+            let ahead = walk.state.advanced(width, phase.jerk).s;
+            let parts = 1 + self
+                .table
+                .fine_nodes_between(walk.state.s, ahead, &mut walk.cursor);
+            let Some(left) = walk.left.checked_sub(parts) else {
+                return false;
+            };
+            walk.left = left;
+            let width = width / parts as f64;
+            for _ in 0..parts {
+                let from = walk.time;
+                walk.state = walk.state.advanced(width, phase.jerk);
+                walk.time += width;
+                let after = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
+                if walk.state.velocity < -1e-6
+                    || !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
+                    || !self.step_is_within(&before, &after, from, walk.time)
+                {
                     return false;
                 }
-                let after = self.terms(&state, phase.jerk, &mut cursor);
-                if !self.step_is_within(&before, &after, time, time + width) {
-                    return false;
-                }
-                time += width;
                 before = after;
             }
         }
-        self.rest_is_within(&state, time, &mut cursor)
+        true
     }
 
     fn terms(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> [Terms; MAX_AXES] {
@@ -108,6 +144,28 @@ impl Verifier<'_> {
             };
         }
         terms
+    }
+
+    /// Whether acceleration and jerk of the tool on a curved path are within the asked bounds:
+    /// a t + k v² n, and (j - k² v³) t + (3 k v a + k' v³) n.
+    fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
+        let (one, other, share) = self.table.around(state.s, cursor);
+        let mix = |low: f64, high: f64| low + share * (high - low);
+        let curvature = mix(one.curvature.value, other.curvature.value);
+        let slope = mix(one.curvature.slope, other.curvature.slope);
+        if curvature == 0.0 && slope == 0.0 {
+            return true;
+        }
+        let PathState {
+            velocity: v,
+            acceleration: a,
+            ..
+        } = *state;
+        let asked = self.table.asked();
+        let acceleration = libm::hypot(a, curvature * v * v);
+        let along = jerk - curvature * curvature * v * v * v;
+        let across = 3.0 * curvature * v * a + slope * v * v * v;
+        acceleration <= asked.acceleration && libm::hypot(along, across) <= asked.jerk
     }
 
     fn step_is_within(
@@ -157,11 +215,11 @@ impl Verifier<'_> {
     }
 
     /// Whether the residual may go on alone once the path parameter rests.
-    fn rest_is_within(&self, state: &PathState, time: f64, cursor: &mut usize) -> bool {
-        if time >= self.residual.end() {
+    fn rest_is_within(&self, walk: &mut Walk) -> bool {
+        if walk.time >= self.residual.end() {
             return true;
         }
-        let (one, other, share) = self.table.around(state.s, cursor);
+        let (one, other, share) = self.table.around(walk.state.s, &mut walk.cursor);
         (0..self.arm.axes()).all(|axis| {
             let here = one.joints[axis] + share * (other.joints[axis] - one.joints[axis]);
             let (low, high) = self.residual.span(axis);

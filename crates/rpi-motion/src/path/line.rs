@@ -43,6 +43,29 @@ impl Line {
         self.length
     }
 
+    /// Returns the way per unit of the path parameter: a unit vector where the way decides the length, else shorter.
+    #[must_use]
+    pub fn direction(&self) -> Vector3<f64> {
+        self.direction
+    }
+
+    /// Returns whether the path parameter is the length of the way.
+    #[must_use]
+    pub fn is_by_length(&self) -> bool {
+        (self.direction.norm_squared() - 1.0).abs() < 1e-9
+    }
+
+    /// Returns the part of the line between two values of its path parameter.
+    #[must_use]
+    pub fn section(&self, from: f64, to: f64) -> Self {
+        Self {
+            start: self.start + self.direction * from,
+            turning: self.turning.starting_at(from),
+            length: to - from,
+            ..*self
+        }
+    }
+
     /// Returns the pose of the tool in the base frame.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {

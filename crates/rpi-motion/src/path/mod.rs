@@ -5,14 +5,18 @@
 //! smoothly a little beyond both ends, so that derivatives exist there.
 
 pub mod arc;
+pub mod corner;
 pub mod joint_line;
 pub mod line;
 pub mod orientation;
+pub mod polyline;
 
 use crate::Joints;
 pub use arc::Arc;
+pub use corner::Corner;
 pub use joint_line::JointLine;
 pub use line::Line;
+pub use polyline::ZoneError;
 use rpi_kin::Pose;
 
 /// Maximum number of pieces of a path of the tool.
@@ -25,6 +29,8 @@ pub enum Piece {
     Line(Line),
     /// A circular arc.
     Arc(Arc),
+    /// The transition between two straight lines.
+    Corner(Corner),
 }
 
 /// A path.
@@ -51,7 +57,7 @@ pub struct ToolPath {
 pub struct Curvature {
     /// Curvature, 1/m.
     pub value: f64,
-    /// Magnitude of its derivative along the path, 1/m².
+    /// Its derivative along the path, 1/m².
     pub slope: f64,
 }
 
@@ -62,6 +68,7 @@ impl Piece {
         match self {
             Piece::Line(line) => line.length(),
             Piece::Arc(arc) => arc.length(),
+            Piece::Corner(corner) => corner.length(),
         }
     }
 
@@ -69,13 +76,15 @@ impl Piece {
         match self {
             Piece::Line(line) => line.pose(s),
             Piece::Arc(arc) => arc.pose(s),
+            Piece::Corner(corner) => corner.pose(s),
         }
     }
 
-    fn curvature(&self, _s: f64) -> Curvature {
+    fn curvature(&self, s: f64) -> Curvature {
         match self {
             Piece::Line(_) => Curvature::default(),
             Piece::Arc(arc) => arc.curvature(),
+            Piece::Corner(corner) => corner.curvature(s),
         }
     }
 }
@@ -84,14 +93,18 @@ impl ToolPath {
     /// Creates a path of one piece.
     #[must_use]
     pub fn new(piece: Piece) -> Self {
-        let mut path = Self {
+        let mut path = Self::empty();
+        path.push(piece);
+        path
+    }
+
+    fn empty() -> Self {
+        Self {
             pieces: [None; MAX_PIECES],
             starts: [0.0; MAX_PIECES],
             count: 0,
             length: 0.0,
-        };
-        path.push(piece);
-        path
+        }
     }
 
     /// Appends a piece. Returns false, and does nothing, if there are already [`MAX_PIECES`].

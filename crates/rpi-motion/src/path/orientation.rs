@@ -25,6 +25,15 @@ impl EvenTurning {
         }
     }
 
+    /// Returns the same turning counted from a later value of the path parameter.
+    #[must_use]
+    pub fn starting_at(&self, s: f64) -> Self {
+        Self {
+            start: self.at(s),
+            rate: self.rate,
+        }
+    }
+
     /// Returns the orientation at a value of the path parameter.
     #[must_use]
     pub fn at(&self, s: f64) -> UnitQuaternion<f64> {

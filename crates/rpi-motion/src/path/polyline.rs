@@ -1,0 +1,112 @@
+//! Straight lines through points, with corners within zones.
+
+use super::corner::{Corner, turn_between};
+use super::line::Line;
+use super::{MAX_PIECES, Piece, ToolPath};
+use core::f64::consts::PI;
+use rpi_kin::Pose;
+
+/// Why points and zones do not make a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZoneError {
+    /// There are fewer than two points, or another number of zones than of inner points.
+    Counts,
+    /// There are more pieces than a path can have.
+    TooManyPoints,
+    /// Two successive points are the same; the number of the first.
+    SamePoint(usize),
+    /// The zone of this point is not positive. A path cannot turn without a zone: end the motion at the point.
+    NoZone(usize),
+    /// The path turns back at this point.
+    Reversal(usize),
+    /// The tool turns so far on the way to or from this point that the turning decides the speed; there is no corner
+    /// then.
+    TurningDecides(usize),
+}
+
+impl core::fmt::Display for ZoneError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            ZoneError::Counts => f.write_str(
+                "a path needs two points or more, and one zone for each point between the ends",
+            ),
+            ZoneError::TooManyPoints => f.write_str("the path has too many points"),
+            ZoneError::SamePoint(k) => write!(f, "points {k} and {} are the same", k + 1),
+            ZoneError::NoZone(k) => write!(f, "the zone of point {k} is not positive"),
+            ZoneError::Reversal(k) => write!(f, "the path turns back at point {k}"),
+            ZoneError::TurningDecides(k) => {
+                write!(
+                    f,
+                    "the tool turns too far beside point {k} for a zone there"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ZoneError {}
+
+/// Shortest way between two points, and shortest line between two corners, m.
+const SHORTEST: f64 = 1e-9;
+
+/// Greatest turn of a corner, rad. Beyond, the curvature grows without bound.
+const GREATEST_TURN: f64 = PI * 175.0 / 180.0;
+
+impl ToolPath {
+    /// The path through `points` (poses of the tool in the base frame) by straight lines. At each inner point it leaves
+    /// the lines within its zone (m), or within half of the shorter line beside it. The path depends on points and
+    /// zones alone, not on the speed.
+    ///
+    /// # Errors
+    /// A [`ZoneError`] that names the point, counted from 0.
+    pub fn polyline(points: &[Pose], zones: &[f64]) -> Result<Self, ZoneError> {
+        if points.len() < 2 || zones.len() + 2 != points.len() {
+            return Err(ZoneError::Counts);
+        }
+        if 2 * points.len() - 3 > MAX_PIECES {
+            return Err(ZoneError::TooManyPoints);
+        }
+        let line = |k: usize| Line::new(&points[k], &points[k + 1]);
+        let mut path = Self::empty();
+        let mut begin = 0.0;
+        for k in 0..points.len() - 1 {
+            let here = line(k);
+            if !(here.length() > SHORTEST) {
+                return Err(ZoneError::SamePoint(k));
+            }
+            let Some(zone) = zones.get(k) else {
+                path.push_section(&here, begin, here.length());
+                break;
+            };
+            let next = line(k + 1);
+            let zone = checked_zone(&here, &next, *zone, k + 1)?;
+            path.push_section(&here, begin, here.length() - zone);
+            path.push(Piece::Corner(Corner::new(&here, &next, zone)));
+            begin = zone;
+        }
+        Ok(path)
+    }
+
+    /// Appends a section of a line, unless it has no length: two corners may touch.
+    fn push_section(&mut self, line: &Line, from: f64, to: f64) {
+        if to - from > SHORTEST {
+            self.push(Piece::Line(line.section(from, to)));
+        }
+    }
+}
+
+fn checked_zone(before: &Line, after: &Line, zone: f64, point: usize) -> Result<f64, ZoneError> {
+    if !(after.length() > SHORTEST) {
+        return Err(ZoneError::SamePoint(point));
+    }
+    if !(zone > 0.0) {
+        return Err(ZoneError::NoZone(point));
+    }
+    if !(before.is_by_length() && after.is_by_length()) {
+        return Err(ZoneError::TurningDecides(point));
+    }
+    if turn_between(&before.direction(), &after.direction()) > GREATEST_TURN {
+        return Err(ZoneError::Reversal(point));
+    }
+    Ok(zone.min(before.length() / 2.0).min(after.length() / 2.0))
+}

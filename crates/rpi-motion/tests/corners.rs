@@ -1,0 +1,207 @@
+//! Corners within zones: geometry, and speed and bounds of the tool when an arm follows them.
+
+use nalgebra::{Rotation3, Translation3, UnitQuaternion, Vector3};
+use rpi_kin::state_to_rest::Bounds;
+use rpi_kin::{ArmModel, Pose, models};
+use rpi_motion::path::{Piece, ToolPath};
+use rpi_motion::{Arm, Controls, JointState, Joints, MotionCore, Path};
+
+const PERIOD: f64 = 1e-3;
+
+/// Two sides of a length (m) that turn by an angle (rad) at a point, in a plane through `start`.
+fn corner(start: &Pose, side: f64, turn: f64, zone: f64, tilt: f64) -> ToolPath {
+    let plane = Rotation3::from_euler_angles(0.4, 0.3, 0.2);
+    let first = plane * Vector3::x() * side;
+    let second = plane * Vector3::new(libm::cos(turn), libm::sin(turn), 0.0) * side;
+    let turned = UnitQuaternion::from_scaled_axis(Vector3::y() * tilt) * start.rotation;
+    let middle = start.translation.vector + first;
+    let points = [
+        *start,
+        Pose::from_parts(Translation3::from(middle), turned),
+        Pose::from_parts(Translation3::from(middle + second), start.rotation),
+    ];
+    ToolPath::polyline(&points, &[zone]).expect("a corner")
+}
+
+fn position(path: &ToolPath, s: f64) -> Vector3<f64> {
+    path.pose(s).translation.vector
+}
+
+/// Barycentric coordinates are not negative in the triangle; its plane is left by at most `eps`.
+fn is_in_triangle(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3], eps: f64) -> bool {
+    let (u, v, w) = (b - a, c - a, p - a);
+    let normal = u.cross(&v);
+    let area = normal.norm_squared();
+    let (one, other) = (
+        w.cross(&v).dot(&normal) / area,
+        u.cross(&w).dot(&normal) / area,
+    );
+    let eps = eps / area.sqrt().sqrt();
+    one >= -eps
+        && other >= -eps
+        && one + other <= 1.0 + eps
+        && (w.dot(&normal) / area.sqrt()).abs() < 1e-12
+}
+
+#[test]
+fn the_tool_stays_in_the_triangle_of_the_corner_and_is_smooth_at_both_ends() {
+    let start = Pose::translation(0.5, 0.1, 0.4);
+    for degrees in (10..=170).step_by(10) {
+        for zone in [0.001, 0.01, 0.05, 0.2] {
+            let turn = f64::from(degrees).to_radians();
+            let path = corner(&start, 0.5, turn, zone, 0.3);
+            let (low, high) = (0.5 - zone, path.length() - (0.5 - zone));
+            let tip = position(&path, low)
+                + (position(&path, low) - position(&path, 0.0)).normalize() * zone;
+            let triangle = [position(&path, low), tip, position(&path, high)];
+            for k in 0..=400 {
+                let s = low + (high - low) * f64::from(k) / 400.0;
+                let p = position(&path, s);
+                assert!(
+                    is_in_triangle(&p, &triangle, 1e-9),
+                    "{degrees}° zone {zone} at {s}: {p:?}"
+                );
+            }
+            // The length is the length: unit speed, also across both joins; no jump in the second derivative.
+            let h = zone * 1e-3;
+            for s in [low, low + 0.3 * (high - low), high] {
+                let speed = (position(&path, s + h) - position(&path, s - h)).norm() / (2.0 * h);
+                assert!(
+                    (speed - 1.0).abs() < 1e-5,
+                    "{degrees}° zone {zone}: {speed}"
+                );
+            }
+            for s in [low, high] {
+                let bend = |s: f64| {
+                    (position(&path, s + h) - position(&path, s) * 2.0 + position(&path, s - h))
+                        / (h * h)
+                };
+                let jump = (bend(s + 2.0 * h) - bend(s - 2.0 * h)).norm() * zone;
+                assert!(jump < 0.12, "{degrees}° zone {zone}: {jump}");
+            }
+        }
+    }
+}
+
+struct Followed {
+    /// Lowest speed in the corner and the speed that its curvature allows there, m/s.
+    slowest: f64,
+    allowed: f64,
+    /// Largest shares of the asked velocity, acceleration and jerk of the tool.
+    worst: [f64; 3],
+}
+
+fn follow(
+    model: &'static ArmModel,
+    joints: Joints,
+    turn: f64,
+    zone: f64,
+    asked: Bounds,
+) -> Followed {
+    let arm = Arm::new(model, Pose::identity(), &[]);
+    let side = 0.15;
+    let path = corner(&arm.forward(&joints), side, turn, zone, 0.1);
+    let (low, high) = (side - zone, path.length() - (side - zone));
+    let mut core = MotionCore::new(arm, PERIOD);
+    core.begin(Path::Tool(path), &JointState::at_rest(joints), asked)
+        .expect("reachable");
+    let curvature =
+        (0..=200).map(|k| Path::Tool(path).curvature(low + (high - low) * f64::from(k) / 200.0));
+    let allowed = curvature
+        .map(|k| {
+            let sideways = (asked.acceleration / k.value.max(1e-9)).sqrt();
+            sideways.min((asked.jerk / k.slope.hypot(k.value * k.value).max(1e-9)).cbrt())
+        })
+        .fold(asked.speed, f64::min);
+    let mut followed = Followed {
+        slowest: f64::INFINITY,
+        allowed,
+        worst: [0.0; 3],
+    };
+    let mut last = [arm.forward(&joints).translation.vector; 4];
+    for _ in 0..100_000 {
+        let at = core
+            .next_set_point(Controls::default())
+            .expect("on the path");
+        last.rotate_left(1);
+        last[3] = arm.forward(&at.joints).translation.vector;
+        let [a, b, c, d] = last;
+        let shares = [
+            (d - c).norm() / PERIOD / asked.speed,
+            (d - c * 2.0 + b).norm() / PERIOD.powi(2) / asked.acceleration,
+            (d - (c - b) * 3.0 - a).norm() / PERIOD.powi(3) / asked.jerk,
+        ];
+        for (worst, share) in followed.worst.iter_mut().zip(shares) {
+            *worst = worst.max(share);
+        }
+        if at.path.s > low && at.path.s < high {
+            followed.slowest = followed.slowest.min(at.path.velocity);
+        }
+        if at.done {
+            return followed;
+        }
+    }
+    panic!(
+        "not done: {turn} {zone} {asked:?} at {:?}",
+        core.path_error()
+    );
+}
+
+#[test]
+fn a_corner_is_passed_at_the_speed_that_its_curvature_allows() {
+    let model = &models::kuka_kr::KR_6_R900;
+    let joints = [0.1, -1.6, 1.9, 0.2, 0.6, 0.1, 0.0];
+    for degrees in [30, 60, 90, 120, 150] {
+        for (zone, speed) in [
+            (0.002, 2.0),
+            (0.01, 0.01),
+            (0.01, 0.25),
+            (0.05, 0.25),
+            (0.07, 2.0),
+        ] {
+            let asked = Bounds {
+                speed,
+                acceleration: 0.5,
+                jerk: 5.0,
+            };
+            let turn = f64::from(degrees).to_radians();
+            let followed = follow(model, joints, turn, zone, asked);
+            let share = followed.slowest / followed.allowed;
+            println!("{degrees} {zone} {speed}: {share:.4} {:?}", followed.worst);
+            // The sides are too short to reach the speed that a wide, gentle corner would allow.
+            let reachable = followed.allowed < 0.25;
+            assert!(
+                share > 0.9 || !reachable,
+                "{degrees}° zone {zone} speed {speed}: {share}"
+            );
+            assert!(
+                followed.worst.iter().all(|worst| *worst <= 1.001),
+                "{degrees} {zone} {speed}: {:?}",
+                followed.worst
+            );
+        }
+    }
+}
+
+#[test]
+fn a_polyline_keeps_lines_between_its_corners_and_refuses_what_has_none() {
+    use rpi_motion::path::ZoneError;
+    let at = |x: f64, y: f64| Pose::translation(x, y, 0.0);
+    let square = [at(0.0, 0.0), at(0.2, 0.0), at(0.2, 0.2), at(0.0, 0.2)];
+    let path = ToolPath::polyline(&square, &[0.05, 0.3]).expect("a path");
+    // The second zone is cut to half of the sides, so the corners leave 50 mm of the middle side.
+    assert_eq!(position(&path, 0.15), Vector3::new(0.15, 0.0, 0.0));
+    assert!(path.length() < 0.6 && path.length() > 0.5);
+    let error = |points: &[Pose], zones: &[f64]| ToolPath::polyline(points, zones).err();
+    assert_eq!(error(&square, &[0.05]), Some(ZoneError::Counts));
+    assert_eq!(error(&square, &[0.05, 0.0]), Some(ZoneError::NoZone(2)));
+    assert_eq!(
+        error(&[square[0], square[0], square[1]], &[0.1]),
+        Some(ZoneError::SamePoint(0))
+    );
+    assert_eq!(
+        error(&[at(0.0, 0.0), at(0.2, 0.0), at(0.0, 0.0)], &[0.1]),
+        Some(ZoneError::Reversal(1))
+    );
+    let _ = Piece::Line(rpi_motion::path::Line::new(&square[0], &square[1]));
+}
