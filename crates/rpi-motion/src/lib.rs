@@ -13,7 +13,7 @@
 //! was not verified. To pause or to cancel means to make no new plan.
 //!
 //! [`MotionCore`] allocates when it is created. Afterwards nothing allocates or panics, and the work of each cycle is
-//! counted and bounded ([`MotionCore::NODES_PER_CYCLE`], [`MotionCore::CHECKS_PER_CYCLE`]).
+//! counted and bounded ([`MotionCore::NODES_PER_CYCLE`], [`MotionCore::SAMPLES_PER_CYCLE`]).
 //!
 //! Sources: Lange and Suppa, Trajectory generation for immediate path-accurate jerk-limited stopping of industrial
 //! robots, ICRA 2015; Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008; Pham and

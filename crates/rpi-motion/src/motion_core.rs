@@ -3,10 +3,10 @@
 use crate::entry::{self, ATTEMPTS};
 use crate::node_table::{NodeTable, PathError};
 use crate::path::Path;
-use crate::plan::{CHECKS, Demand, Planner};
+use crate::plan::{Demand, Planner};
 use crate::residual::Residual;
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
-use crate::verify::{Verifier, allowed_ranges};
+use crate::verify::{SAMPLES_PER_CYCLE, Verifier, allowed_ranges};
 use crate::{Arm, JointState, Joints};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{MAX_AXES, Range};
@@ -103,8 +103,8 @@ impl MotionCore {
     /// Greatest number of nodes made in a cycle.
     pub const NODES_PER_CYCLE: usize = 16;
 
-    /// Greatest number of verifications in a cycle.
-    pub const CHECKS_PER_CYCLE: usize = CHECKS;
+    /// Greatest number of samples that the verifications of a cycle take.
+    pub const SAMPLES_PER_CYCLE: usize = SAMPLES_PER_CYCLE;
 
     /// Creates the core of an arm at rest for set-points of a period (s). Allocates.
     #[must_use]

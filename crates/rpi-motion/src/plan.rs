@@ -2,7 +2,7 @@
 
 use crate::node_table::{MostAllowed, NodeTable};
 use crate::time_law::{HeldBrake, PathState};
-use crate::verify::Verifier;
+use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 
@@ -15,9 +15,6 @@ const BRAKE_ON_CURVE: f64 = 0.6;
 
 /// Share of the lowest speed ahead that is tried where the speed itself is too high.
 const SLOWER: f64 = 0.4;
-
-/// Verifications of one plan, at most.
-pub(crate) const CHECKS: usize = 12;
 
 /// Speed of a candidate: the greatest of the nearer half of the stretch ahead, of all of it, or a part of that.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +99,7 @@ impl Planner {
             near.jerk.min(far.jerk),
         );
         let curved = table.is_curved_between(now.s, now.s + ahead);
-        let mut checks = 0;
+        let mut samples = SAMPLES_PER_CYCLE;
         let first = self.last_share.saturating_sub(1);
         for candidate in CANDIDATES {
             let number = first + candidate.slower_by;
@@ -133,11 +130,10 @@ impl Planner {
             if bounds.speed > far.velocity && !slows_down_in_time(table, &law, bounds, ahead) {
                 continue;
             }
-            if checks == CHECKS {
+            if samples == 0 {
                 return None;
             }
-            checks += 1;
-            if verifier.accepts(&law) {
+            if verifier.accepts(&law, &mut samples) {
                 self.last_share = number;
                 return Some(law);
             }

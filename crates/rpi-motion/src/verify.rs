@@ -23,8 +23,8 @@ const LONGEST_STEP: f64 = 5e-3;
 /// Number of steps of a brake whose path is resolved by the widest spacing, beside two for each phase.
 const COARSE_SAMPLES: f64 = 56.0;
 
-/// Number of samples of one verification, at most.
-pub const MOST_SAMPLES: usize = 400;
+/// Samples that the verifications of one cycle take together, at most.
+pub const SAMPLES_PER_CYCLE: usize = 600;
 
 /// Distance from the end of an axis' range that is kept, rad.
 const RANGE_MARGIN: f64 = 1e-4;
@@ -66,9 +66,10 @@ struct Terms {
 
 impl Verifier<'_> {
     /// Returns whether the whole brake keeps the limits of all axes and the asked bounds of the tool, and ends on the
-    /// known path. A brake that would need more than [`MOST_SAMPLES`] is not accepted.
+    /// known path. `samples` are those that may still be taken in this cycle; without enough of them a brake is not
+    /// accepted.
     #[must_use]
-    pub fn accepts(&self, brake: &HeldBrake) -> bool {
+    pub fn accepts(&self, brake: &HeldBrake, samples: &mut usize) -> bool {
         let end = brake.end();
         if !(end <= self.table.known_end() + END_TOLERANCE) {
             return false;
@@ -78,12 +79,13 @@ impl Verifier<'_> {
             state: brake.start,
             time: brake.start_time,
             cursor: 0,
-            left: MOST_SAMPLES,
+            left: *samples,
         };
         let step = LONGEST_STEP.max(total / COARSE_SAMPLES);
         let mut phases = brake.phases().filter(|phase| phase.duration > 0.0);
-        phases.all(|phase| self.phase_is_within(&mut walk, &phase, step))
-            && self.rest_is_within(&mut walk)
+        let within = phases.all(|phase| self.phase_is_within(&mut walk, &phase, step));
+        *samples = walk.left;
+        within && self.rest_is_within(&mut walk)
     }
 
     /// Walks through a phase of constant jerk in equal steps of at most `step` seconds; each is cut further where the
@@ -101,6 +103,7 @@ impl Verifier<'_> {
                 .table
                 .fine_nodes_between(walk.state.s, ahead, &mut walk.cursor);
             let Some(left) = walk.left.checked_sub(parts) else {
+                walk.left = 0;
                 return false;
             };
             walk.left = left;
