@@ -35,7 +35,7 @@ pub mod time_law;
 pub mod verify;
 
 pub use arm::{Arm, JointState};
-pub use check::{PathReport, check_path};
+pub use check::{PathReport, check_path, scan_path};
 pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
 pub use path::Path;
 

@@ -50,6 +50,11 @@ pub enum PathErrorKind {
         /// The axis, from 0.
         axis: usize,
     },
+    /// The path ends with the axis outside its range.
+    OutOfRange {
+        /// The axis, from 0.
+        axis: usize,
+    },
     /// The path is too near to a singularity, or the range of the elbow makes a kink: the derivatives of the joints
     /// cannot be resolved.
     Unresolved,
@@ -76,6 +81,9 @@ impl core::fmt::Display for PathError {
                 "axis {} would change the configuration {at:.4} m from the start of the path",
                 axis + 1
             ),
+            PathErrorKind::OutOfRange { axis } => {
+                write!(f, "the path ends with axis {} outside its range", axis + 1)
+            }
             PathErrorKind::Unresolved => write!(
                 f,
                 "the path comes too near to a singularity {at:.4} m from its start"
@@ -217,6 +225,19 @@ impl NodeTable {
         }
         self.emit(arm);
         Ok(())
+    }
+
+    /// Begins a path without length: the joints `at`.
+    pub fn begin_hold(&mut self, arm: &Arm, at: &Joints) {
+        (self.oldest, self.next) = (0, 0);
+        self.error = None;
+        self.path = Path::joint_line(at, at, arm.axes());
+        self.window = Window {
+            joints: [*at; 6],
+            spacing: 1.0,
+            ..Window::default()
+        };
+        self.emit(arm);
     }
 
     fn first_spacing(&self, length: f64) -> f64 {

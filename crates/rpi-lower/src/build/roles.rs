@@ -194,6 +194,7 @@ impl Builder<'_> {
         self.flat.tables.functions.push(flat_net::Function {
             port,
             may_fail: maybe,
+            work: self.desc(id).work,
         });
         self.flat
             .push(scope, OpKind::Call(number, inputs), &words, id.0);

@@ -8,6 +8,8 @@ mod axis;
 mod brake;
 mod kinematics;
 pub mod limits;
+mod motion;
+mod path_fault;
 mod port;
 mod port_table;
 mod sample;
@@ -20,6 +22,7 @@ use crate::fault::ScheduledFault;
 use crate::noise::Noise;
 use axis::Axis;
 use brake::Brake;
+use motion::Motion;
 use nalgebra::Vector6;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use sample::History;
@@ -32,6 +35,8 @@ pub struct Arm {
     axes: Vec<Axis>,
     /// Limits of the axes as an array, for the inverse kinematics.
     limits: [AxisLimits; MAX_AXES],
+    /// Motion along a path, planned by the arm.
+    motion: Box<Motion>,
     enforced: EnforcedLimits,
     /// Length of a tick, in s.
     tick: f64,
@@ -103,6 +108,7 @@ impl Arm {
             model: spec.model,
             tool: spec.tool,
             limits,
+            motion: Box::new(Motion::new(spec.model, spec.tool, &spec.limits, tick)),
             enforced: spec.enforced,
             tick,
             time: 0.0,
