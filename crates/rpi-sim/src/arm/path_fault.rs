@@ -22,7 +22,8 @@ impl PathFault {
             axis,
             violation: Violation {
                 code,
-                value: error.s,
+                // A path is looked at a little before its start, too.
+                value: error.s.max(0.0),
                 limit: path.length(),
             },
         };
