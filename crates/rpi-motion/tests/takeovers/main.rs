@@ -2,6 +2,7 @@
 //!
 //! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
 
+mod controls;
 mod random;
 mod watch;
 
@@ -10,7 +11,7 @@ use rpi_kin::{ArmModel, Pose, models};
 use rpi_motion::{Arm, Controls, MotionCore, Path, check_path};
 use watch::{PERIOD, Watch};
 
-const ARMS: [&ArmModel; 4] = [
+pub(crate) const ARMS: [&ArmModel; 4] = [
     &models::kuka_lbr::LWR_4_PLUS,
     &models::kuka_kr::KR_6_R900,
     &models::universal_robots::UR5E,
@@ -20,7 +21,7 @@ const ARMS: [&ArmModel; 4] = [
 /// Takeovers of one chain.
 const CHAIN: usize = 10;
 
-fn number(name: &str, default: u64) -> u64 {
+pub(crate) fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect("a number"))
 }
 
