@@ -113,7 +113,7 @@ impl Verifier<'_> {
                 walk.state = walk.state.advanced(width, phase.jerk);
                 walk.time += width;
                 let after = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
-                if walk.state.velocity < -1e-6
+                if walk.state.velocity < -1e-9
                     || !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
                     || !self.step_is_within(&before, &after, from, walk.time)
                 {
