@@ -94,7 +94,9 @@ impl Verifier<'_> {
         let steps = libm::ceil(phase.duration / step).max(1.0);
         let width = phase.duration / steps;
         let mut before = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
-        if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor) {
+        if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
+            || goes_backwards(&walk.state, phase)
+        {
             return false;
         }
         for _ in 0..steps as u32 {
@@ -113,8 +115,7 @@ impl Verifier<'_> {
                 walk.state = walk.state.advanced(width, phase.jerk);
                 walk.time += width;
                 let after = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
-                if walk.state.velocity < -1e-9
-                    || !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
+                if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
                     || !self.step_is_within(&before, &after, from, walk.time)
                 {
                     return false;
@@ -230,6 +231,18 @@ impl Verifier<'_> {
             here + low >= range.lower && here + high <= range.upper
         })
     }
+}
+
+/// Whether the velocity becomes negative in a phase that begins with this state: at its end, or where the acceleration
+/// changes its sign.
+fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
+    /// Rounding of the velocity at rest.
+    const ROUNDING: f64 = 1e-12;
+    let turning = -start.acceleration / phase.jerk;
+    let inside = turning > 0.0 && turning < phase.duration;
+    let lowest = if inside { turning } else { phase.duration };
+    start.advanced(lowest, phase.jerk).velocity < -ROUNDING
+        || start.advanced(phase.duration, phase.jerk).velocity < -ROUNDING
 }
 
 /// Returns the ranges that a motion keeps: those of the axes less a margin. Where the arm starts nearer to the end of a
