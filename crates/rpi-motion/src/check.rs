@@ -1,7 +1,8 @@
 //! Check of a whole path before anything moves.
 
-use crate::node_table::{NodeTable, PathError};
+use crate::node_table::NodeTable;
 use crate::path::Path;
+use crate::path_error::PathError;
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
 
@@ -25,10 +26,10 @@ pub fn check_path(
     arm: &Arm,
     path: Path,
     start: &Joints,
-    asked: Bounds,
+    requested: Bounds,
 ) -> Result<PathReport, PathError> {
     let mut table = NodeTable::with_capacity(64);
-    table.begin(arm, path, start, asked)?;
+    table.begin(arm, path, start, requested)?;
     let mut report = PathReport {
         end: *start,
         slowest: (f64::INFINITY, 0.0),

@@ -9,7 +9,8 @@
 //! with v, a, j of the path parameter; the residual r is taken with its exact extrema over the step, since its phases
 //! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and [`USED_JERK_SHARE`].
 
-use crate::node_table::{Node, NodeTable, USED_JERK_SHARE, USED_SHARE};
+use crate::node::{Node, USED_JERK_SHARE, USED_SHARE};
+use crate::node_table::NodeTable;
 use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
 use crate::time_law::{HeldBrake, PathState};
@@ -65,7 +66,7 @@ struct Terms {
 }
 
 impl Verifier<'_> {
-    /// Returns whether the whole brake keeps the limits of all axes and the asked bounds of the tool, and ends on the
+    /// Returns whether the whole brake keeps the limits of all axes and the requested bounds of the tool, and ends on the
     /// known path. `samples` are those that may still be taken in this cycle; without enough of them a brake is not
     /// accepted.
     #[must_use]
@@ -150,7 +151,7 @@ impl Verifier<'_> {
         terms
     }
 
-    /// Whether acceleration and jerk of the tool on a curved path are within the asked bounds:
+    /// Whether acceleration and jerk of the tool on a curved path are within the requested bounds:
     /// a t + k v² n, and (j - k² v³) t + (3 k v a + k' v³) n.
     fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
         let (one, other, share) = self.table.around(state.s, cursor);
@@ -165,11 +166,11 @@ impl Verifier<'_> {
             acceleration: a,
             ..
         } = *state;
-        let asked = self.table.asked();
+        let requested = self.table.requested();
         let acceleration = libm::hypot(a, curvature * v * v);
         let along = jerk - curvature * curvature * v * v * v;
         let across = 3.0 * curvature * v * a + slope * v * v * v;
-        acceleration <= asked.acceleration && libm::hypot(along, across) <= asked.jerk
+        acceleration <= requested.acceleration && libm::hypot(along, across) <= requested.jerk
     }
 
     fn step_is_within(

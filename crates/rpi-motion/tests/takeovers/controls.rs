@@ -18,13 +18,13 @@ fn disturbed(model: &'static ArmModel, random: &mut Random) -> bool {
     let Some(path) = random::path(model, &arm, kind, &start, random) else {
         return false;
     };
-    let asked = random::asked(kind, random, false);
-    if check_path(&arm, path, &start, asked).is_err() {
+    let requested = random::requested(kind, random, false);
+    if check_path(&arm, path, &start, requested).is_err() {
         return false;
     }
     let mut watch = Watch::standing(&start);
     let mut core = MotionCore::new(arm, PERIOD);
-    core.begin(path, &watch.state(), asked)
+    core.begin(path, &watch.state(), requested)
         .expect("the check accepted it");
     let mut controls = Controls::default();
     let (mut until, mut last) = (0, 0.0);
@@ -90,12 +90,12 @@ fn a_pause_ends_at_rest_and_stays_there() {
     let from = arm.forward(&start);
     let mut to = from;
     to.translation.vector.y += 0.2;
-    let asked = random::asked(Kind::Line, &mut Random::new(1), true);
+    let requested = random::requested(Kind::Line, &mut Random::new(1), true);
     let mut core = MotionCore::new(arm, PERIOD);
     core.begin(
         Path::line(&from, &to),
         &rpi_motion::JointState::at_rest(start),
-        asked,
+        requested,
     )
     .expect("reachable");
     let mut cycles = |count: usize, paused: bool| {

@@ -4,6 +4,7 @@
 
 mod controls;
 mod random;
+mod refusals;
 mod watch;
 
 use random::{KINDS, Kind, Random};
@@ -50,10 +51,10 @@ fn motion(
             continue;
         };
         let default = random.unit() < 0.3;
-        let asked = random::asked(kind, random, default);
+        let requested = random::requested(kind, random, default);
         counts.checked += usize::from(kind == Kind::Line);
-        if check_path(arm, path, watch.joints(), asked).is_ok() {
-            return Some((path, asked));
+        if check_path(arm, path, watch.joints(), requested).is_ok() {
+            return Some((path, requested));
         }
         counts.refused_by_check += usize::from(kind == Kind::Line);
     }
@@ -66,10 +67,10 @@ fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
     let mut watch = Watch::standing(&random::joints(model, &mut random));
     let mut core = MotionCore::new(arm, PERIOD);
     for number in 0..CHAIN {
-        let Some((path, asked)) = motion(model, &arm, &watch, &mut random, counts) else {
+        let Some((path, requested)) = motion(model, &arm, &watch, &mut random, counts) else {
             return;
         };
-        core.begin(path, &watch.state(), asked)
+        core.begin(path, &watch.state(), requested)
             .expect("the check accepted it");
         counts.takeovers += 1;
         let cycles = match () {
