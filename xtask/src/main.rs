@@ -1,5 +1,6 @@
 //! Maintenance tasks of the repository: `cargo xtask TASK`.
 
+mod book;
 mod fuzz;
 mod lustre;
 
@@ -17,6 +18,11 @@ const TASKS: &[Task] = &[
         "gen",
         "write the files generated from the project's tables",
         generate,
+    ),
+    (
+        "book",
+        "build the book with mdBook (installed if necessary) and check the links of its pages",
+        book::book,
     ),
     (
         "fuzz",
