@@ -7,6 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::process::Command;
 
+use crate::fuzz::root;
+
 /// Version of mdBook that builds the book.
 const VERSION: &str = "0.5.4";
 
@@ -190,11 +192,6 @@ fn read_pages(top: &Path, folder: &Path) -> Result<BTreeMap<PathBuf, Page>, Stri
 fn target() -> PathBuf {
     let set = std::env::var_os("CARGO_TARGET_DIR");
     set.map_or_else(|| root().join("target"), PathBuf::from)
-}
-
-fn root() -> PathBuf {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
-    manifest.parent().unwrap_or(manifest).to_owned()
 }
 
 #[cfg(test)]

@@ -89,7 +89,8 @@ fn tool_command(name: &str, flags: &[&str]) -> Command {
     run
 }
 
-fn root() -> PathBuf {
+/// Returns the root of the workspace.
+pub(crate) fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
 }

@@ -1,6 +1,7 @@
 //! Maintenance tasks of the repository: `cargo xtask TASK`.
 
 mod book;
+mod draw;
 mod fuzz;
 mod lustre;
 
@@ -23,6 +24,11 @@ const TASKS: &[Task] = &[
         "book",
         "build the book with mdBook (installed if necessary) and check the links of its pages",
         book::book,
+    ),
+    (
+        "draw",
+        "draw doc comments and diagnostics at random, to judge them: [--seed N] [--comments N] [--diagnostics N]",
+        draw::draw,
     ),
     (
         "fuzz",
