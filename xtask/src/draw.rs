@@ -134,8 +134,10 @@ fn comments(text: &str) -> Vec<Comment> {
 
 /// Returns whether a line opens a type, trait or implementation, whose members follow.
 fn is_owner(line: &str) -> bool {
-    let line = line.strip_prefix("pub").unwrap_or(line);
-    let line = line.strip_prefix("(crate)").unwrap_or(line).trim_start();
+    let line = match line.strip_prefix("pub(") {
+        Some(rest) => rest.split_once(") ").map_or("", |(_, item)| item),
+        None => line.strip_prefix("pub ").unwrap_or(line),
+    };
     let words = ["struct ", "enum ", "trait ", "impl ", "impl<"];
     line.ends_with('{') && words.iter().any(|word| line.starts_with(word))
 }

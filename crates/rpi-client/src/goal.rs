@@ -201,7 +201,7 @@ pub struct Ending {
     pub discontinuity: Option<String>,
 }
 
-/// A loaded command.
+/// Loaded command of a session, which the client can start, observe and cancel.
 #[derive(Debug)]
 pub struct Goal {
     core: Core,

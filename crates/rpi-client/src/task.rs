@@ -31,7 +31,7 @@ pub struct Step {
     pub handled: bool,
 }
 
-/// A loaded task.
+/// Loaded task of a session: a sequence of commands that the core runs by itself.
 #[derive(Debug)]
 pub struct Task {
     core: Core,

@@ -175,7 +175,7 @@ pub trait DeviceBank {
     fn stop(&mut self, resource: u32);
 }
 
-/// Cell without devices.
+/// Device bank of a cell without devices: every port name is unknown.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct NoDevices;
 

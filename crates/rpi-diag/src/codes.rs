@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-/// Severity of a diagnostic.
+/// Severity of a diagnostic: an error prevents an image, a warning does not.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub enum Severity {
     /// The program is rejected.

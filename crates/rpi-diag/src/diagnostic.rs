@@ -77,7 +77,7 @@ impl Edit {
     }
 }
 
-/// Confidence in a fix.
+/// Confidence in a fix: tools apply sure fixes without a question, and offer the others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {
     /// Certainly what the author meant; a tool may apply it without asking.

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-/// Label prepared for drawing.
+/// Label of a diagnostic, prepared for drawing: its range of text and its words.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Mark {
     /// Marked range, in addresses of `Texts`.

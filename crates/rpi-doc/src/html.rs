@@ -17,7 +17,7 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// Content of a page.
+/// Content of an HTML page of the reference, without the frame that all pages share.
 pub(crate) struct Page<'p> {
     /// Title of the page.
     pub(crate) title: &'p str,

@@ -15,7 +15,7 @@ const STYLE: &str = include_str!("../assets/style.css");
 const SEARCH: &str = include_str!("../assets/search.js");
 const SEARCH_BOX: &str = include_str!("../assets/search-box.js");
 
-/// Module to be documented.
+/// Checked module for which a page is generated.
 #[derive(Debug)]
 pub struct Module {
     /// Name, as used by `use`.
@@ -26,7 +26,7 @@ pub struct Module {
     pub inspected: Inspection,
 }
 
-/// Files of a reference.
+/// Generated reference: all files of the HTML pages.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Site {
     /// Name and content of each file, sorted by name. Folders are separated by `/`.
@@ -54,7 +54,7 @@ impl Site {
     }
 }
 
-/// Modules with their pages.
+/// Generator of the pages: the modules, the names of their pages, and the targets of links.
 struct SiteBuilder<'m> {
     title: &'m str,
     modules: &'m [Module],
@@ -251,7 +251,7 @@ impl<'m> SiteBuilder<'m> {
     }
 }
 
-/// Declaration in the index.
+/// Declaration in the search index.
 struct IndexEntry {
     name: String,
     kind: &'static str,

@@ -27,7 +27,7 @@ use crate::program::build_modules;
 pub struct Inspection {
     /// Source texts that the diagnostics refer to. Those of the standard library are named `stdlib/....rpi`.
     pub sources: SourceMap,
-    /// Diagnostics.
+    /// Diagnostics of the inspected file and of the modules that it uses.
     pub diagnostics: Vec<Diagnostic>,
     modules: Modules,
     checked: CheckedProgram,

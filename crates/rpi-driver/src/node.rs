@@ -19,7 +19,7 @@ use crate::program::{self, AnalysedProgram};
 pub struct CompiledNode {
     /// Source texts that the diagnostics refer to.
     pub sources: SourceMap,
-    /// Diagnostics.
+    /// Errors and warnings of the program that declares the node.
     pub diagnostics: Vec<Diagnostic>,
     /// Node, if it has no errors.
     pub node: Option<Node>,

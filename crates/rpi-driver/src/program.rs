@@ -35,7 +35,7 @@ pub(crate) struct BuildOutput {
     pub(crate) unbound: Vec<UnboundCommand>,
     /// Tests, in source order.
     pub(crate) tests: Vec<Test>,
-    /// Diagnostics.
+    /// Errors and warnings of all passes that ran.
     pub(crate) diagnostics: Vec<Diagnostic>,
     /// Summaries of the analyses.
     pub(crate) summaries: Vec<AnalysisSummary>,

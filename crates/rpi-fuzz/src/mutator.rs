@@ -3,7 +3,7 @@
 use crate::Seed;
 use crate::dictionary::dictionary_words;
 
-/// Generator of mutated inputs.
+/// Generator of mutated inputs. Equal seeds give equal inputs.
 #[derive(Clone, Debug)]
 pub struct Mutator {
     state: u64,

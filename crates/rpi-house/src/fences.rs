@@ -1,7 +1,7 @@
 //! Parser of fenced code blocks in Markdown (CommonMark 0.31, section 4.5), limited to the forms that the documents
 //! use.
 
-/// Fenced code block.
+/// Fenced code block of a document.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fence {
     /// Info string after the opening fence: the language and optional further words.

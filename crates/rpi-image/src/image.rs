@@ -18,7 +18,7 @@ pub const TRUE: u32 = 1;
 /// MB.
 pub const MAX_SLOTS: u32 = 1 << 23;
 
-/// A compiled command.
+/// Compiled command: a flat list of steps with its slots, ports and results.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Image {
     /// Name of the command.
@@ -288,7 +288,7 @@ pub struct CoreFlow {
     pub value: Signal,
 }
 
-/// End of a command.
+/// How a command ends: by named results in programs, by ports in imported nets.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum CommandEnd {
     /// Named results, in source order.
@@ -359,7 +359,7 @@ pub struct TextRange {
     pub end: u32,
 }
 
-/// Observable port.
+/// Port whose value an observer can read in each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Probe {
     /// Node: an index into [`Image::locations`].

@@ -42,7 +42,7 @@ pub type Transform = nalgebra::IsometryMatrix3<f64>;
 /// Rigid transform with a unit quaternion. The public interface uses this type.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// Error of inverse kinematics.
+/// Reason why no joint values reach the requested pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InverseKinematicsError {
     /// The wrist is too far from the shoulder, or too near to it.

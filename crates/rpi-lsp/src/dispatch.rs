@@ -43,7 +43,7 @@ const REQUESTS: &[RequestHandler] = &[
     request_handler!(asked::CodeActionRequest, code_actions::code_actions),
 ];
 
-/// Handles a request.
+/// Calls the handler of a request by its method name. Unknown methods are an error of the protocol.
 pub(crate) fn handle_request(world: &mut Workspace, method: &str, params: Value) -> RequestResult {
     match REQUESTS.iter().find(|(known, _)| *known == method) {
         Some((_, answer)) => answer(world, params),

@@ -58,6 +58,7 @@ fn next_message(
     };
     let left = due.saturating_duration_since(Instant::now());
     match left.is_zero() {
+        // Also if messages wait: a stream of messages must not postpone the analysis for ever.
         true => Err(RecvTimeoutError::Timeout),
         false => inbox.recv_timeout(left),
     }

@@ -33,11 +33,13 @@ pub fn cold_cycle_ns(image: Image, cycles: usize) -> Result<u64, String> {
                 .iter_mut()
                 .step_by(CACHE_LINE_BYTES)
                 .for_each(|byte| *byte = byte.wrapping_add(1));
+            // Without it the compiler could remove the writes, and the caches would stay warm.
             black_box(&other);
             time_cycle(&mut machine)
         })
         .collect();
     times.sort_unstable();
+    // The median: an interrupted cycle can take a hundred times as long and would dominate the mean.
     Ok(times[times.len() / 2])
 }
 

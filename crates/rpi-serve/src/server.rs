@@ -236,6 +236,7 @@ impl Server {
     }
 
     fn end(&mut self) -> io::Result<Option<RecordingStats>> {
+        // In this order: no new connections, then devices at rest, and only then the end of the cycle that brakes them.
         self.closing.store(true, Ordering::Relaxed);
         self.stop_and_wait();
         self.over.store(true, Ordering::Relaxed);

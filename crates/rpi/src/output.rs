@@ -28,6 +28,7 @@ pub(crate) fn create(path: &Path, sources: &[&Path]) -> Result<File, Box<dyn Err
 
 fn ensure_not_input(path: &Path, source: &Path) -> Result<(), String> {
     let same = match (path.canonicalize(), source.canonicalize()) {
+        // `canonicalize` fails for a file that does not exist, and such a file is no input.
         (Ok(a), Ok(b)) => a == b,
         _ => false,
     };

@@ -44,7 +44,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
     Ok(verdict(report.agrees()))
 }
 
-/// Replays a recording.
+/// Runs the commands of a recording again and compares every value with the recorded one.
 fn replay_recording(args: &ReplayArgs) -> Outcome {
     let name = args.net.display();
     let bytes = std::fs::read(&args.net).map_err(|e| format!("{name}: {e}"))?;

@@ -71,6 +71,7 @@ fn is_on_disk(sources: &SourceMap, file: FileId) -> bool {
 
 /// Writes the new text to a temporary file beside the old one, with the same permissions.
 fn write_beside(path: &Path, text: &str) -> Result<std::path::PathBuf, BoxError> {
+    // In the same folder, because a rename is atomic only within a file system.
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".mending");
     let new = path.with_file_name(name);

@@ -34,7 +34,7 @@ const MAX_OPEN_BOXES: usize = 28;
 /// Number of boxes above which there is no drawing.
 const MAX_BOXES: usize = 400;
 
-/// Drawing of a declaration.
+/// Drawing of the net of one declaration, or of the steps of a task.
 pub(crate) struct DeclarationDrawing {
     drawing: Drawing,
     /// Whether the drawing is small enough to be shown initially.

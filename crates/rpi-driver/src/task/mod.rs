@@ -22,7 +22,7 @@ use rpi_sema::typed::{UnitId, UnitKind};
 
 use crate::program::AnalysedProgram;
 
-/// Task of a program.
+/// Task of a program, with its plan.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Task {
     /// Name of the task.
@@ -35,7 +35,7 @@ pub struct Task {
 /// `MoveTo(arm, home)`.
 pub type TaskNode = rpi_image::plan::PlanNode<String>;
 
-/// Plan of a task.
+/// Plan of a task: the order of its commands, with branches on their results.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct TaskPlan {
     /// Nodes of the plan; targets are indices into this list.

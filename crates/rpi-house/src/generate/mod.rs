@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use rpi_syntax::Dialect;
 use rpi_testkit::workspace_root;
 
-/// Generated file.
+/// File that a generator writes from a table of the project: its path, and the text that it should have.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Generated {
     /// Path relative to the root of the workspace.

@@ -25,6 +25,7 @@ pub(super) fn verify(bytes: &[u8]) -> Result<(), &'static str> {
     let footer = footer.ok_or("the file has no footer")?;
     let about = record(inner, footer, FOOTER, FOOTER_LEN).ok_or("the file has no footer")?;
     let summary = match decode_le(&about[..8]) {
+        // 0 means that the file has no summary (MCAP specification, record Footer).
         0 => footer,
         at => usize::try_from(at).unwrap_or(usize::MAX),
     };
@@ -33,6 +34,7 @@ pub(super) fn verify(bytes: &[u8]) -> Result<(), &'static str> {
     let (Some(saved), Some(data_end)) = (saved, data_end) else {
         return Err("the data section has no end record");
     };
+    // The checksum of the summary also covers the footer, up to the checksum itself.
     let end = inner.len() - CRC_LEN;
     match (
         u64::from(crc32(&inner[..data_end])) == decode_le(saved),

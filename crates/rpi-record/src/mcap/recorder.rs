@@ -83,13 +83,13 @@ const CONTINUITY_KEYWORDS: [(Continuity, &str); 3] = [
     (Continuity::Allow, "allow"),
 ];
 
-/// Returns the keyword of a policy.
+/// Returns the word for a takeover policy in recordings.
 pub(super) fn policy_keyword(continuity: Continuity) -> &'static str {
     let found = CONTINUITY_KEYWORDS.iter().find(|(c, _)| *c == continuity);
     found.map_or("", |(_, word)| word)
 }
 
-/// Returns the policy of a keyword.
+/// Returns the takeover policy for its word in recordings.
 pub(super) fn policy_from_keyword(word: &str) -> Option<Continuity> {
     CONTINUITY_KEYWORDS
         .iter()
@@ -151,7 +151,7 @@ impl Recorder {
         })
     }
 
-    /// Records an event.
+    /// Adds an event of the core, such as the start or end of a command, to the recording.
     pub fn record_event(&self, event: &Event) {
         send_note(
             &self.notes,
@@ -177,6 +177,7 @@ impl Recorder {
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
     pub fn finish(self, lost: u64) -> io::Result<RecordingStats> {
+        // Before the join: the writer puts the number into the metadata at the end of the file.
         self.lost_ticks.store(lost, Ordering::Release);
         let written = self.thread.join();
         let written = written.map_err(|_| io::Error::other("the writer has failed"))??;

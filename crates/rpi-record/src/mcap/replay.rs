@@ -43,7 +43,7 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
     Ok(stage.report)
 }
 
-/// A replay in progress.
+/// Replay of a recording, in progress.
 struct ReplayRun<'a> {
     executive: Executive<ReplayBank>,
     control: RawControl<()>,

@@ -29,7 +29,7 @@ pub struct ReplayReport {
 /// A difference between the recording and its replay.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Difference {
-    /// Tick of the difference.
+    /// Tick in which the replayed value first differs from the recorded one.
     pub tick: u64,
     /// Name of the command or device.
     pub of: String,

@@ -8,7 +8,7 @@ use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
 use super::{ExecutionSpan, SpacePath};
 
-/// Direction of the projection.
+/// Direction from which the path of an arm is drawn.
 #[derive(Clone, Copy)]
 pub(super) enum View {
     /// Top view: x to the right, y up.

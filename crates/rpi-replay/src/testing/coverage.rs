@@ -26,7 +26,7 @@ pub struct Coverage {
 /// A Boolean of the net, observed at run time.
 #[derive(Clone, Copy, Debug)]
 enum ObservedBoolean {
-    /// A constant.
+    /// The condition had this value in every cycle.
     Constant(bool),
     /// A signal that is computed in the fragment with this index.
     Computed(Signal, u32),

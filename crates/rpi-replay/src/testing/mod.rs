@@ -63,7 +63,7 @@ pub struct TestReport {
     pub coverage: Option<Coverage>,
 }
 
-/// Verdict on a condition.
+/// Whether a condition of a test held, and where it failed first.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ConditionVerdict {
     /// The condition was true whenever it was present.
@@ -79,7 +79,7 @@ pub enum ConditionVerdict {
     },
 }
 
-/// How a test ended.
+/// How the run of a test ended: by a result, a fault or the cycle limit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TestEnd {
     /// The test finished with `finish` or `yield`.
@@ -142,7 +142,7 @@ fn can_finish(end: &CommandEnd) -> bool {
     }
 }
 
-/// A running test.
+/// Running test: the command, and the verdicts on its conditions so far.
 struct TestRun {
     machine: Instance,
     conditions: Vec<MonitoredCondition>,

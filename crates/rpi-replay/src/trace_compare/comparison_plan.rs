@@ -40,7 +40,7 @@ pub(super) struct Alias {
     pub(super) place: AliasKind,
 }
 
-/// Kind of an alias.
+/// Kind of a port that shows the value of another port.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum AliasKind {
     /// An out-port of a fragment. It is recorded like the out-ports of nodes.

@@ -127,6 +127,7 @@ impl<'a> Replay<'a> {
     fn cycle(&mut self, number: u64) {
         self.view.set_cycle(number);
         self.tally.report.cycles = number;
+        // The cycles of a trace count from 1.
         let elapsed = self.period_ns.saturating_mul(number - 1).cast_signed();
         let moment = CycleContext {
             net_ns: self.start_ns.saturating_add(elapsed),

@@ -390,6 +390,7 @@ impl<T> Control<T> {
 
     fn free_released(&mut self) {
         while let Ok(dead) = self.queues.released.pop() {
+            // Memory is freed here and not in the cycle, because the allocator may take a lock.
             match dead {
                 Released::Command(id, command) => {
                     drop(command);

@@ -19,7 +19,7 @@ pub use syscall_filter::{install_syscall_filter, is_syscall_filter_installed, sl
 pub use tick_timer::TickTimer;
 pub use timing_stats::{Percentiles, TimingStats};
 
-/// Options of real-time execution.
+/// Options of real-time execution: scheduling priority, processor, and policies for late ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct RealTime {
     /// Scheduling resources requested for the tick thread.

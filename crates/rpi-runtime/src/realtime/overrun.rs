@@ -67,7 +67,7 @@ pub struct OverrunStats {
     history: u64,
 }
 
-/// Action after a tick.
+/// Action after a tick, which depends on its overrun.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum OverrunAction {
     /// No action.

@@ -39,6 +39,7 @@ impl StopConditions {
     /// Returns the reason to end all commands now, if a stop condition is met.
     fn stop_reason(&self, now: u64) -> Option<AbortReason> {
         let asked = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
+        // The emergency stop comes first: it is the reason to report if the run was interrupted at the same time.
         match self.emergency.load(Ordering::Relaxed) {
             true => Some(AbortReason::EmergencyStop),
             false => asked().then_some(AbortReason::Request),
@@ -111,6 +112,7 @@ impl CycleLoop {
         if self.settling.is_none() {
             let too_often = self.timer.finish_tick(now);
             let late = self.timer.overrun();
+            // `|` instead of `||`: the overrun must be attributed to its command in any case.
             if too_often | late.is_some_and(|late| self.handle_overrun(late)) {
                 self.halt(AbortReason::Overrun);
             }

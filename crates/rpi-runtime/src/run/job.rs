@@ -24,7 +24,7 @@ use crate::realtime::{RealTime, TimeBase};
 /// Callback for progress: the running command and the elapsed time.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 
-/// Description of a run.
+/// Description of a run: commands, tasks, cell, time base and policies.
 pub struct RunOptions<'a> {
     /// Images of the commands. All have the same period, which is the tick length.
     pub images: &'a [Arc<Image>],

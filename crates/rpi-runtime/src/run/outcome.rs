@@ -98,7 +98,7 @@ pub struct CommandOverruns {
     pub fragment: String,
 }
 
-/// How a command ended.
+/// How a command of a run ended: by a result, an error or an abort.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "how")]
 pub enum RunEnd {

@@ -91,6 +91,7 @@ pub(super) fn run_threaded(
     let thread = std::thread::Builder::new().name("rpi-cycle".into());
     let running = thread.spawn(move || tick_until((cycle, done), &told, real_time));
     let running = running.map_err(RunError::Thread)?;
+    // A panic ends the thread without a result in the queue, and with the system call filter the thread never ends.
     while back.is_empty() && !running.is_finished() {
         listener.serve(&mut host);
         over.fetch_or(host.is_over(), Ordering::Relaxed);

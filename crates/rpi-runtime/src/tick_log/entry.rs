@@ -78,6 +78,7 @@ pub struct LogEntry<'a> {
     pub words: &'a [u64],
 }
 
+// Layout of a head word, from the top: 8 bits kind, 1 bit flag, 23 bits length, 32 bits key.
 const FLAG: u64 = 1 << 55;
 const KIND_SHIFT: u32 = 56;
 const LEN_SHIFT: u32 = 32;

@@ -6,6 +6,7 @@ use super::entry_buffer::EntryBuffer;
 
 /// Capacity in words: about 15 s of an arm at 1 kHz.
 const CAPACITY: usize = 1 << 20;
+// Words before the entries of a tick: lost ticks, number, wall clock, kind, and the lengths of both lists.
 const HEADER: usize = 6;
 
 /// Creates a tape and returns its two ends: the first for the cycle, the second for the writer.

@@ -30,7 +30,7 @@ pub(crate) struct DioConnection {
     sessions: Vec<String>,
 }
 
-/// Handler of a request.
+/// Function that carries out one kind of DirectIO request.
 type Handler = fn(&mut DioConnection, &Message) -> Result<(), ApiError>;
 
 /// Handlers of all requests by name.

@@ -125,7 +125,7 @@ const LONGEST: Duration = Duration::from_secs(3600);
 /// Type of a parameter: its description for error messages and the function that reads it.
 pub(super) type ParamType<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
 
-/// Returns the type of texts.
+/// Returns the parameter type that accepts JSON strings.
 pub(super) fn text_type<'a>() -> ParamType<'a, &'a str> {
     ("a text", Value::as_str)
 }
@@ -138,7 +138,7 @@ fn number_type<'a>() -> ParamType<'a, f64> {
     ("a number", Value::as_f64)
 }
 
-/// Returns the type of objects.
+/// Returns the parameter type that accepts JSON objects.
 pub(super) fn object_type<'a>() -> ParamType<'a, &'a Map<String, Value>> {
     ("an object", Value::as_object)
 }

@@ -35,7 +35,7 @@ pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     Ok(None)
 }
 
-/// Makes a rule.
+/// Creates a rule, which starts or stops commands when its condition holds.
 pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let when = condition::parse(call.text("when")?).map_err(ApiError::Invalid)?;
     let make = RuleRequest {

@@ -21,7 +21,7 @@ pub(super) enum CommandOp {
     Unload,
 }
 
-/// A deferred request.
+/// Request to the core that has not been sent yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DeferredOp {
     Command(CommandId, CommandOp),

@@ -15,7 +15,7 @@ use super::load_queue::LoadQueue;
 use crate::fair_share::Client;
 use crate::task_bundle::TaskBundle;
 
-/// Language of a text.
+/// Language of the text of a command or task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Language {
     /// A net of the reference system.
@@ -27,13 +27,13 @@ pub(crate) enum Language {
 /// Kind of object to load from a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum JobKind {
-    /// One of its commands.
+    /// A command of the program.
     Command,
-    /// One of its tasks.
+    /// A task of the program.
     Task,
 }
 
-/// A load job.
+/// Request to load a command or task, for the loader.
 pub(crate) struct LoadJob {
     pub(crate) kind: JobKind,
     /// Number of the command or task.

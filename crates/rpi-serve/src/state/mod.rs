@@ -82,7 +82,7 @@ use objects::Objects;
 use recording::Recording;
 use rules::Rules;
 
-/// The server state.
+/// State that all connections share: sessions, commands, tasks, rules and devices.
 pub(crate) struct ServerState {
     limits: Limits,
     pub(crate) defaults: CommandDefaults,

@@ -9,7 +9,7 @@ use super::types::{ApiError, Subscriber, Update, truncated};
 use crate::fair_share::{Client, Holder, Usage};
 use crate::limits::{Limits, OnLoss};
 
-/// A session.
+/// Session of a client: its name, and the policy for its commands when the connection is lost.
 struct Session {
     /// Name given by the client, for display.
     name: String,

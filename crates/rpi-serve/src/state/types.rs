@@ -104,7 +104,7 @@ pub(crate) enum Update<'a> {
     DeviceRemoved(&'a str),
 }
 
-/// Subscriber of updates.
+/// Receiver of updates about commands, tasks and rules, such as a connection.
 pub(crate) trait Subscriber: Send {
     /// Sends an update. Returns false if the client is disconnected. Must not block.
     fn notify(&mut self, update: &Update<'_>) -> bool;
@@ -113,7 +113,7 @@ pub(crate) trait Subscriber: Send {
     fn is_connected(&self) -> bool;
 }
 
-/// Error of a request.
+/// Error answer to a request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum ApiError {
     /// Unknown name of an object; the text is its kind and name.

@@ -5,7 +5,7 @@ use std::net::IpAddr;
 use super::auth_throttle::RejectReason;
 use super::http_head::Head;
 
-/// Authentication check.
+/// Check of the token that a client must show.
 #[derive(Clone, Default)]
 pub(crate) struct AuthPolicy {
     /// Expected token. `None` accepts every client; allowed on loopback only.

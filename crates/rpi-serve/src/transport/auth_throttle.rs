@@ -28,7 +28,7 @@ pub(crate) enum RejectReason {
     NoToken,
     /// The request has a wrong token.
     WrongToken,
-    /// Too many connections.
+    /// The peer already has the maximum number of open connections.
     TooManyConnections,
 }
 
@@ -61,6 +61,7 @@ impl AuthThrottle {
     pub(super) fn record(&self, peer: Peer, why: RejectReason) -> Option<String> {
         let mut all = self.lock();
         all.retain(|_, s| s.waiting > 0 || s.latest.elapsed() < ENTRY_LIFETIME);
+        // Requests from many addresses must not use up the memory.
         if all.len() >= MAX_ENTRIES && !all.contains_key(&(peer, why)) {
             return None;
         }
@@ -71,6 +72,7 @@ impl AuthThrottle {
         });
         (stranger.times, stranger.latest) = (stranger.times + 1, Instant::now());
         let (times, what) = (stranger.times, why.description());
+        // Powers of ten: repeated requests cannot flood the log, and their number stays visible.
         match times {
             1 => Some(format!("{what}, from {peer}")),
             _ if is_power_of_ten(times) => {

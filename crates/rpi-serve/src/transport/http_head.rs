@@ -93,6 +93,8 @@ impl Head {
         let mut body = self.remaining.clone();
         let mut chunk = [0; 16 << 10];
         while body.len() < length {
+            // The limit is for the whole body. With a limit per read, a client could keep the connection by sending
+            // single bytes.
             if begin.elapsed() > patience {
                 return Err(invalid_data("the body is too slow"));
             }

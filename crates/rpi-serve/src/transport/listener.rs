@@ -54,6 +54,8 @@ impl Acceptor {
 
     fn accept(&self, stream: TcpStream, peer: Peer) {
         let ready = stream
+            // Some systems let an accepted socket inherit the non-blocking mode of the listener. Messages are small,
+            // and without `set_nodelay` each would wait for the acknowledgement of the one before.
             .set_nonblocking(false)
             .and_then(|()| stream.set_nodelay(true))
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
@@ -135,6 +137,7 @@ impl Acceptor {
             let needed = "a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`";
             return web::Response::error(401, needed).send(stream);
         }
+        // A delayed answer occupies a thread. Beyond the limit of a peer, the connection is closed without an answer.
         let Some(_wait) = self.throttle.reserve_delay(peer) else {
             return Ok(());
         };
@@ -270,6 +273,7 @@ impl Drop for ConnectionSlot {
         if let Some(own) = counts.get_mut(&self.1) {
             *own -= 1;
         }
+        // Otherwise the map would grow with every address that ever connected.
         counts.retain(|_, own| *own > 0);
     }
 }

@@ -48,7 +48,7 @@ impl TlsIdentity {
     }
 }
 
-/// A TLS connection.
+/// Server side of a TLS connection.
 pub(crate) struct TlsStream(StreamOwned<ServerConnection, TcpStream>);
 
 impl Read for TlsStream {

@@ -44,7 +44,7 @@ pub(super) struct Branch {
     has_ended: bool,
 }
 
-/// Progress of a track.
+/// Progress of one parallel branch of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BranchProgress {
     /// The track runs.
