@@ -106,7 +106,7 @@ fn comments(text: &str) -> Vec<Comment> {
         }
         while lines
             .peek()
-            .is_some_and(|l| l.trim_start().starts_with("#["))
+            .is_some_and(|l| l.trim_start().starts_with(['#', '/']))
         {
             lines.next();
         }
