@@ -173,6 +173,11 @@ impl FlatNet {
         self.ops.push(op);
     }
 
+    /// Appends a copy of one value to a scope.
+    pub(crate) fn copy(&mut self, scope: ScopeId, from: Register, to: Register, node: u32) {
+        self.push(scope, OpKind::Copy, &[from.0, to.0], node);
+    }
+
     pub(crate) fn words(&self, op: Op) -> &[u32] {
         &self.words[op.at as usize..(op.at + op.len) as usize]
     }

@@ -313,6 +313,12 @@ impl Net {
         &self.nodes[id.index()]
     }
 
+    /// Returns the type of an out-port.
+    #[must_use]
+    pub fn output_type(&self, port: PortRef) -> Type {
+        self.node(port.node).outputs[usize::from(port.port)]
+    }
+
     /// Returns the fragment with this index.
     #[must_use]
     pub fn fragment(&self, id: FragmentId) -> &Fragment {
