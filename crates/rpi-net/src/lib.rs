@@ -6,6 +6,7 @@
 
 pub mod claim;
 mod column;
+mod column_error;
 mod coverage_points;
 pub mod fragment_tree;
 pub mod lustre;
@@ -19,6 +20,7 @@ mod verify_error;
 
 pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
+pub use column_error::ColumnError;
 pub use coverage_points::{CoveragePoints, Decision, DecisionBranch, StateTransitions, Transition};
 pub use fragment_tree::{FragmentTree, Item};
 pub use net::{
