@@ -9,6 +9,7 @@ mod column;
 mod column_error;
 mod coverage_points;
 pub mod fragment_tree;
+mod input;
 pub mod lustre;
 pub mod net;
 pub mod passes;

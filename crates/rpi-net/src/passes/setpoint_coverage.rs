@@ -49,12 +49,12 @@ pub(crate) fn missing_setpoints(
     let effort = EffortBudget::default();
     let mut prover = None;
     let mut hard = 0;
-    let mut told: Vec<&Resource> = Vec::new();
+    let mut reported: Vec<&Resource> = Vec::new();
     let mut gaps = Vec::new();
     for (resource, own) in &writers.by_resource {
-        let is_told =
+        let is_reported =
             |r: &&Resource| is_same_port(r, resource) || are_alternatives(net, r, resource);
-        if told.iter().any(is_told) {
+        if reported.iter().any(is_reported) {
             continue;
         }
         let others = writers
@@ -72,7 +72,7 @@ pub(crate) fn missing_setpoints(
             || schedule.is_some_and(|s| is_hard && model_check::always_one(background, s, &all));
         hard += usize::from(is_hard);
         if !is_covered {
-            told.push(resource);
+            reported.push(resource);
             gaps.extend(own.first().map(|writer| MissingSetpoint {
                 resource: resource.clone(),
                 writer: *writer,

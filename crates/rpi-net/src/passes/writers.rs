@@ -225,14 +225,14 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Diagnostic> {
             }
         }
     }
-    let told = reported.into_iter().map(|(resources, pair)| {
+    let diagnostics = reported.into_iter().map(|(resources, pair)| {
         let (resources, ordered) = in_text_order(net, resources, pair);
         match writers.witness(pair) {
             Some(witness) => overlap_diagnostic(net, &resources, ordered, witness),
             None => unproved_diagnostic(net, &resources, ordered),
         }
     });
-    told.collect()
+    diagnostics.collect()
 }
 
 /// Sorts two resources and their writers by their location in the text.

@@ -5,7 +5,8 @@
 //! a set becomes empty, which is a contradiction. Only nodes in fragments that are known to be active are propagated,
 //! since other nodes are not evaluated. The method is sound, incomplete and bounded.
 
-use super::Event;
+use super::contradiction::ContradictionError;
+use super::event::Event;
 use super::numbers;
 use super::truth_tables::{self, ValueSet, by_rule, constant};
 use crate::fragment_tree::FragmentTree;
@@ -45,10 +46,6 @@ impl ProofContext<'_> {
         (gates.collect(), open.collect())
     }
 }
-
-/// Error for facts that contradict each other.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct ContradictionError;
 
 /// Remaining number of node visits.
 pub(crate) type EffortBudget = Cell<u32>;
@@ -318,9 +315,9 @@ impl<'a> Facts<'a> {
         let output = self.possible_values(port);
         let (mut inputs, mut outputs) = (vec![ValueSet::EMPTY; seen.len()], ValueSet::EMPTY);
         for combination in combinations(seen) {
-            let given = gate(&combination).intersection(output);
-            if given != ValueSet::EMPTY {
-                outputs = outputs.union(given);
+            let possible = gate(&combination).intersection(output);
+            if possible != ValueSet::EMPTY {
+                outputs = outputs.union(possible);
                 for (all, one) in inputs.iter_mut().zip(&combination) {
                     *all = all.union(*one);
                 }
@@ -345,8 +342,8 @@ impl<'a> Facts<'a> {
         let sets: Vec<ValueSet> = connected(node, seen).map(|(_, s)| *s).collect();
         for (k, output) in (0..).zip(node.desc().outputs) {
             let port = PortRef { node: id, port: k };
-            let given = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
-            self.narrow_if(port, given)?;
+            let possible = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
+            self.narrow_if(port, possible)?;
             if self.possible_values(port) == ValueSet::ABSENT {
                 self.revise_absent(id, output.presence, seen)?;
             }

@@ -29,11 +29,11 @@ impl Query {
         let mut is = cycle.domain.bit(true);
         for happening in self.events() {
             let happens = cycle.occurs(happening);
-            let wanted = match self {
+            let required = match self {
                 Query::Both(_) => happens,
                 Query::Neither(_) => cycle.domain.not(happens),
             };
-            is = cycle.domain.and(is, wanted);
+            is = cycle.domain.and(is, required);
         }
         is
     }
