@@ -30,18 +30,17 @@ pub(crate) struct ProofContext<'a> {
 
 impl ProofContext<'_> {
     /// Obstacles to an event: enclosing fragments that are not always active, and flows that may be absent.
-    pub(crate) fn obstacles(self, happening: &Event) -> (Vec<FragmentId>, Vec<PortRef>) {
+    pub(crate) fn obstacles(self, event: &Event) -> (Vec<FragmentId>, Vec<PortRef>) {
         let ProofContext {
             net,
             tree,
             presences,
             ..
         } = self;
-        let around = net.ancestors(happening.fragment);
+        let around = net.ancestors(event.fragment);
         let gates = around.filter(|f| presences.activity(*f) != FlowPresence::Total);
-        let seen =
-            |p: &PortRef| presences.presence_at(net, tree, happening.fragment, &Input::Port(*p));
-        let open = happening.present.iter().copied();
+        let seen = |p: &PortRef| presences.presence_at(net, tree, event.fragment, &Input::Port(*p));
+        let open = event.present.iter().copied();
         let open = open.filter(|p| seen(p) != FlowPresence::Total);
         (gates.collect(), open.collect())
     }
@@ -164,12 +163,12 @@ impl<'a> Facts<'a> {
     }
 
     /// Adds that an event does not occur. Adds nothing if more than one cause is possible.
-    pub(crate) fn deny(&mut self, happening: &Event) -> FactResult {
-        let (gates, open) = self.background.obstacles(happening);
+    pub(crate) fn deny(&mut self, event: &Event) -> FactResult {
+        let (gates, open) = self.background.obstacles(event);
         match (&gates[..], &open[..]) {
             ([], []) => Err(ContradictionError),
             ([gate], []) => self.deactivate(*gate),
-            ([], [port]) => self.require(happening.fragment, *port, ValueSet::ABSENT),
+            ([], [port]) => self.require(event.fragment, *port, ValueSet::ABSENT),
             _ => Ok(()),
         }
     }

@@ -94,8 +94,8 @@ impl<'a> Prover<'a> {
     }
 
     /// Whether all flows of an event are present whenever its fragment is active.
-    fn is_always_present(&self, happening: &Event) -> bool {
-        self.background.obstacles(happening).1.is_empty()
+    fn is_always_present(&self, event: &Event) -> bool {
+        self.background.obstacles(event).1.is_empty()
     }
 
     /// Facts that follow from two fragments being active; an error if they never are in the same cycle.

@@ -61,10 +61,10 @@ impl<'a, D: Domain> Cycle<'a, D> {
     }
 
     /// Whether an event occurs: its fragment is active and its flows are present.
-    pub(super) fn occurs(&mut self, happening: &Event) -> D::Bool {
-        let active = self.activity(happening.fragment);
+    pub(super) fn occurs(&mut self, event: &Event) -> D::Bool {
+        let active = self.activity(event.fragment);
         let mut all = active;
-        for port in &happening.present {
+        for port in &event.present {
             let present = self.flow(*port).present;
             all = self.domain.and(all, present);
         }

@@ -27,8 +27,8 @@ impl Query {
     /// Whether a cycle satisfies the condition.
     pub(super) fn is_satisfied<D: Domain>(&self, cycle: &mut Cycle<'_, D>) -> D::Bool {
         let mut is = cycle.domain.bit(true);
-        for happening in self.events() {
-            let happens = cycle.occurs(happening);
+        for event in self.events() {
+            let happens = cycle.occurs(event);
             let required = match self {
                 Query::Both(_) => happens,
                 Query::Neither(_) => cycle.domain.not(happens),
