@@ -305,6 +305,6 @@ pub(crate) fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, Stri
 fn lower_with_work_bound(net: &Net, options: &LowerOptions<'_>) -> Result<(Image, u64), String> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
     let plan = Plan::from_analysis(&analysis).ok_or("the net has a dependency cycle")?;
-    let image = rpi_lower::lower(&analysis.net, &plan, options)?;
+    let image = rpi_lower::lower(&analysis.net, &plan, options).map_err(|e| e.to_string())?;
     Ok((image, analysis.work.bound(FragmentId::ROOT)))
 }

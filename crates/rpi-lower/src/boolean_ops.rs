@@ -40,7 +40,7 @@ impl BooleanOps {
         }
     }
 
-    /// Disjunction of two registers; see [`Logic::and`].
+    /// Disjunction of two registers; see [`BooleanOps::and`].
     pub(crate) fn or(
         &mut self,
         flat: &mut FlatNet,
@@ -57,7 +57,7 @@ impl BooleanOps {
         }
     }
 
-    /// Negation of a register; see [`Logic::and`].
+    /// Negation of a register; see [`BooleanOps::and`].
     pub(crate) fn not(&mut self, flat: &mut FlatNet, scope: ScopeId, a: Register) -> Register {
         match a {
             Register::FALSE => Register::TRUE,

@@ -169,14 +169,14 @@ static FORMS: &[CForm] = &[
 
 /// The C code of a primitive; `None` if it has no C form.
 pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
-    let fits = |row: &&CForm| {
+    let is_form_of = |row: &&CForm| {
         row.form == form
             && match row.name.strip_prefix('*') {
                 Some(end) => name.ends_with(end) && !name.contains("Array"),
                 None => row.name == name,
             }
     };
-    FORMS.iter().find(fits)
+    FORMS.iter().find(is_form_of)
 }
 
 impl CForm {

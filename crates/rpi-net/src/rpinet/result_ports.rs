@@ -133,8 +133,9 @@ impl ResultConverter {
         let takes = |desc: &PrimDesc| {
             let port = desc.inputs.first().map(|port| port.ty);
             let of_this_net = desc.param("Key").is_some() && desc.param("RemoteNet").is_none();
-            let fits = matches!((port, ty), (Some(PortType::Scalar(a)), Type::Scalar(b)) if a == b);
-            desc.role == Role::Export && of_this_net && fits
+            let is_same_type =
+                matches!((port, ty), (Some(PortType::Scalar(a)), Type::Scalar(b)) if a == b);
+            desc.role == Role::Export && of_this_net && is_same_type
         };
         let desc = registry().iter().map(|prim| prim.desc).find(takes)?;
         self.add(key, PrimId::from_name(desc.name)?, vec![source], key);

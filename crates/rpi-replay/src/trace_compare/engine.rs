@@ -59,7 +59,8 @@ fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instanc
         observe: Observe::All,
         may_be_absent: &may_be_absent,
     };
-    let image = rpi_lower::lower(&analysis.net, &plan, &lowering).map_err(ReplayError::Lowering)?;
+    let image = rpi_lower::lower(&analysis.net, &plan, &lowering);
+    let image = image.map_err(|error| ReplayError::Lowering(error.to_string()))?;
     Instance::load(image, bank).map_err(ReplayError::Loading)
 }
 
