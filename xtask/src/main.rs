@@ -69,10 +69,7 @@ fn main() -> ExitCode {
 }
 
 fn generate(_: &[String]) -> Result<(), String> {
-    for file in rpi_house::generated()
-        .iter()
-        .filter(|file| !file.is_current())
-    {
+    for file in xtask::generated().iter().filter(|file| !file.is_current()) {
         file.write()
             .map_err(|error| format!("{}: {error}", file.path))?;
         println!("{}", file.path);

@@ -1,7 +1,7 @@
 //! Every row of the checklist in the book must name existing files and tests.
 
-use rpi_house::functions;
 use rpi_testkit::workspace_root;
+use xtask::functions;
 
 /// Number of rows.
 const ROWS: usize = 38;

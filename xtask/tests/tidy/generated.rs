@@ -1,6 +1,6 @@
 //! Committed generated files must be equal to the output of their generators.
 
-use rpi_house::generated;
+use xtask::generated;
 
 #[test]
 fn generated_files_are_current() {

@@ -52,7 +52,8 @@ fn stands(entry: &Entry, name: &str, input: &[u8]) {
 
 #[test]
 fn every_entry_has_a_fuzz_target() {
-    let manifest = std::fs::read_to_string(workspace_root().join("fuzz/Cargo.toml")).unwrap();
+    let manifest =
+        std::fs::read_to_string(workspace_root().join("fuzz/targets/Cargo.toml")).unwrap();
     let targets = files_below("fuzz/targets", &[".rs"]);
     assert_eq!(targets.len(), ENTRIES.len());
     for entry in ENTRIES {

@@ -7,9 +7,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use rpi_house::{Fence, fences};
 use rpi_sim::Cell;
 use rpi_testkit::{files_below, workspace_root};
+use xtask::{Fence, fences};
 
 /// Kind of check for the blocks of a language.
 #[derive(Clone, Copy, PartialEq)]

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use rpi_house::{functions, source_files};
 use rpi_image::Role;
 use rpi_prims::differences::DIFFERENCES;
 use rpi_prims::{PrimId, registry};
 use rpi_testkit::files_below;
+use xtask::{functions, source_files};
 
 #[test]
 fn names_are_declared_once() {

@@ -7,8 +7,8 @@
 use std::path::PathBuf;
 
 use rpi_diag::{Code, Style, render};
-use rpi_house::{Fence, fences};
 use rpi_testkit::files_below;
+use xtask::{Fence, fences};
 
 use crate::compile::{CheckOutput, check};
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rpi_house::packages;
+use xtask::packages;
 
 /// Crates that may depend on each third-party crate. Crates with several owners are exceptions: the types of nalgebra
 /// are shared vocabulary, libm is the one implementation of arithmetic, and the derives of serde and clap do not expose
@@ -49,7 +49,6 @@ const OWNERS: &[(&str, &[&str])] = &[
         &[
             "rpi-client",
             "rpi-diag",
-            "rpi-house",
             "rpi-lsp",
             "rpi-record",
             "rpi-replay",

@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_diag::Code;
-use rpi_house::{fences, source_files};
 use rpi_testkit::files_below;
+use xtask::{fences, source_files};
 
 #[test]
 fn no_page_without_a_code() {

@@ -1,6 +1,6 @@
 //! Rule 5: the cycle is short enough to be read by a control engineer.
 
-use rpi_house::{functions, source_files};
+use xtask::{functions, source_files};
 
 /// Lines below which the cycle and each of its phases must stay.
 const LONGEST: usize = 40;

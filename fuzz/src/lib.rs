@@ -1,6 +1,6 @@
 //! Entry points for untrusted input, as functions from bytes, and the budget of each input.
 //!
-//! Fuzzers (`fuzz/`, run by `cargo xtask fuzz`) and stable tests (`tests/`) call the same functions. No input may make
+//! Fuzzers (`fuzz/targets/`, run by `cargo xtask fuzz`) and stable tests (`tests/`) call the same functions. No input may make
 //! an entry point panic, hang or allocate without bound. This crate must not depend on the meaning of a diagnostic; it
 //! only checks that diagnostics point into the text and can be rendered.
 //!
@@ -9,11 +9,11 @@
 //! | `texts.rs` | lexer, parser and checker |
 //! | `net.rs` | importer |
 //! | `image.rs` | image loader |
-//! | `last.rs` | file with the current input, for crashes |
+//! | `current_input.rs` | file with the current input, for crashes |
 //! | `budget.rs` | one second and 200 MB |
 //! | `seeds.rs` | initial corpus: every program of the project |
-//! | `mutate.rs` | reproducible mutations |
-//! | `words.rs` | dictionary |
+//! | `mutator.rs` | reproducible mutations |
+//! | `dictionary.rs` | dictionary |
 
 mod budget;
 mod current_input;

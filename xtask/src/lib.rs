@@ -1,6 +1,6 @@
-//! Repository rules, checked as tests.
+//! Maintenance tasks of the repository, and its rules as tests.
 //!
-//! `ARCHITECTURE.md` states the rules; `tests/house` checks them. This library provides the data for those tests: the
+//! `ARCHITECTURE.md` states the rules; `tests/tidy` checks them; `cargo xtask` runs the tasks. This library provides the data for those tests: the
 //! crates from cargo, the files from git, functions and fenced code blocks from source texts, and the files generated
 //! from the tables of the project. The product does not depend on it.
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use rpi_house::tracked_files;
 use rpi_testkit::workspace_root;
+use xtask::tracked_files;
 
 /// Forbidden texts, split in two so that this file does not contain them.
 const FORBIDDEN: &[(&str, &str)] = &[

@@ -1,7 +1,7 @@
 //! Rule 7: `unsafe` is forbidden except in the listed crates.
 
-use rpi_house::{packages, source_files};
 use rpi_testkit::workspace_root;
+use xtask::{packages, source_files};
 
 /// Crates that may contain `unsafe` code, with the reason.
 const ALLOWED: &[(&str, &str)] = &[];

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use rpi_diag::{Applicability, Code, Diagnostic, Fix, Severity, apply};
-use rpi_house::fences;
+use xtask::fences;
 
 use crate::compile::{CheckOutput, check};
 use crate::ui::{checked_programs, name};

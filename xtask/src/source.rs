@@ -5,6 +5,8 @@ use std::process::Command;
 
 use rpi_testkit::{files_below, workspace_root};
 
+use crate::packages::packages;
+
 /// Returns every file that git tracks or would track, relative to the root and sorted. Without git (an unpacked
 /// archive), returns every file that is not build output.
 pub fn tracked_files() -> Vec<PathBuf> {
@@ -39,13 +41,13 @@ pub struct SourceFile {
 }
 
 impl SourceFile {
-    fn read(path: PathBuf) -> Option<SourceFile> {
+    fn read(path: PathBuf, owner: &str) -> Option<SourceFile> {
         let text = std::fs::read_to_string(workspace_root().join(&path)).ok()?;
-        let mut parts = path.iter().map(|part| part.to_string_lossy());
-        let owner = parts.nth(1)?.into_owned();
-        let in_src = parts.next()? == "src";
-        let of_tests = parts.any(|part| part == "tests" || part == "tests.rs");
-        (in_src && !of_tests).then_some(SourceFile { path, owner, text })
+        let of_tests = path
+            .iter()
+            .any(|part| part == "tests" || part == "tests.rs");
+        let owner = owner.to_owned();
+        (!of_tests).then_some(SourceFile { path, owner, text })
     }
 
     /// Returns the text before the module of unit tests, which is always at the end.
@@ -54,13 +56,17 @@ impl SourceFile {
     }
 }
 
-/// Returns the Rust files in `src` of the crates, without files of unit tests, sorted by path.
+/// Returns the Rust files in `src` of the crates of the workspace, without files of unit tests, sorted by path.
 pub fn source_files() -> Vec<SourceFile> {
-    let files = files_below("crates", &[".rs"]);
+    let mut files = Vec::new();
+    for package in packages() {
+        let folder = relative(&package.dir).unwrap_or_default().join("src");
+        let paths = files_below(&folder.to_string_lossy(), &[".rs"]);
+        let paths = paths.iter().filter_map(|path| relative(path));
+        files.extend(paths.filter_map(|path| SourceFile::read(path, &package.name)));
+    }
+    files.sort_by(|a, b| a.path.cmp(&b.path));
     files
-        .iter()
-        .filter_map(|path| SourceFile::read(relative(path)?))
-        .collect()
 }
 
 fn relative(path: &Path) -> Option<PathBuf> {

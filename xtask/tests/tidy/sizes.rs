@@ -1,6 +1,6 @@
 //! Size limits that keep the code readable: short functions, files with one topic, and modules with a description.
 
-use rpi_house::{functions, source_files};
+use xtask::{functions, source_files};
 
 /// Number of lines above which a function must be listed in [`LONG`] with a reason.
 const LONG_FUNCTION: usize = 60;

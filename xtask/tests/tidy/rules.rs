@@ -1,7 +1,7 @@
 //! `ARCHITECTURE.md` must name existing tests for each of its rules.
 
-use rpi_house::functions;
 use rpi_testkit::workspace_root;
+use xtask::functions;
 
 /// Number of rules.
 const RULES: usize = 10;
