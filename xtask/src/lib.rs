@@ -7,9 +7,13 @@
 mod fences;
 mod generate;
 mod packages;
+mod rust_text;
 mod source;
+mod types;
 
 pub use fences::{Fence, fences};
 pub use generate::{Generated, generated};
 pub use packages::{Dependency, Package, packages};
+pub use rust_text::{Part, PartKind, is_word, parts};
 pub use source::{Function, SourceFile, functions, source_files, tracked_files};
+pub use types::{TypePart, type_parts};

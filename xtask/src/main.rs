@@ -1,5 +1,6 @@
 //! Maintenance tasks of the repository: `cargo xtask TASK`.
 
+mod bless;
 mod fuzz;
 mod lustre;
 
@@ -17,6 +18,11 @@ const TASKS: &[Task] = &[
         "gen",
         "write the files generated from the project's tables",
         generate,
+    ),
+    (
+        "bless",
+        "rewrite the expected outputs of tests: [FILTER]",
+        bless::bless,
     ),
     (
         "fuzz",

@@ -2,7 +2,7 @@
 //!
 //! A block `rpi lamp.rpi` also creates a file of that name, for later commands in the same document; `rpi,wrong
 //! slip.rpi` creates one with an error. A block `console` has lines `$ command`, each followed by its output (standard
-//! output, then standard error); a line `...` matches any number of lines. `RPI_BLESS=1` updates the outputs.
+//! output, then standard error); a line `...` matches any number of lines. `cargo xtask bless book` updates the outputs.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

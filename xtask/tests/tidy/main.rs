@@ -1,5 +1,6 @@
 //! Rules of `ARCHITECTURE.md` as tests, one file per rule or kind of rule.
 
+mod banned_terms;
 mod book;
 mod checklist;
 mod codes;

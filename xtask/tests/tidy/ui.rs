@@ -1,6 +1,6 @@
 //! Diagnostics as users see them: each program in `tests/ui` must give exactly the messages in the file beside it.
 //!
-//! After a change, `RPI_BLESS=1 cargo test -p xtask ui` updates the files; review them before committing.
+//! After a change, `cargo xtask bless ui` updates the files; review them before committing.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
