@@ -25,14 +25,14 @@ fn no_input_makes_an_entry_panic_hang_or_take_memory_without_end() {
 }
 
 fn damaged(entry: &Entry, seeds: &[Seed]) {
-    let asked = std::env::var("RPI_MUTATIONS")
+    let requested = std::env::var("RPI_MUTATIONS")
         .ok()
         .and_then(|n| n.parse().ok());
     let (mut mutator, began) = (Mutator::new(1), Instant::now());
-    for k in 0..asked.unwrap_or(MUTATIONS) {
+    for k in 0..requested.unwrap_or(MUTATIONS) {
         let input = mutator.next(seeds);
         stands(entry, &format!("mutation {k}"), &input);
-        if asked.is_none() && began.elapsed() > TIME {
+        if requested.is_none() && began.elapsed() > TIME {
             break;
         }
     }

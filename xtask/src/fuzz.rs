@@ -115,10 +115,10 @@ fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
 
 /// Target triple of the host.
 fn host() -> Result<String, String> {
-    let told = Command::new("rustc").arg("-vV").output();
-    let told = told.map_err(|error| format!("rustc: {error}"))?.stdout;
-    let told = String::from_utf8_lossy(&told).into_owned();
-    let host = told.lines().find_map(|line| line.strip_prefix("host: "));
+    let version = Command::new("rustc").arg("-vV").output();
+    let version = version.map_err(|error| format!("rustc: {error}"))?.stdout;
+    let version = String::from_utf8_lossy(&version).into_owned();
+    let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned)
         .ok_or("rustc does not report a host".to_owned())
 }

@@ -121,9 +121,11 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi-doc",
         &["rpi-diag", "rpi-driver", "rpi-sema", "rpi-syntax"],
     ),
+    ("rpi-cli", &["rpi-diag"]),
     (
         "rpic",
         &[
+            "rpi-cli",
             "rpi-diag",
             "rpi-doc",
             "rpi-driver",
@@ -138,6 +140,7 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpi",
         &[
+            "rpi-cli",
             "rpi-core",
             "rpi-diag",
             "rpi-driver",

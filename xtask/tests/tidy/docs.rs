@@ -28,7 +28,7 @@ fn programs_in_documents_compile() {
                 continue;
             }
             count += 1;
-            wrong.extend(complaint(
+            wrong.extend(unexpected_diagnostics(
                 &format!("{}:{}", path.display(), fence.line),
                 &fence,
             ));
@@ -44,9 +44,10 @@ fn pages_say_what_the_compiler_says() {
     for code in Code::ALL {
         for fence in fences(code.page()) {
             match fence.info.split(' ').next() {
-                Some("rpi-right") => {
-                    wrong.extend(complaint(&format!("{code}, right program"), &fence))
-                }
+                Some("rpi-right") => wrong.extend(unexpected_diagnostics(
+                    &format!("{code}, right program"),
+                    &fence,
+                )),
                 Some("rpi-wrong") => wrong.extend(other_than(*code, &fence)),
                 _ => {}
             }
@@ -72,7 +73,7 @@ fn programs_of_the_project_compile() {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        wrong.extend(complaint(
+        wrong.extend(unexpected_diagnostics(
             &path.display().to_string(),
             &Fence {
                 info,
@@ -85,7 +86,7 @@ fn programs_of_the_project_compile() {
 }
 
 /// Returns the diagnostics of a program that should have none.
-fn complaint(place: &str, fence: &Fence) -> Option<String> {
+fn unexpected_diagnostics(place: &str, fence: &Fence) -> Option<String> {
     let CheckOutput {
         diagnostics,
         sources,

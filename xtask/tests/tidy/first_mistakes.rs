@@ -27,9 +27,9 @@ fn wrong(path: &Path) -> Option<String> {
     let text = std::fs::read_to_string(path).expect("it is UTF-8");
     let name = short(path);
     let (place, words) = expected(&text).unwrap_or_else(|| panic!("{name} begins with two lines"));
-    let said = check(&name, &text);
-    let [diagnostic] = &said.diagnostics[..] else {
-        let messages: Vec<&str> = said
+    let output = check(&name, &text);
+    let [diagnostic] = &output.diagnostics[..] else {
+        let messages: Vec<&str> = output
             .diagnostics
             .iter()
             .map(|f| f.message.as_str())
@@ -38,7 +38,7 @@ fn wrong(path: &Path) -> Option<String> {
             "{name}: one diagnostic expected, found {messages:?}"
         ));
     };
-    let found = said.sources.line_col(diagnostic.span());
+    let found = output.sources.line_col(diagnostic.span());
     let found = format!("{}:{}", found.line, found.col);
     if found != place {
         return Some(format!("{name}: expected at {place}, found at {found}"));

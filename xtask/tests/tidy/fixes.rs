@@ -53,16 +53,16 @@ fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
     for diagnostic in &diagnostics {
         for fix in &diagnostic.fixes {
             count += 1;
-            let mended = apply(text, fix.edits.iter());
+            let fixed = apply(text, fix.edits.iter());
             if let Err(why) = judge(
                 &diagnostics,
                 diagnostic,
                 fix,
-                &check(name, &mended).diagnostics,
+                &check(name, &fixed).diagnostics,
             ) {
                 let what = format!("{} {}", diagnostic.code, diagnostic.message);
                 wrong.push(format!(
-                    "{name}: {what}\n  fix: {}: {why}\n{mended}",
+                    "{name}: {what}\n  fix: {}: {why}\n{fixed}",
                     fix.title
                 ));
             }
@@ -74,12 +74,12 @@ fn try_fixes(name: &str, text: &str, wrong: &mut Vec<String>) -> usize {
 /// Returns an error if the diagnostic is still reported, or if the fix causes an error that it must not cause.
 fn judge(
     before: &[Diagnostic],
-    mended: &Diagnostic,
+    diagnostic: &Diagnostic,
     fix: &Fix,
     after: &[Diagnostic],
 ) -> Result<(), String> {
     let (old, new) = (counted(before), counted(after));
-    let key = key(mended);
+    let key = key(diagnostic);
     if new.get(&key) >= old.get(&key) {
         return Err("the diagnostic is still reported".to_owned());
     }

@@ -12,6 +12,7 @@ mod first_mistakes;
 mod fixes;
 mod forbidden_text;
 mod generated;
+mod guides;
 mod links;
 mod owners;
 mod primitives;

@@ -9,9 +9,9 @@ use xtask::packages;
 /// types in interfaces.
 const OWNERS: &[(&str, &[&str])] = &[
     ("cap", &["rpi-fuzz", "rpi-testkit"]),
-    ("clap", &["rpi", "rpic"]),
-    ("clap_complete", &["rpi", "rpic"]),
-    ("clap_mangen", &["rpi", "rpic"]),
+    ("clap", &["rpi", "rpi-cli", "rpic"]),
+    ("clap_complete", &["rpi-cli"]),
+    ("clap_mangen", &["rpi-cli"]),
     ("crc32fast", &["rpi-record"]),
     ("flate2", &["rpi-driver", "rpi-record", "rpi-testkit"]),
     ("hashbrown", &["rpi-lower", "rpi-net"]),

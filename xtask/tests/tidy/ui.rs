@@ -82,9 +82,9 @@ fn no_prefix_of_a_program_makes_the_compiler_panic_or_hang() {
         let text = std::fs::read_to_string(&path).expect("it is UTF-8");
         for (end, _) in text.char_indices() {
             let start = Instant::now();
-            let said = check(&name(&path), &text[..end]);
-            let shown = render(&said.diagnostics, &said.sources, Style::PLAIN);
-            assert_eq!(shown.is_empty(), said.diagnostics.is_empty());
+            let output = check(&name(&path), &text[..end]);
+            let shown = render(&output.diagnostics, &output.sources, Style::PLAIN);
+            assert_eq!(shown.is_empty(), output.diagnostics.is_empty());
             assert!(
                 start.elapsed() < HANG,
                 "{} up to byte {end}",
