@@ -34,15 +34,15 @@ enum WorkerRequest {
 
 /// Connection to a control core.
 #[derive(Clone, Debug)]
-pub struct Core(Sender<WorkerRequest>);
+pub struct Client(Sender<WorkerRequest>);
 
-impl Core {
+impl Client {
     /// Connects to a control core at `address:port`, with a token if the server requires one.
     ///
     /// # Errors
     /// If the connection fails or the server rejects it.
-    pub fn connect(address: &str, token: Option<&str>) -> Result<Core, Error> {
-        Core::connect_over(address, token, |stream| Ok(Box::new(stream)))
+    pub fn connect(address: &str, token: Option<&str>) -> Result<Client, Error> {
+        Client::connect_over(address, token, |stream| Ok(Box::new(stream)))
     }
 
     /// Connects over TLS to a control core at `address:port`. Its certificate must be in the PEM file `authorities` or
@@ -55,16 +55,16 @@ impl Core {
         address: &str,
         token: Option<&str>,
         authorities: &std::path::Path,
-    ) -> Result<Core, Error> {
+    ) -> Result<Client, Error> {
         let secure = |stream| crate::tls::connect(stream, address, authorities);
-        Core::connect_over(address, token, secure)
+        Client::connect_over(address, token, secure)
     }
 
     fn connect_over(
         address: &str,
         token: Option<&str>,
         over: impl FnOnce(TcpStream) -> Result<Box<dyn Stream>, Error>,
-    ) -> Result<Core, Error> {
+    ) -> Result<Client, Error> {
         let stream = TcpStream::connect(address).map_err(Error::connection)?;
         stream.set_nodelay(true).map_err(Error::connection)?;
         // A second handle of the socket, for changing its read timeout once the stream is wrapped.
@@ -77,8 +77,8 @@ impl Core {
             let shown = shown.map_err(Error::connection)?;
             request.headers_mut().insert("Authorization", shown);
         }
-        let patience = options.set_read_timeout(Some(HANDSHAKE_TIMEOUT));
-        patience.map_err(Error::connection)?;
+        let limited = options.set_read_timeout(Some(HANDSHAKE_TIMEOUT));
+        limited.map_err(Error::connection)?;
         let (socket, _) = tungstenite::client(request, stream).map_err(handshake_error)?;
         let turn = options.set_read_timeout(Some(READ_TIMEOUT));
         turn.map_err(Error::connection)?;
@@ -86,7 +86,7 @@ impl Core {
         let work = move || Worker::new(socket, todo).run();
         let thread = thread::Builder::new().name("rpi-client".into());
         thread.spawn(work).map_err(Error::connection)?;
-        Ok(Core(orders))
+        Ok(Client(orders))
     }
 
     /// Calls a method of the server and waits for its result.
@@ -111,7 +111,7 @@ impl Core {
     }
 
     /// Emergency stop: stops all commands of all clients at once. Nothing can be started until the
-    /// [reset](Core::reset_emergency). `by` names who requested it, or the reason.
+    /// [reset](Client::reset_emergency). `by` names who requested it, or the reason.
     ///
     /// # Errors
     /// If the connection is closed.

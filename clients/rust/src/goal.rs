@@ -3,10 +3,11 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use crate::connection::Core;
+use crate::connection::Client;
 use crate::error::Error;
 use crate::task::Task;
 
@@ -32,19 +33,38 @@ impl OnLoss {
     }
 }
 
+/// Language of a source text.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Language {
+    /// A program in RPI.
+    #[default]
+    Rpi,
+    /// A net of the reference system.
+    Rpinet,
+}
+
+impl Language {
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Language::Rpi => "rpi",
+            Language::Rpinet => "rpinet",
+        }
+    }
+}
+
 /// Source text of a command or task, with load options.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
     /// Source text.
     pub text: String,
-    /// Language: `rpi`, or `rpinet` for a net of the reference system.
-    pub language: &'static str,
+    /// Language of the text.
+    pub language: Language,
     /// Name of the command or task within the text; `None` if there is only one.
     pub command: Option<String>,
-    /// Period in s; 0 for one tick of the server.
-    pub period: f64,
-    /// Minimum time in s between two updates of exported values.
-    pub feedback: f64,
+    /// Period; zero for one tick of the server.
+    pub period: Duration,
+    /// Minimum time between two updates of exported values.
+    pub feedback_period: Duration,
     /// Policy for cycles that take too long: `count`, `abort:N/M` (the command ends at the Nth overrun of M cycles) or
     /// `stop:N/M` (everything is stopped). `None` for the server's default.
     pub on_overrun: Option<String>,
@@ -56,10 +76,10 @@ impl Program {
     pub fn new(text: impl Into<String>) -> Program {
         Program {
             text: text.into(),
-            language: "rpi",
+            language: Language::Rpi,
             command: None,
-            period: 0.0,
-            feedback: 0.02,
+            period: Duration::ZERO,
+            feedback_period: Duration::from_millis(20),
             on_overrun: None,
         }
     }
@@ -68,14 +88,14 @@ impl Program {
 /// A session. It owns the commands and tasks that are loaded in it.
 #[derive(Clone, Debug)]
 pub struct Session {
-    core: Core,
+    client: Client,
     name: String,
 }
 
 impl Session {
-    pub(crate) fn new(core: Core, name: &Value) -> Session {
+    pub(crate) fn new(client: Client, name: &Value) -> Session {
         let name = name.as_str().unwrap_or_default().to_owned();
-        Session { core, name }
+        Session { client, name }
     }
 
     /// Loads a command. It runs once it is started.
@@ -86,20 +106,20 @@ impl Session {
         let params = json!({
             "session": self.name,
             "text": program.text,
-            "language": program.language,
+            "language": program.language.name(),
             "command": program.command,
-            "period": program.period,
+            "period": program.period.as_secs_f64(),
             "on_overrun": program.on_overrun,
         });
-        let loaded = self.core.call("command.load", params)?;
+        let loaded = self.client.call("command.load", params)?;
         let name = loaded["command"].as_str().unwrap_or_default().to_owned();
         let (listener, updates) = channel();
         // Before `watch.command`: its first update may arrive together with its answer and would be lost.
-        self.core.listen(&name, listener)?;
-        let params = json!({"command": name, "period": program.feedback});
-        self.core.call("watch.command", params)?;
+        self.client.listen(&name, listener)?;
+        let params = json!({"command": name, "period": program.feedback_period.as_secs_f64()});
+        self.client.call("watch.command", params)?;
         Ok(Goal {
-            core: self.core.clone(),
+            client: self.client.clone(),
             name,
             updates,
             end: RefCell::default(),
@@ -115,18 +135,18 @@ impl Session {
             "session": self.name,
             "text": program.text,
             "task": program.command,
-            "period": program.period,
+            "period": program.period.as_secs_f64(),
             "on_overrun": program.on_overrun,
         });
-        Task::load(&self.core, params)
+        Task::load(&self.client, params)
     }
 
-    /// Makes a rule: when the condition `when` holds, the commands in `stop` are stopped, those in `cancel` cancelled
+    /// Adds a rule: when the condition `when` holds, the commands in `stop` are stopped, those in `cancel` cancelled
     /// and those in `start` started, all between the same two cycles. Returns the name of the rule.
     ///
     /// # Errors
     /// If the condition cannot be parsed, or if other commands hold resources that the commands in `start` need.
-    pub fn rule(
+    pub fn add_rule(
         &self,
         when: &str,
         stop: &[&Goal],
@@ -140,17 +160,17 @@ impl Session {
             "cancel": names(cancel),
             "start": names(start),
         });
-        let made = self.core.call("rule.make", params)?;
+        let made = self.client.call("rule.make", params)?;
         Ok(made["rule"].as_str().unwrap_or_default().to_owned())
     }
 
-    /// Withdraws the rule with this name.
+    /// Withdraws the rule with this name, as returned by [`add_rule`](Self::add_rule).
     ///
     /// # Errors
     /// If the rule is unknown or has fired, or if one of its commands belongs to another client.
-    pub fn withdraw(&self, rule: &str) -> Result<(), Error> {
+    pub fn withdraw_rule(&self, rule: &str) -> Result<(), Error> {
         let params = json!({"rule": rule});
-        self.core.call("rule.withdraw", params).map(drop)
+        self.client.call("rule.withdraw", params).map(drop)
     }
 
     /// Aborts all commands of the session and closes it.
@@ -159,7 +179,7 @@ impl Session {
     /// If the connection is closed.
     pub fn close(self) -> Result<(), Error> {
         let params = json!({"session": self.name});
-        self.core.call("session.close", params).map(drop)
+        self.client.call("session.close", params).map(drop)
     }
 }
 
@@ -192,7 +212,7 @@ pub struct Ending {
     /// Path of the node with the fault, of the fragment whose cycles took too long, or of the node that commanded a
     /// device which had to brake.
     pub location: Option<String>,
-    /// Position `line:column` of `place`, if it is in the text of the command.
+    /// Position `line:column` of `location`, if it is in the text of the command.
     pub position: Option<String>,
     /// Devices that the command left moving and that have braked on their own.
     pub braked: Vec<String>,
@@ -204,7 +224,7 @@ pub struct Ending {
 /// A loaded command.
 #[derive(Debug)]
 pub struct Goal {
-    core: Core,
+    client: Client,
     name: String,
     updates: Receiver<Value>,
     /// Ending of the command, or the error that prevents it; `None` until it is known.
@@ -223,7 +243,7 @@ impl Goal {
         for (key, value) in more.as_object().into_iter().flatten() {
             params[key] = value.clone();
         }
-        self.core.call(method, params).map(drop)
+        self.client.call(method, params).map(drop)
     }
 
     /// Starts the command.
@@ -248,7 +268,7 @@ impl Goal {
     ///
     /// # Errors
     /// If the input is unknown or the text is not a value of its type.
-    pub fn set(&self, key: &str, value: &str) -> Result<(), Error> {
+    pub fn set_input(&self, key: &str, value: &str) -> Result<(), Error> {
         self.request("command.set", &json!({"values": {key: value}}))
     }
 
@@ -274,8 +294,8 @@ impl Goal {
     /// If the command is unloaded or the connection is closed.
     pub fn overruns(&self) -> Result<Overruns, Error> {
         let params = json!({"command": self.name});
-        let told = self.core.call("command.describe", params)?;
-        Ok(Overruns::from_json(&told["overruns"]))
+        let description = self.client.call("command.describe", params)?;
+        Ok(Overruns::from_json(&description["overruns"]))
     }
 
     /// Unloads the command. A running one is unloaded when it has ended.
@@ -337,37 +357,43 @@ impl Goal {
 pub struct Overruns {
     /// Number of overruns.
     pub count: u64,
-    /// Computing time of the command in s.
-    pub took_s: f64,
-    /// Delay of the end of the tick in s.
-    pub late: f64,
+    /// Computing time of the command.
+    pub computing_time: Duration,
+    /// Delay of the end of the tick.
+    pub lateness: Duration,
     /// Path of the fragment that was computed; empty for the command itself.
     pub fragment: String,
 }
 
 impl Overruns {
     /// Reads the overruns from the server's answer; zero if there are none.
-    fn from_json(told: &Value) -> Overruns {
+    fn from_json(overruns: &Value) -> Overruns {
         Overruns {
-            count: told["count"].as_u64().unwrap_or_default(),
-            took_s: told["took"].as_f64().unwrap_or_default(),
-            late: told["late"].as_f64().unwrap_or_default(),
-            fragment: told["fragment"].as_str().unwrap_or_default().to_owned(),
+            count: overruns["count"].as_u64().unwrap_or_default(),
+            computing_time: seconds(&overruns["took"]),
+            lateness: seconds(&overruns["late"]),
+            fragment: overruns["fragment"].as_str().unwrap_or_default().to_owned(),
         }
     }
 }
 
+/// Reads a time in seconds; zero for anything else.
+fn seconds(value: &Value) -> Duration {
+    let seconds = value.as_f64().unwrap_or_default();
+    Duration::try_from_secs_f64(seconds).unwrap_or_default()
+}
+
 impl Ending {
     /// Reads the ending from the server's update.
-    pub(crate) fn from_json(told: &Value) -> Ending {
-        let text = |key: &str| told[key].as_str().map(str::to_owned);
-        let braked = told["braked"].as_array().into_iter().flatten();
+    pub(crate) fn from_json(ending: &Value) -> Ending {
+        let text = |key: &str| ending[key].as_str().map(str::to_owned);
+        let braked = ending["braked"].as_array().into_iter().flatten();
         let braked = braked.filter_map(Value::as_str).map(str::to_owned);
         Ending {
             cause: text("cause").unwrap_or_default(),
             result: text("result"),
-            error: told["error"].as_i64().unwrap_or_default(),
-            cycles: told["cycles"].as_u64().unwrap_or_default(),
+            error: ending["error"].as_i64().unwrap_or_default(),
+            cycles: ending["cycles"].as_u64().unwrap_or_default(),
             why: text("why"),
             location: text("place"),
             position: text("at"),

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use serde_json::{Value, json};
 
-use crate::connection::Core;
+use crate::connection::Client;
 use crate::error::Error;
 use crate::goal::Ending;
 
@@ -34,7 +34,7 @@ pub struct Step {
 /// A loaded task.
 #[derive(Debug)]
 pub struct Task {
-    core: Core,
+    client: Client,
     name: String,
     updates: Receiver<Value>,
     /// Ending of the task, or the error that prevents it; `None` until it is known.
@@ -42,15 +42,15 @@ pub struct Task {
 }
 
 impl Task {
-    pub(crate) fn load(core: &Core, params: Value) -> Result<Task, Error> {
-        let loaded = core.call("task.load", params)?;
+    pub(crate) fn load(client: &Client, params: Value) -> Result<Task, Error> {
+        let loaded = client.call("task.load", params)?;
         let name = loaded["task"].as_str().unwrap_or_default().to_owned();
         let (listener, updates) = channel();
         // Before `watch.task`: its first update may arrive together with its answer and would be lost.
-        core.listen(&name, listener)?;
-        core.call("watch.task", json!({"task": name}))?;
+        client.listen(&name, listener)?;
+        client.call("watch.task", json!({"task": name}))?;
         Ok(Task {
-            core: core.clone(),
+            client: client.clone(),
             name,
             updates,
             end: RefCell::default(),
@@ -65,7 +65,7 @@ impl Task {
 
     fn request(&self, method: &str) -> Result<(), Error> {
         let params = json!({"task": self.name});
-        self.core.call(method, params).map(drop)
+        self.client.call(method, params).map(drop)
     }
 
     /// Starts the task.
@@ -98,10 +98,10 @@ impl Task {
     /// If the connection is closed first, or if the task is unloaded without having run.
     pub fn result(&self) -> Result<TaskEnd, Error> {
         while self.end.borrow().is_none() {
-            let told = self.updates.recv();
-            let told = told.map_err(|_| Error::connection("the control core is gone"))?;
-            *self.end.borrow_mut() = match told["state"].as_str() {
-                Some("done" | "failed" | "cancelled") => Some(Ok(TaskEnd::from_json(&told))),
+            let update = self.updates.recv();
+            let update = update.map_err(|_| Error::connection("the control core is gone"))?;
+            *self.end.borrow_mut() = match update["state"].as_str() {
+                Some("done" | "failed" | "cancelled") => Some(Ok(TaskEnd::from_json(&update))),
                 Some("unloaded") => Some(Err(Error::unloaded())),
                 _ => None,
             };
@@ -112,17 +112,17 @@ impl Task {
 }
 
 impl TaskEnd {
-    fn from_json(told: &Value) -> TaskEnd {
+    fn from_json(update: &Value) -> TaskEnd {
         let text = |value: &Value| value.as_str().map(str::to_owned);
-        let steps = told["ended"].as_array().into_iter().flatten();
+        let steps = update["ended"].as_array().into_iter().flatten();
         let steps = steps.map(|step| Step {
             command: text(&step["command"]).unwrap_or_default(),
             ending: Ending::from_json(step),
             handled: step["handled"] == true,
         });
         TaskEnd {
-            state: text(&told["state"]).unwrap_or_default(),
-            start_error: text(&told["trouble"]),
+            state: text(&update["state"]).unwrap_or_default(),
+            start_error: text(&update["trouble"]),
             steps: steps.collect(),
         }
     }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 
-use rpi_client::{Core, Error, Goal, OnLoss, Program, Session};
+use rpi_client::{Client, Error, Goal, OnLoss, Program, Session};
 use rpi_serve::{Server, Settings, TimeBase};
 use rpi_sim::Cell;
 
@@ -45,16 +45,16 @@ fn beyond_loopback_it_is_the_same_over_tls() {
     let (server, certificates) = secure(folder.path());
     let address = format!("localhost:{}", server.address().port());
     assert!(
-        Core::connect(&address, Some("secret")).is_err(),
+        Client::connect(&address, Some("secret")).is_err(),
         "it is plain"
     );
     let other = folder.path().join("other.pem");
     let made = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
     std::fs::write(&other, made.cert.pem()).unwrap();
-    assert!(Core::connect_tls(&address, Some("secret"), &other).is_err());
-    assert!(Core::connect_tls(&address, Some("wrong"), &certificates).is_err());
-    let core = Core::connect_tls(&address, Some("secret"), &certificates).unwrap();
-    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    assert!(Client::connect_tls(&address, Some("secret"), &other).is_err());
+    assert!(Client::connect_tls(&address, Some("wrong"), &certificates).is_err());
+    let client = Client::connect_tls(&address, Some("secret"), &certificates).unwrap();
+    let session = client.open_session("test", OnLoss::Cancel).unwrap();
     let goal = session.load(&Program::new(COUNT)).unwrap();
     goal.start().unwrap();
     assert_eq!(goal.result().unwrap().cycles, 200);
@@ -73,8 +73,8 @@ fn server(token: Option<&str>) -> Server {
 #[test]
 fn goals_follow_one_another_and_tell_how_it_goes() {
     let server = server(None);
-    let core = Core::connect(&server.address().to_string(), None).unwrap();
-    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let client = Client::connect(&server.address().to_string(), None).unwrap();
+    let session = client.open_session("test", OnLoss::Cancel).unwrap();
     let [first, second] = [(), ()].map(|()| session.load(&Program::new(COUNT)).unwrap());
     second.follow(&first, &["done"]).unwrap();
     first.start().unwrap();
@@ -94,14 +94,14 @@ fn goals_follow_one_another_and_tell_how_it_goes() {
 #[test]
 fn rules_start_commands_unless_they_are_withdrawn() {
     let server = server(None);
-    let core = Core::connect(&server.address().to_string(), None).unwrap();
-    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let client = Client::connect(&server.address().to_string(), None).unwrap();
+    let session = client.open_session("test", OnLoss::Cancel).unwrap();
     let [first, second, third] = [(), (), ()].map(|()| session.load(&Program::new(COUNT)).unwrap());
     let ended = format!("{}@ended", first.name());
-    let withdrawn = session.rule(&ended, &[], &[], &[&third]).unwrap();
-    session.withdraw(&withdrawn).unwrap();
-    assert!(session.withdraw("r1000000").is_err());
-    session.rule(&ended, &[], &[], &[&second]).unwrap();
+    let withdrawn = session.add_rule(&ended, &[], &[], &[&third]).unwrap();
+    session.withdraw_rule(&withdrawn).unwrap();
+    assert!(session.withdraw_rule("r1000000").is_err());
+    session.add_rule(&ended, &[], &[], &[&second]).unwrap();
     first.start().unwrap();
     assert_eq!(second.result().unwrap().cycles, 200);
     assert!(third.result().is_err(), "it has lost its only rule");
@@ -112,8 +112,8 @@ fn rules_start_commands_unless_they_are_withdrawn() {
 #[test]
 fn losers_are_told_that_they_will_not_run() {
     let server = server(None);
-    let core = Core::connect(&server.address().to_string(), None).unwrap();
-    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let client = Client::connect(&server.address().to_string(), None).unwrap();
+    let session = client.open_session("test", OnLoss::Cancel).unwrap();
     let turn = "command Turn () let finish left when time >= 50[ms]; finish right when false; tel";
     let load = |text: &str| session.load(&Program::new(text)).unwrap();
     let (turn, left, right) = (load(turn), load(COUNT), load(COUNT));
@@ -154,8 +154,8 @@ tel
 #[test]
 fn a_task_is_carried_out_by_the_server() {
     let server = server(None);
-    let core = Core::connect(&server.address().to_string(), None).unwrap();
-    let session = core.open_session("test", OnLoss::Cancel).unwrap();
+    let client = Client::connect(&server.address().to_string(), None).unwrap();
+    let session = client.open_session("test", OnLoss::Cancel).unwrap();
     let load = |name: &str| {
         let program = Program {
             command: Some(name.to_owned()),
@@ -182,7 +182,7 @@ fn a_task_is_carried_out_by_the_server() {
 fn an_emergency_stop_ends_tasks() {
     let server = server(None);
     let address = server.address().to_string();
-    let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
+    let [one, other] = [(), ()].map(|()| Client::connect(&address, None).unwrap());
     let session = one.open_session("test", OnLoss::Cancel).unwrap();
     let text = "command Tick () let finish done when true; tel
 task Endless let repeat let Tick(); Tick(); tel tel";
@@ -209,7 +209,7 @@ task Endless let repeat let Tick(); Tick(); tel tel";
 fn an_emergency_stop_holds_until_it_is_reset() {
     let server = server(None);
     let address = server.address().to_string();
-    let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
+    let [one, other] = [(), ()].map(|()| Client::connect(&address, None).unwrap());
     let session = one.open_session("test", OnLoss::Cancel).unwrap();
     let endless = "command Wait () let finish never when false; finish over when cancel; tel";
     let load = || session.load(&Program::new(endless)).unwrap();
@@ -243,7 +243,7 @@ fn an_emergency_stop_holds_until_it_is_reset() {
 fn a_session_belongs_to_its_client() {
     let server = server(None);
     let address = server.address().to_string();
-    let [one, other] = [(), ()].map(|()| Core::connect(&address, None).unwrap());
+    let [one, other] = [(), ()].map(|()| Client::connect(&address, None).unwrap());
     let session = one.open_session("test", OnLoss::Cancel).unwrap();
     let goal = session.load(&Program::new(COUNT)).unwrap();
     for method in ["start", "cancel", "abort", "unload"] {
@@ -280,12 +280,12 @@ fn a_session_belongs_to_its_client() {
 fn reasons_tokens_and_lost_connections_are_errors() {
     let server = server(Some("secret"));
     let address = server.address().to_string();
-    let why = Core::connect(&address, Some("wrong")).unwrap_err();
+    let why = Client::connect(&address, Some("wrong")).unwrap_err();
     assert!(why.to_string().ends_with("the token is wrong"), "{why}");
-    let why = Core::connect(&address, None).unwrap_err();
+    let why = Client::connect(&address, None).unwrap_err();
     assert!(why.to_string().contains("a token is needed"), "{why}");
-    let core = Core::connect(&address, Some("secret")).unwrap();
-    let session = core.open_session("test", OnLoss::Abort).unwrap();
+    let client = Client::connect(&address, Some("secret")).unwrap();
+    let session = client.open_session("test", OnLoss::Abort).unwrap();
     let broken = session.load(&Program::new(
         "command X () let finish a when b; finish c when d; tel",
     ));
@@ -310,8 +310,8 @@ fn a_loop_outside_blends_motions_for_as_long_as_it_goes_on() {
     };
     let cell = Cell::parse("cell.toml", &cell).unwrap();
     let server = Server::open(&cell, &settings, ()).unwrap();
-    let core = Core::connect(&server.address().to_string(), None).unwrap();
-    let session = core.open_session("loop", OnLoss::Cancel).unwrap();
+    let client = Client::connect(&server.address().to_string(), None).unwrap();
+    let session = client.open_session("loop", OnLoss::Cancel).unwrap();
     let load = |command: &str| motion(&session, &text, command);
     let first = load("MoveToA");
     let mut line = VecDeque::from([first]);
@@ -328,7 +328,7 @@ fn a_loop_outside_blends_motions_for_as_long_as_it_goes_on() {
             ended.push(done.result().unwrap().result.unwrap());
             done.unload().unwrap();
         }
-        let there = core.call("commands", serde_json::json!({})).unwrap();
+        let there = client.call("commands", serde_json::json!({})).unwrap();
         let there = there["commands"].as_array().unwrap().len();
         assert!(there <= 4, "{there} commands in round {round}");
     }
