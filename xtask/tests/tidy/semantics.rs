@@ -55,7 +55,8 @@ fn named() -> BTreeMap<String, BTreeSet<String>> {
         let name = path.to_string_lossy().into_owned();
         let program = name.starts_with("tests/") && name.ends_with(".rpi");
         let page = name.starts_with("crates/rpi-diag/pages/");
-        let rust = name.starts_with("crates/") && name.ends_with(".rs");
+        let code = name.starts_with("crates/") || name.starts_with("clients/");
+        let rust = code && name.ends_with(".rs");
         if !program && !page && !rust {
             continue;
         }
