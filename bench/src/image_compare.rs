@@ -72,7 +72,7 @@ impl Runner {
     /// Runs one cycle. `cancel`, `takeover` and `predecessor` vary with the number of the cycle.
     pub fn cycle(&mut self, cycle: u64) -> CycleOutputs {
         let since = cycle * self.machine.image().period_ns;
-        let moment = CycleContext {
+        let context = CycleContext {
             net_ns: since.cast_signed(),
             wall_ns: since.cast_signed() + 17,
             cancel: cycle > 60,
@@ -81,7 +81,7 @@ impl Runner {
         };
         let (machine, bank) = (&mut self.machine, &mut self.bank);
         bank.advance();
-        machine.read(bank, &moment);
+        machine.read(bank, &context);
         machine.evaluate(bank);
         machine.commit();
         machine.hand_over(bank);

@@ -145,7 +145,9 @@ fn tokens<'a>(path: &Path, text: &'a str) -> Vec<Token<'a>> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     match extension {
         Some("rs") => parts(text).iter().flat_map(rust_tokens).collect(),
-        Some("py") => words(TermKind::Identifier, 1, text).collect(),
+        Some("py") => words(TermKind::Identifier, 1, text)
+            .filter(|token| !text.contains(&format!("\"{}\"", token.text)))
+            .collect(),
         Some("md") => prose(text, 1),
         Some(other) if TEXTS.contains(&other) => words(TermKind::Word, 1, text).collect(),
         _ => Vec::new(),
@@ -175,10 +177,14 @@ fn rust_tokens<'a>(part: &Part<'a>) -> Vec<Token<'a>> {
     }
 }
 
-/// Returns the words of Markdown outside of code spans and link targets.
+/// Returns the words of Markdown outside of code and link targets.
 fn prose(text: &str, first: usize) -> Vec<Token<'_>> {
-    let mut tokens = Vec::new();
+    let (mut tokens, mut in_code) = (Vec::new(), false);
     for (number, line) in text.lines().enumerate() {
+        in_code ^= line.trim_start().starts_with("```");
+        if in_code {
+            continue;
+        }
         for outside in line.split('`').step_by(2) {
             for (at, piece) in outside.split("](").enumerate() {
                 let text = match at {
