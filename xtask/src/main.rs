@@ -2,6 +2,7 @@
 
 mod book;
 mod draw;
+mod bless;
 mod fuzz;
 mod lustre;
 
@@ -29,6 +30,11 @@ const TASKS: &[Task] = &[
         "draw",
         "draw doc comments and diagnostics at random, to judge them: [--seed N] [--comments N] [--diagnostics N]",
         draw::draw,
+    ),
+    (
+        "bless",
+        "rewrite the expected outputs of tests: [FILTER]",
+        bless::bless,
     ),
     (
         "fuzz",
@@ -81,10 +87,7 @@ fn main() -> ExitCode {
 }
 
 fn generate(_: &[String]) -> Result<(), String> {
-    for file in rpi_house::generated()
-        .iter()
-        .filter(|file| !file.is_current())
-    {
+    for file in xtask::generated().iter().filter(|file| !file.is_current()) {
         file.write()
             .map_err(|error| format!("{}: {error}", file.path))?;
         println!("{}", file.path);

@@ -167,6 +167,7 @@ codes! {
     RPI9001 Error "test assertion failed";
     RPI9002 Error "assertion never evaluated";
     RPI9003 Error "fault during a test";
+    RPI9004 Warning "test without an assertion";
     RPI9011 Error "run-time fault";
     RPI9012 Warning "assertion violated";
     RPI9013 Warning "assumption violated";

@@ -8,9 +8,9 @@
 //! |---|---|
 //! | `span.rs` | locations in source texts |
 //! | `codes.rs` | the table of codes |
-//! | `finding.rs` | a diagnostic |
+//! | `diagnostic.rs` | a diagnostic |
 //! | `format.rs` | output formats: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
-//! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | parts of the output for people |
+//! | `snippet.rs`, `overlap.rs`, `source_code.rs`, `footer.rs` | parts of the output for people |
 //! | `style.rs` | capabilities of the terminal |
 //! | `apply.rs` | applying fixes to texts |
 

@@ -62,6 +62,16 @@ fn reals_and_their_functions() {
         ("Rpi::DoubleRound", &[value_of(2.5)], &[value_of(3.0)]),
         ("Rpi::DoubleExponential", &[value_of(0.0)], &[value_of(1.0)]),
         (
+            "Rpi::DoubleHyperbolicTangent",
+            &[value_of(0.0)],
+            &[value_of(0.0)],
+        ),
+        (
+            "Rpi::DoubleHyperbolicTangent",
+            &[value_of(-40.0)],
+            &[value_of(-1.0)],
+        ),
+        (
             "Rpi::DoubleAtan",
             &[value_of(1.0)],
             &[value_of(core::f64::consts::FRAC_PI_4)],

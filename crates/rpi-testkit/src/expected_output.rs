@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Compares the messages about a program with `NAME.stderr` beside it. Returns a description of the difference, or
-/// `None` if they are equal. With `RPI_BLESS=1` the file is overwritten first.
+/// `None` if they are equal. With `RPI_BLESS` set, as by `cargo xtask bless`, the file is overwritten first.
 ///
 /// # Panics
 /// If `RPI_BLESS` is set and the file cannot be written.

@@ -9,9 +9,9 @@ use rpi_net::Net;
 /// Compiles a file and prints its diagnostics. Returns an error if there are errors.
 pub(crate) fn load(
     path: &Path,
-    asked: impl Into<CompileOptions>,
+    options: impl Into<CompileOptions>,
 ) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, asked)?;
+    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, options)?;
     let style = Style::for_stream(&std::io::stderr());
     rpi_diag::print_stderr!(
         "{}",

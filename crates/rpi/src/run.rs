@@ -32,7 +32,7 @@ use crate::target;
 use rpi_serve::TaskBundle;
 
 /// Runs, records and prints the summary.
-pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
+pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let compiled = compile(args)?;
     let script = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
     target::ensure_inputs_set(&compiled, &args.target, &script)?;
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
         (Some(motion), Some(picture)) => draw(args, &motion, &outcome, picture),
         _ => Ok(()),
     };
-    output::print(&match args.json {
+    rpi_cli::print(&match args.json {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
@@ -110,12 +110,12 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     if args.share.is_present() && !args.clock.real_time {
         return Err("--cycle-share and --machine require --real-time; cycles of simulated time have no time limit".into());
     }
-    let asked = CompileOptions {
+    let options = CompileOptions {
         claims: args.contracts.into(),
         period_ns: args.target.period,
         ..CompileOptions::default()
     };
-    program::load(&args.program, asked)
+    program::load(&args.program, options)
 }
 
 /// Creates the observer of assertions and contracts of all commands that run.
@@ -136,7 +136,7 @@ fn execute(
     let recording = recording.map(|path| mcap_recording(path, args, text));
     let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
-    let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
+    let mut report_end = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
     let shows = std::io::stderr().is_terminal();
     let outcome = run::run(RunOptions {
         images: &script.images,
@@ -158,7 +158,7 @@ fn execute(
         settings: &args.target.settings,
         recording: recording.transpose()?,
         sink,
-        progress: if shows { Some(&mut tell) } else { None },
+        progress: if shows { Some(&mut report_end) } else { None },
     });
     progress.clear();
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
@@ -228,8 +228,8 @@ fn rows_file(path: &Path, args: &RunArgs) -> Result<SampleWriter<BufWriter<File>
 
 fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
     match outcome.status() {
-        Status::Good if outcome.cut_off => interrupt.exit().unwrap_or(Exit::Good),
-        Status::Good => Exit::Good,
+        Status::Good if outcome.cut_off => interrupt.exit().unwrap_or(Exit::Success),
+        Status::Good => Exit::Success,
         Status::CommandError => Exit::CommandError,
         Status::Fault => Exit::Fault,
     }

@@ -17,7 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::run::is_mcap;
 
 /// Runs the server until it is interrupted; then stops everything and closes once the devices are at rest.
-pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
+pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let (cell, text) = read_cell(args.cell.as_deref())?;
     let token = args.token_file.as_deref().map(read_token).transpose()?;
     let settings = Settings {
@@ -60,7 +60,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         let ticks = with_noun(written.ticks, "tick");
         rpi_diag::println_stderr!("recorded {ticks}, {} lost", written.lost);
     }
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }
 
 /// Interval at which interrupts and warnings are checked.

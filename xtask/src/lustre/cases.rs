@@ -298,16 +298,16 @@ fn run_check(tools: &Tools, path: &str) -> ToolOutput {
 
 /// Checks that one of the errors has one of the codes, or that there is no error if no codes are expected.
 fn check_codes(codes: &[String], ended: &ToolOutput) -> Verdict {
-    let said = format!("{}{}", ended.out, ended.err);
-    let errors: Vec<&str> = said.lines().filter_map(error_of_line).collect();
+    let output = format!("{}{}", ended.out, ended.err);
+    let errors: Vec<&str> = output.lines().filter_map(error_of_line).collect();
     let right = |error: &&&str| codes.iter().any(|code| error.starts_with(code.as_str()));
     match (ended.status, errors.iter().find(right), errors.first()) {
-        (None, ..) => Verdict::Crashed(first_error(&said)),
+        (None, ..) => Verdict::Crashed(first_error(&output)),
         (Some(0), ..) if codes.is_empty() => Verdict::Pass(String::new()),
         (Some(0), ..) => Verdict::Mismatch(format!("accepted, expected {}", codes.join(", "))),
         (_, Some(error), _) => Verdict::Pass((*error).to_owned()),
         (_, None, Some(error)) => Verdict::Rejected((*error).to_owned()),
-        (_, None, None) => Verdict::Crashed(first_error(&said)),
+        (_, None, None) => Verdict::Crashed(first_error(&output)),
     }
 }
 
@@ -317,19 +317,19 @@ fn error_of_line(line: &str) -> Option<&str> {
 }
 
 fn check_rejection(ended: &ToolOutput) -> Verdict {
-    let said = format!("{}{}", ended.out, ended.err);
+    let output = format!("{}{}", ended.out, ended.err);
     match ended.status {
         Some(0) => Verdict::Mismatch("accepted".to_owned()),
-        Some(_) => Verdict::Pass(first_error(&said)),
-        None => Verdict::Crashed(first_error(&said)),
+        Some(_) => Verdict::Pass(first_error(&output)),
+        None => Verdict::Crashed(first_error(&output)),
     }
 }
 
 /// Code, message and place of the first error.
-fn first_error(said: &str) -> String {
-    let mut lines = said.lines().skip_while(|line| !line.contains("error"));
+fn first_error(output: &str) -> String {
+    let mut lines = output.lines().skip_while(|line| !line.contains("error"));
     let Some(line) = lines.next() else {
-        return said.lines().next().unwrap_or("no output").to_owned();
+        return output.lines().next().unwrap_or("no output").to_owned();
     };
     let place = lines.find_map(|line| line.split_once("[").map(|(_, rest)| rest));
     let place = place

@@ -81,6 +81,7 @@ static FORMS: &[CForm] = &[
     total("Rpi::DoubleCeiling", &["ceil({a})"]),
     total("Rpi::DoubleRound", &["round({a})"]),
     total("Rpi::DoubleExponential", &["exp({a})"]),
+    total("Rpi::DoubleHyperbolicTangent", &["tanh({a})"]),
     total("Rpi::DoubleAtan", &["atan({a})"]),
     total("Rpi::BooleanXor", &["{a} != {b}"]),
     total("Rpi::BooleanEquals", &["{a} == {b}"]),
