@@ -258,14 +258,16 @@ impl Instance {
         }
         match &self.image.end {
             CommandEnd::Results(results) => {
-                let asks = |fail: bool| {
+                let requested = |fail: bool| {
                     results.iter().enumerate().position(|(k, r)| {
                         let may = r.kind != CommandEndKind::Yield || covered.get(k) == Some(&true);
                         (r.kind == CommandEndKind::Fail) == fail && may && self.is_true(r.condition)
                     })
                 };
                 // A `fail` takes precedence over other results of the same cycle, wherever it is in the text.
-                asks(true).or_else(|| asks(false)).map(Verdict::Result)
+                requested(true)
+                    .or_else(|| requested(false))
+                    .map(Verdict::Result)
             }
             CommandEnd::Ports { terminate, fail } => {
                 let ends = terminate.is_some_and(|s| self.is_true(s));
@@ -343,11 +345,11 @@ impl Instance {
             return false;
         };
         let (target, updated) = (input.value, input.last_updated);
-        let fits = self.force(target, Some(value));
-        if let Some(updated) = updated.filter(|_| fits) {
+        let is_set = self.force(target, Some(value));
+        if let Some(updated) = updated.filter(|_| is_set) {
             self.force(updated, Some(&[net_ns.cast_unsigned()]));
         }
-        fits
+        is_set
     }
 
     /// Marks an input as never set. An input that may be absent becomes absent.

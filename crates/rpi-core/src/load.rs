@@ -34,7 +34,7 @@ impl fmt::Display for LoadError {
             LoadError::UnknownDevice(device) => write!(f, "the cell has no device `{device}`"),
             LoadError::UnknownPort { port, kind, error } => {
                 let reason = match error {
-                    // Reported as `LoadFault::Device`, so this arm is not reached.
+                    // Reported as `LoadError::UnknownDevice`, so this arm is not reached.
                     ResolveError::UnknownDevice => "the cell has no such device",
                     ResolveError::UnknownPort => "the device has no such port",
                     ResolveError::IndexOutOfRange => "the index is out of range",

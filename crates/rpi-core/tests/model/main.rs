@@ -13,8 +13,8 @@ rpi_testkit::trap_allocations!();
 
 /// Number of histories. `cargo xtask soak` sets a larger one.
 fn histories() -> u32 {
-    let asked = std::env::var("RPI_HISTORIES").ok();
-    asked.and_then(|n| n.parse().ok()).unwrap_or(1000)
+    let requested = std::env::var("RPI_HISTORIES").ok();
+    requested.and_then(|n| n.parse().ok()).unwrap_or(1000)
 }
 
 proptest! {
