@@ -99,21 +99,21 @@ impl Verifier<'_> {
     }
 
     fn check_locations(&mut self) {
-        let places = self.image.locations.len();
+        let places = self.image.debug.locations.len();
         let known = |p: u32| (p as usize) < places;
         self.location = ErrorLocation::Table("origin", 0);
-        let origins = &self.image.origins;
+        let origins = &self.image.debug.origins;
         let ascending = origins.windows(2).all(|w| w[0].0 < w[1].0);
         self.require(ascending && origins.iter().all(|o| known(o.1)), || {
             "invalid origins".into()
         });
-        let trace = &self.image.step_locations;
+        let trace = &self.image.debug.step_locations;
         let fits = trace.is_empty() || trace.len() == self.image.steps.len();
         self.require(
             fits && trace.iter().all(|&p| p == u32::MAX || known(p)),
             || "invalid trace".into(),
         );
-        for (k, p) in self.image.probes.iter().enumerate() {
+        for (k, p) in self.image.debug.probes.iter().enumerate() {
             self.location = ErrorLocation::Table("probe", k);
             self.signal(p.value);
             let fits = known(p.location) && (p.fragment as usize) < self.image.fragments.len();

@@ -150,7 +150,11 @@ pub fn finish(machine: &mut Instance) {
 /// The value of the probe `path.port` in this cycle; `None` if it is absent.
 pub fn probe(machine: &Instance, name: &str) -> Option<Vec<u64>> {
     let image = machine.image();
-    let probe = image.probes.iter().find(|p| image.probe_name(p) == name);
+    let probe = image
+        .debug
+        .probes
+        .iter()
+        .find(|p| image.probe_name(p) == name);
     let probe = probe.unwrap_or_else(|| panic!("no probe {name}"));
     let active = machine.is_active(probe.fragment);
     machine
