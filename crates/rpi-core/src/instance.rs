@@ -2,7 +2,7 @@
 
 use crate::load::{LoadError, verify_image};
 use crate::ports::Ports;
-use crate::program::{Op, Program, copy_slots};
+use crate::program::{ExecutableStep, Program, copy_slots};
 use crate::work_bound::WorkBound;
 use rpi_device::{DeviceBank, Discontinuity};
 use rpi_image::CommandFlow;
@@ -199,11 +199,13 @@ impl Instance {
         let mut pc = 0;
         while let Some(op) = self.commit.ops.get(pc) {
             pc = match *op {
-                Op::Copy { words } => {
+                ExecutableStep::Copy { words } => {
                     copy_slots(&mut self.slots, &self.image.code[words.range()]);
                     pc + 1
                 }
-                Op::Skip { guards, to } => self.commit.next_step(&self.slots, guards, to),
+                ExecutableStep::Skip { guards, to } => {
+                    self.commit.next_step(&self.slots, guards, to)
+                }
                 _ => pc + 1,
             };
         }
@@ -390,17 +392,17 @@ fn step(
     cx: &mut Context<'_>,
 ) -> usize {
     match steps.ops[pc] {
-        Op::Run { code, words } => code(cx, &image.code[words.range()]),
-        Op::Copy { words } => copy_slots(cx.slots, &image.code[words.range()]),
-        Op::Skip { guards, to } => return steps.next_step(cx.slots, guards, to),
-        Op::Reset { unless, fragment } if cx.slots[unless as usize] == 0 => {
+        ExecutableStep::Run { code, words } => code(cx, &image.code[words.range()]),
+        ExecutableStep::Copy { words } => copy_slots(cx.slots, &image.code[words.range()]),
+        ExecutableStep::Skip { guards, to } => return steps.next_step(cx.slots, guards, to),
+        ExecutableStep::Reset { unless, fragment } if cx.slots[unless as usize] == 0 => {
             let index = fragment as usize;
             let init = &image.init[init[index].range()];
             restore(cx.slots, image.fragments[index].state, init);
         }
-        Op::Reset { .. } => {}
-        Op::Actuate { actuator } => ports.actuate(image, actuator as usize, cx),
-        Op::Call { function } => ports.call(image, function as usize, cx),
+        ExecutableStep::Reset { .. } => {}
+        ExecutableStep::Actuate { actuator } => ports.actuate(image, actuator as usize, cx),
+        ExecutableStep::Call { function } => ports.call(image, function as usize, cx),
     }
     pc + 1
 }

@@ -65,11 +65,14 @@ fn a_pose_that_cannot_be_reached_is_refused() {
     );
     let mut reports = Vec::new();
     bank.reports(|device, report| reports.push((device.to_owned(), report.code.to_string())));
-    let told: Vec<(&str, &str)> = reports
+    let rejected: Vec<(&str, &str)> = reports
         .iter()
         .map(|(device, code)| (device.as_str(), code.as_str()))
         .collect();
-    assert_eq!(told, [("left", "out-of-reach"), ("left", "not-a-number")]);
+    assert_eq!(
+        rejected,
+        [("left", "out-of-reach"), ("left", "not-a-number")]
+    );
 }
 
 #[test]
