@@ -55,6 +55,21 @@ pub enum InverseKinematicsError {
     NoClosedForm,
 }
 
+impl core::fmt::Display for InverseKinematicsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            InverseKinematicsError::OutOfReach => "the pose is out of reach",
+            InverseKinematicsError::OutOfLimits => {
+                "the pose is reachable only with a joint outside its range"
+            }
+            InverseKinematicsError::NotFinite => "the pose or the hint is incomplete or not finite",
+            InverseKinematicsError::NoClosedForm => "no closed-form solution is known for this arm",
+        })
+    }
+}
+
+impl core::error::Error for InverseKinematicsError {}
+
 /// Converts a transform to a pose with a quaternion.
 #[must_use]
 pub fn to_pose(transform: &Transform) -> Pose {

@@ -176,13 +176,13 @@ fn add_flow_channels(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<
 /// ports, otherwise the exports. The index of a flow in this list is its key on the tape.
 #[must_use]
 pub fn sampled_flows(image: &Image) -> Vec<(String, Signal, u32)> {
-    if image.probes.is_empty() {
+    if image.debug.probes.is_empty() {
         let exports = image.exports.iter();
         exports
             .map(|e| (format!("{}.{}", image.name, e.key), e.value, 0))
             .collect()
     } else {
-        let probes = image.probes.iter();
+        let probes = image.debug.probes.iter();
         probes
             .map(|p| (image.probe_name(p), p.value, p.fragment))
             .collect()

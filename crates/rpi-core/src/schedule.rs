@@ -1,29 +1,48 @@
-//! Adding rules, and dropping rules that can no longer fire together with the commands that only they could start.
+//! The schedule: commands, the rules that will start them, and the resources that both need. Rules that can no longer
+//! fire are dropped, together with the commands that only they could start.
 
 use crate::command_set::CommandSet;
+use crate::command_table::CommandTable;
 use crate::condition::{Fact, Truth};
+use crate::error::CommandError;
 use crate::ids::{CommandId, RuleId};
 use crate::lifecycle::{CommandEvent, CommandState};
-use crate::notice::{Notice, RuleOutcome};
-use crate::rule::{PendingRule, Rule};
-use crate::table::{CommandError, Core, Entry};
-use rpi_device::DeviceBank;
+use crate::notice::{Notice, NoticeLog, RuleOutcome};
+use crate::rule::Rule;
+use crate::rule_table::RuleTable;
 
 use alloc::boxed::Box;
 
-impl Core {
-    /// Adds a rule. The commands that it starts are scheduled. They take their free resources at once, except those
-    /// that a predecessor passes on. If the condition is already true, the rule fires at once.
+/// Capacity for rules per command slot.
+const RULES_PER_COMMAND: usize = 4;
+/// Capacity for notices per command slot. One tick produces fewer for commands with up to ten actuators.
+const NOTICES_PER_COMMAND: usize = 16;
+
+/// The commands and rules of a core, consistent with one another: every pending rule may still fire, and some rule may
+/// start each scheduled command. Changes are reported to the log of notices.
+pub(crate) struct Schedule {
+    pub(crate) commands: CommandTable,
+    pub(crate) rules: RuleTable,
+    pub(crate) notices: NoticeLog,
+}
+
+impl Schedule {
+    pub(crate) fn with_capacity(commands: usize) -> Self {
+        Schedule {
+            commands: CommandTable::with_capacity(commands),
+            rules: RuleTable::with_capacity(commands.saturating_mul(RULES_PER_COMMAND)),
+            notices: NoticeLog::with_capacity(commands.saturating_mul(NOTICES_PER_COMMAND)),
+        }
+    }
+
+    /// Adds a rule and schedules the commands that it starts.
     ///
     /// # Errors
-    /// Returns the rule, and changes nothing, if a command to start is neither ready nor scheduled, needs a resource
-    /// that another command holds, or would follow itself; if the rule can never fire; if its condition is too deep; or
-    /// if the table is full.
-    pub fn schedule_with_id(
+    /// Returns the rule, and changes nothing, for the reasons of [`crate::Core::schedule_with_id`].
+    pub(crate) fn add_rule(
         &mut self,
         id: RuleId,
         rule: Box<Rule>,
-        bank: &mut dyn DeviceBank,
     ) -> Result<(), (Box<Rule>, CommandError)> {
         if let Err(why) = self.check_rule(&rule) {
             return Err((rule, why));
@@ -31,58 +50,25 @@ impl Core {
         rule.start
             .iter()
             .for_each(|c| self.mark_scheduled(*c, rule.keeps_orphans));
-        self.rules.push(PendingRule {
-            id,
-            mentioned: rule.mentioned_commands().collect(),
-            rule,
-            is_firing: false,
-            may_fire: true,
-        });
-        self.propagate_changes();
-        self.fire_if_true(id, bank);
-        Ok(())
-    }
-
-    /// Adds a rule under an id that the core chooses; see [`Core::schedule_with_id`].
-    ///
-    /// # Errors
-    /// As for [`Core::schedule_with_id`].
-    pub fn schedule(
-        &mut self,
-        rule: Box<Rule>,
-        bank: &mut dyn DeviceBank,
-    ) -> Result<RuleId, (Box<Rule>, CommandError)> {
-        self.last_rule_id += 1;
-        let id = RuleId(self.last_rule_id);
-        self.schedule_with_id(id, rule, bank).map(|()| id)
-    }
-
-    /// Drops a rule. Commands that only this rule could start are unscheduled.
-    ///
-    /// # Errors
-    /// The rule does not exist any more.
-    pub fn withdraw_rule(&mut self, id: RuleId) -> Result<(), CommandError> {
-        let at = self.rules.iter().position(|p| p.id == id);
-        let at = at.ok_or(CommandError::Unknown)?;
-        self.drop_rule(at, RuleOutcome::Dropped);
+        self.rules.add(id, rule);
         self.propagate_changes();
         Ok(())
     }
 
-    /// Evaluation cost of all rules after each change: number of condition words plus number of actions.
-    #[must_use]
-    pub fn rules_cost(&self) -> usize {
-        self.rules.iter().map(|p| p.rule.cost()).sum()
+    /// Cancels a command if it is running.
+    pub(crate) fn cancel_if_running(&mut self, command: CommandId) {
+        let place = self.commands.find(command);
+        let entry = place.and_then(|p| self.commands.get_mut(p));
+        if let Some(entry) = entry.filter(|e| e.command.state == CommandState::Running) {
+            entry.command.apply_event(CommandEvent::Cancel);
+            self.notices.push(Notice::Cancelling { command });
+        }
     }
 
-    /// Moves a fired or dropped rule out, to be freed outside the cycle.
-    pub fn take_finished_rule(&mut self) -> Option<(RuleId, Box<Rule>)> {
-        self.finished_rules.pop()
-    }
-
+    /// Marks a command as scheduled by a new rule; `kept` if it becomes ready again when it is orphaned.
     fn mark_scheduled(&mut self, command: CommandId, kept: bool) {
-        let place = self.find(command);
-        let Some(entry) = place.and_then(|p| self.entries[p].as_mut()) else {
+        let place = self.commands.find(command);
+        let Some(entry) = place.and_then(|p| self.commands.get_mut(p)) else {
             return;
         };
         if entry.command.state == CommandState::Ready {
@@ -92,8 +78,9 @@ impl Core {
         (entry.keep_if_orphaned, entry.live) = (entry.keep_if_orphaned | kept, true);
     }
 
+    /// Checks that a rule can be added.
     fn check_rule(&self, rule: &Rule) -> Result<(), CommandError> {
-        if self.rules.len() + self.finished_rules.len() >= self.rule_capacity {
+        if self.rules.is_full() {
             return Err(CommandError::TableFull);
         }
         if !rule.condition.fits_stack() {
@@ -103,8 +90,8 @@ impl Core {
             if rule.start[..k].contains(id) || rule.predecessors.contains(id) {
                 return Err(CommandError::SelfSuccessor);
             }
-            let place = self.find(*id).ok_or(CommandError::Unknown)?;
-            self.check_event(place, CommandEvent::Schedule)?;
+            let place = self.commands.find(*id).ok_or(CommandError::Unknown)?;
+            self.commands.check_event(place, CommandEvent::Schedule)?;
         }
         self.check_all_reachable(rule)?;
         match self.may_come_true(rule) {
@@ -118,20 +105,27 @@ impl Core {
         let know = |id: CommandId, fact: Fact| match fact {
             Fact::Export(_) if rule.start.contains(&id) => Truth::UNKNOWN_FOREVER,
             _ if rule.start.contains(&id) => Truth::fixed(false),
-            _ => self.fact_truth(id, fact),
+            _ => self.commands.fact_truth(id, fact),
         };
         rule.condition.evaluate(know).may_be_true()
     }
 
+    /// Checks that the commands that a rule starts can get all their resources.
     fn check_all_reachable(&self, rule: &Rule) -> Result<(), CommandError> {
         for (k, id) in rule.start.iter().enumerate() {
-            let place = self.find(*id).ok_or(CommandError::Unknown)?;
-            for resource in self.entry(place)?.command.resources() {
+            let place = self.commands.find(*id).ok_or(CommandError::Unknown)?;
+            for resource in self.commands.entry(place)?.command.resources() {
                 self.check_reachable(rule, place, resource)?;
-                let earlier = rule.start[..k].iter().filter_map(|s| self.find(*s));
-                let needs = |p: &usize| self.entry(*p).is_ok_and(|e| e.command.needs(resource));
+                let earlier = rule.start[..k]
+                    .iter()
+                    .filter_map(|s| self.commands.find(*s));
+                let needs = |p: &usize| {
+                    self.commands
+                        .entry(*p)
+                        .is_ok_and(|e| e.command.needs(resource))
+                };
                 if let Some(by) = earlier.into_iter().find(needs) {
-                    return Err(self.resource_held_error(resource, by));
+                    return Err(self.commands.resource_held_error(resource, by));
                 }
             }
         }
@@ -146,11 +140,11 @@ impl Core {
         while self.propagate_once() {}
     }
 
-    /// One iteration of `settle`. Returns true if a scheduled command took a free resource.
+    /// One iteration of `propagate_changes`. Returns true if a scheduled command took a free resource.
     fn propagate_once(&mut self) -> bool {
         self.mark_live();
-        self.drop_unfirable_rules();
-        for place in 0..self.entries.len() {
+        self.rules.drop_unfirable(&mut self.notices);
+        for place in 0..self.commands.len() {
             if self.is_orphan(place) {
                 self.orphan(place, false);
             }
@@ -161,9 +155,12 @@ impl Core {
     /// Computes which scheduled commands may still run and which rules may still fire. This is a least fixed point, so
     /// commands that only wait for one another in a dependency cycle are orphaned.
     fn mark_live(&mut self) {
-        let entries = self.entries.iter_mut().flatten();
+        let entries = self.commands.entries.iter_mut().flatten();
         entries.for_each(|e| e.live = e.command.state != CommandState::Scheduled && !e.orphaned);
-        self.rules.iter_mut().for_each(|p| p.may_fire = false);
+        self.rules
+            .pending
+            .iter_mut()
+            .for_each(|p| p.may_fire = false);
         let (mut found, mut back) = (self.mark_firable_rules(None, false), false);
         // Whether a rule may fire depends only on the commands that it mentions. Chains are usually created from one
         // end to the other, so alternating the direction reaches the fixed point in few passes.
@@ -173,17 +170,17 @@ impl Core {
         }
     }
 
-    /// Marks rules that may still fire as open, among those that mention a command in `about` (`None` for all rules).
+    /// Marks rules that may still fire as such, among those that mention a command in `about` (`None` for all rules).
     /// Returns the commands that became live; `back` reverses the order.
     fn mark_firable_rules(&mut self, about: Option<CommandSet>, back: bool) -> CommandSet {
-        let (mut found, rules) = (CommandSet::default(), self.rules.len());
+        let (mut found, rules) = (CommandSet::default(), self.rules.pending.len());
         for k in 0..rules {
             let at = if back { rules - 1 - k } else { k };
             let about = about.map(|names| names.union(&found));
-            let pending = &self.rules[at];
-            let asked = about.is_none_or(|names| pending.mentioned.intersects(&names));
-            if asked && !pending.may_fire && self.may_fire(&pending.rule) {
-                self.rules[at].may_fire = true;
+            let pending = &self.rules.pending[at];
+            let concerns = about.is_none_or(|names| pending.mentioned.intersects(&names));
+            if concerns && !pending.may_fire && self.may_fire(&pending.rule) {
+                self.rules.pending[at].may_fire = true;
                 self.mark_started_live(at, &mut found);
             }
         }
@@ -192,9 +189,12 @@ impl Core {
 
     /// Marks the commands that a rule starts as live and adds the newly marked ones to `found`.
     fn mark_started_live(&mut self, at: usize, found: &mut CommandSet) {
-        for k in 0..self.rules[at].rule.start.len() {
-            let command = self.rules[at].rule.start[k];
-            let entry = self.find(command).and_then(|p| self.entries[p].as_mut());
+        for k in 0..self.rules.pending[at].rule.start.len() {
+            let command = self.rules.pending[at].rule.start[k];
+            let entry = self
+                .commands
+                .find(command)
+                .and_then(|p| self.commands.get_mut(p));
             if let Some(entry) = entry.filter(|e| !e.live) {
                 entry.live = true;
                 found.add(command);
@@ -202,22 +202,11 @@ impl Core {
         }
     }
 
-    /// Drops all rules that are not open, in one pass.
-    fn drop_unfirable_rules(&mut self) {
-        let (notices, spent) = (&mut self.notices, &mut self.finished_rules);
-        for PendingRule { id, rule, .. } in self.rules.extract_if(.., |p| !p.may_fire) {
-            let outcome = RuleOutcome::Dropped;
-            notices.push(Notice::Rule { rule: id, outcome });
-            // `spent` has enough capacity, as in `drop_rule`.
-            spent.push((id, rule));
-        }
-    }
-
     /// True if the condition may become true and all commands to start can get their resources.
     fn may_fire(&self, rule: &Rule) -> bool {
         let startable = |id: &CommandId| {
-            let place = self.find(*id);
-            let entry = place.and_then(|p| Some((p, self.entries[p].as_ref()?)));
+            let place = self.commands.find(*id);
+            let entry = place.and_then(|p| Some((p, self.commands.get(p)?)));
             entry.is_some_and(|(place, e)| {
                 let mut needs = e.command.resources();
                 e.command.state == CommandState::Scheduled
@@ -227,19 +216,25 @@ impl Core {
         self.may_come_true(rule) && rule.start.iter().all(startable)
     }
 
+    /// True if a scheduled command is in no rule that could start it.
     fn is_orphan(&self, place: usize) -> bool {
-        let Some(entry) = self.entries[place].as_ref() else {
+        let Some(entry) = self.commands.get(place) else {
             return false;
         };
-        let id = self.id(place);
+        let id = self.commands.id(place);
         let waits = entry.command.state == CommandState::Scheduled && !entry.orphaned;
-        waits && !self.rules.iter().any(|p| p.rule.start.contains(&id))
+        waits
+            && !self
+                .rules
+                .pending
+                .iter()
+                .any(|p| p.rule.start.contains(&id))
     }
 
     /// Orphans a command that nothing can start any more and releases its resources.
     pub(crate) fn orphan(&mut self, place: usize, keep: bool) {
-        let command = self.id(place);
-        let Some(entry) = self.entries[place].as_mut() else {
+        let command = self.commands.id(place);
+        let Some(entry) = self.commands.get_mut(place) else {
             return;
         };
         let kept = keep || entry.keep_if_orphaned;
@@ -247,25 +242,13 @@ impl Core {
         entry.command.set_all_held(false);
         (entry.orphaned, entry.keep_if_orphaned, entry.live) = (!kept, false, kept);
         if entry.orphaned {
-            freeze_facts(&mut self.rules, command, entry);
+            self.rules.freeze_facts(command, entry);
         }
         self.notices.push(Notice::Orphaned { command, kept });
     }
 
     /// Removes a rule from the table and reports its outcome.
     pub(crate) fn drop_rule(&mut self, at: usize, outcome: RuleOutcome) {
-        let PendingRule { id, rule, .. } = self.rules.remove(at);
-        self.notices.push(Notice::Rule { rule: id, outcome });
-        // `spent` has enough capacity: both lists together never exceed the capacity of one.
-        self.finished_rules.push((id, rule));
-    }
-}
-
-/// Replaces the facts about a removed command by their final values in all rules.
-pub(crate) fn freeze_facts(rules: &mut [PendingRule], gone: CommandId, entry: &Entry) {
-    let own: CommandSet = [gone].into_iter().collect();
-    for pending in rules.iter_mut().filter(|p| p.mentioned.intersects(&own)) {
-        let condition = &mut pending.rule.condition;
-        condition.freeze(gone, |fact| entry.final_value(fact));
+        self.rules.drop_rule(at, outcome, &mut self.notices);
     }
 }
