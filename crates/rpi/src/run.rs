@@ -62,7 +62,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     let interrupt = Interrupt::listen()?;
     let mut outcome = execute(args, &script, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.to_hex());
-    let mut faults = Faults::of(&outcome);
+    let mut faults = Faults::from_outcome(&outcome);
     let (mut diagnostics, summary) = claims.into_diagnostics(&mut outcome, &mut faults);
     // The text that an image was compiled from is not known, so faults have no location.
     if !matches!(compiled.program, Program::Image(_)) {

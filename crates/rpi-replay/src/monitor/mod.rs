@@ -14,9 +14,8 @@ use std::collections::BTreeSet;
 use rpi_diag::Diagnostic;
 use rpi_image::Type;
 use rpi_net::{Claim, ClaimKind, ClaimRead};
-use rpi_prims::FaultCode;
 
-use rpi_runtime::run::fault_text;
+use crate::faults::ReportedFault;
 
 /// Access to the values of exports.
 pub trait ExportValues {
@@ -107,23 +106,17 @@ impl ClaimMonitor {
         violation_report::diagnostic(&self.claims[broken.claim].claim, broken, cycle)
     }
 
-    /// Rewrites the diagnostic of a fault if the fault was raised by this violated claim. Returns the new message;
-    /// `None` if the fault has another cause.
+    /// Rewrites the report of a fault if the fault was raised by this violated claim. Returns the description of the
+    /// violation; `None` if the fault has another cause.
     pub(crate) fn explain_fault(
         &self,
-        fault: &mut Diagnostic,
+        fault: &mut ReportedFault,
         broken: &ClaimViolation,
     ) -> Option<String> {
         let claim = &self.claims[broken.claim].claim;
-        let assertion = fault_text(FaultCode::AssertionFailed);
-        let is_of_it = fault.span() == claim.span && fault.message.ends_with(assertion);
-        is_of_it.then(|| {
-            let (told, sentence) = (
-                violation_report::diagnostic(claim, broken, 0),
-                violation_report::violation_text(claim),
-            );
-            fault.message = fault.message.replace(assertion, &sentence);
-            (fault.labels, fault.notes) = (told.labels, told.notes);
+        fault.is_assertion_at(claim.span).then(|| {
+            let sentence = violation_report::violation_text(claim);
+            fault.explain(&sentence, violation_report::diagnostic(claim, broken, 0));
             sentence
         })
     }

@@ -9,7 +9,7 @@ use rpi_net::{Claim, Column};
 use rpi_prims::FaultCode;
 use rpi_sim::{Cell, SimBank};
 
-use crate::faults;
+use crate::faults::ReportedFault;
 use crate::monitor::{ClaimMonitor, ExportValues};
 use rpi_diag::Diagnostic;
 use rpi_runtime::run::FaultOrigin;
@@ -110,15 +110,13 @@ impl NodeRun {
             false => Vec::new(),
         };
         if let Some(fault) = fault {
-            let mut diagnostic = faults::fault_diagnostic(
-                &FaultOrigin::of(self.machine.image(), fault, number),
-                None,
-            );
+            let origin = FaultOrigin::of(self.machine.image(), fault, number);
+            let mut report = ReportedFault::new(&origin, None);
             let mut broken = broken.iter();
-            broken.find_map(|broken| self.claims.explain_fault(&mut diagnostic, broken));
+            broken.find_map(|broken| self.claims.explain_fault(&mut report, broken));
             return CycleResult {
                 row: None,
-                diagnostics: vec![diagnostic],
+                diagnostics: vec![report.into_diagnostic()],
             };
         }
         let shown = self.outputs.iter();
