@@ -20,22 +20,16 @@ pub(crate) fn ignore_broken_pipe<T>(written: std::io::Result<T>) -> std::io::Res
 
 /// Creates an output file. Returns an error if the file is one of the inputs `sources`.
 pub(crate) fn create(path: &Path, sources: &[&Path]) -> Result<File, Box<dyn Error>> {
-    for source in sources {
-        ensure_not_input(path, source)?;
+    if sources.iter().any(|source| is_same_file(path, source)) {
+        return Err(format!("{}: cannot overwrite the input file", path.display()).into());
     }
     File::create(path).map_err(|e| format!("{}: {e}", path.display()).into())
 }
 
-fn ensure_not_input(path: &Path, source: &Path) -> Result<(), String> {
-    let same = match (path.canonicalize(), source.canonicalize()) {
+/// Returns whether both paths exist and lead to the same file.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,
         _ => false,
-    };
-    match same {
-        true => Err(format!(
-            "{}: cannot overwrite the input file",
-            path.display()
-        )),
-        false => Ok(()),
     }
 }

@@ -157,7 +157,7 @@ fn lower_command(job: &LoadJob) -> Result<LoweredCommand, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let net = select_net(&compiled, job.origin.command.as_deref())?;
     let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
-    let (image, work) = lowered.map_err(|e| vec![e])?;
+    let (image, work) = lowered.map_err(|e| vec![e.to_string()])?;
     Ok((
         image,
         work,
@@ -183,10 +183,10 @@ fn load_task(job: &LoadJob) -> Result<TaskBundle, Vec<String>> {
         _ => choice_error("task", job.origin.command.as_deref(), known().collect()),
     })?;
     let lower = |net: &Net| {
-        let (image, work) = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns)?;
-        Ok((image, Some(work)))
+        let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
+        lowered.map(|(image, work)| (image, Some(work)))
     };
-    TaskBundle::from_task(task, compiled.nets(), lower).map_err(|why| vec![why])
+    TaskBundle::from_task(task, compiled.nets(), lower).map_err(|error| vec![error.to_string()])
 }
 
 impl Source {
@@ -212,13 +212,13 @@ impl Source {
             kind,
             bytes: self.text.as_bytes().to_vec(),
         };
-        let asked = rpi_driver::CompileOptions {
+        let options = rpi_driver::CompileOptions {
             claims: rpi_driver::ClaimPolicy::Off,
             // The text has no file, so it must not load modules from the server's folders.
             no_files: true,
             ..Default::default()
         };
-        let compiled = rpi_driver::compile_with(&input, asked);
+        let compiled = rpi_driver::compile_with(&input, options);
         let compiled = compiled.map_err(|e| vec![e.to_string()])?;
         match compiled.has_errors() {
             true => Err(error_texts(&compiled)),
@@ -272,9 +272,9 @@ fn error_texts(compiled: &Compiled) -> Vec<String> {
         .iter()
         .filter(|f| f.severity() == rpi_diag::Severity::Error);
     let count = errors.clone().count();
-    let told = errors.take(MAX_ERRORS).map(|f| describe(compiled, f));
+    let listed = errors.take(MAX_ERRORS).map(|f| describe(compiled, f));
     let more = (count > MAX_ERRORS).then(|| format!("and {} more", count - MAX_ERRORS));
-    told.chain(more).collect()
+    listed.chain(more).collect()
 }
 
 fn describe(compiled: &Compiled, diagnostic: &rpi_diag::Diagnostic) -> String {
