@@ -161,8 +161,8 @@ impl Server {
     /// Starts the cycle thread and waits until it has published the system's grants.
     fn run(&mut self, cycle: CycleThread, real_time: Option<RealTime>) -> io::Result<()> {
         let granted = Arc::new(OnceLock::new());
-        let tell = Arc::clone(&granted);
-        self.spawn(CYCLE_THREAD, move || cycle.run(real_time, &tell))?;
+        let publish = Arc::clone(&granted);
+        self.spawn(CYCLE_THREAD, move || cycle.run(real_time, &publish))?;
         let ended = |t: &JoinHandle<()>| t.is_finished();
         while granted.get().is_none() && !self.threads.last().is_some_and(ended) {
             thread::sleep(UPDATE_INTERVAL);

@@ -19,13 +19,13 @@ type BoxError = Box<dyn std::error::Error>;
 
 /// Fixes a file and the files of its project that it uses, prints the applied fixes, and returns the result of the last
 /// compilation.
-pub(crate) fn fix_file(path: &Path, told: bool) -> Result<Compiled, BoxError> {
-    let mut compiled = compile(path, told)?;
+pub(crate) fn fix_file(path: &Path, summaries: bool) -> Result<Compiled, BoxError> {
+    let mut compiled = compile(path, summaries)?;
     for _ in 0..ROUNDS {
         if !apply_round(&compiled)? {
             break;
         }
-        compiled = compile(path, told)?;
+        compiled = compile(path, summaries)?;
     }
     Ok(compiled)
 }

@@ -110,7 +110,7 @@ impl Recorder {
         let mut file = McapFile::create(wanted.out)?;
         write_metadata(&mut file, &wanted.origin, run.tick_ns, run.continuity)?;
         let (notes, receiver) = sync_channel(NOTES);
-        let mut scribe = RecordingWriter {
+        let mut writer = RecordingWriter {
             file,
             names: NameTable::new(run.cell, run.tick_ns),
             channels: run.channels.to_vec(),
@@ -122,23 +122,23 @@ impl Recorder {
             latest: 0,
             event_tick: 0,
         };
-        scribe.add_topics()?;
-        let over = Arc::new(AtomicU64::new(RECORDING));
-        let ending = Arc::clone(&over);
-        let trouble = Arc::new(OnceLock::new());
-        let told = Arc::clone(&trouble);
+        writer.add_topics()?;
+        let lost_ticks = Arc::new(AtomicU64::new(RECORDING));
+        let ending = Arc::clone(&lost_ticks);
+        let write_error = Arc::new(OnceLock::new());
+        let error_slot = Arc::clone(&write_error);
         let write = move || {
-            let written = scribe.write(&ending);
-            let why = written.as_ref().err().map(ToString::to_string);
-            why.map(|why| told.set(why));
+            let written = writer.write(&ending);
+            let error = written.as_ref().err().map(ToString::to_string);
+            error.map(|error| error_slot.set(error));
             written
         };
         let thread = std::thread::Builder::new().name("rpi-record".into());
         Ok(Recorder {
             notes,
             lost_notes: Arc::default(),
-            lost_ticks: over,
-            write_error: trouble,
+            lost_ticks,
+            write_error,
             thread: thread.spawn(write)?,
         })
     }
@@ -146,8 +146,8 @@ impl Recorder {
     /// Returns the callback that records each request.
     fn request_callback(&self) -> RequestLog {
         let (notes, lost) = (self.notes.clone(), Arc::clone(&self.lost_notes));
-        Box::new(move |ticket, asked| {
-            send_note(&notes, &lost, RecorderMessage::Request(ticket, asked))
+        Box::new(move |ticket, request| {
+            send_note(&notes, &lost, RecorderMessage::Request(ticket, request))
         })
     }
 

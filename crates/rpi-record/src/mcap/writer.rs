@@ -84,10 +84,10 @@ impl RecordingWriter {
         loop {
             // Load the end marker before taking ticks: all ticks put on the tape before the end was signalled are then
             // taken in this turn.
-            let told = lost.load(Ordering::Acquire);
+            let lost_ticks = lost.load(Ordering::Acquire);
             let ticks = self.write_batch()?;
-            if told != RECORDING && ticks == 0 {
-                self.written.lost = told;
+            if lost_ticks != RECORDING && ticks == 0 {
+                self.written.lost = lost_ticks;
                 break;
             }
             if ticks == 0 {
@@ -131,11 +131,11 @@ impl RecordingWriter {
     fn write_note(&mut self, note: RecorderMessage) -> io::Result<()> {
         let time = self.latest;
         match note {
-            RecorderMessage::Request(ticket, asked) => {
-                if let RequestRecord::Load(id, image, ..) = &asked {
+            RecorderMessage::Request(ticket, request) => {
+                if let RequestRecord::Load(id, image, ..) = &request {
                     self.add_command(*id, image)?;
                 }
-                let text = request_json::encode_request(ticket, &asked, &self.names).to_string();
+                let text = request_json::encode_request(ticket, &request, &self.names).to_string();
                 self.file.write_message(REQUESTS, time, text.as_bytes())
             }
             RecorderMessage::Event(event) => {

@@ -282,9 +282,9 @@ impl<P: Plant> Executive<P> {
         }
         self.queues.send_released();
         let tick = self.core.now().saturating_sub(1);
-        let (told, events) = (&mut self.reported, &mut self.queues.events);
+        let (reported, events) = (&mut self.reported, &mut self.queues.events);
         self.plant.device_states(&mut |device, code, moving| {
-            let Some(last) = told.get_mut(device) else {
+            let Some(last) = reported.get_mut(device) else {
                 return;
             };
             let event = Event::Device {

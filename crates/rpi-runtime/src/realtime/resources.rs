@@ -81,9 +81,9 @@ fn lock_memory() -> ResourceGrant {
 }
 
 fn set_priority(priority: u8) -> ResourceGrant {
-    let wish = format!("priority {priority} of SCHED_FIFO");
+    let resource = format!("priority {priority} of SCHED_FIFO");
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let asked = ThreadPriorityValue::try_from(priority)
+    let result = ThreadPriorityValue::try_from(priority)
         .map_err(|why| why.to_string())
         .and_then(|value| {
             let priority = ThreadPriority::Crossplatform(value);
@@ -91,8 +91,8 @@ fn set_priority(priority: u8) -> ResourceGrant {
                 .map_err(|why| format!("{why:?}"))
         });
     ResourceGrant {
-        resource: wish,
-        refusal: asked.err().map(|why| {
+        resource,
+        refusal: result.err().map(|why| {
             format!("{why}; raise `rtprio` in /etc/security/limits.conf or give CAP_SYS_NICE")
         }),
     }

@@ -38,10 +38,10 @@ pub(super) struct StopConditions {
 impl StopConditions {
     /// Returns the reason to end all commands now, if a stop condition is met.
     fn stop_reason(&self, now: u64) -> Option<AbortReason> {
-        let asked = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
+        let is_cut_off = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
         match self.emergency.load(Ordering::Relaxed) {
             true => Some(AbortReason::EmergencyStop),
-            false => asked().then_some(AbortReason::Request),
+            false => is_cut_off().then_some(AbortReason::Request),
         }
     }
 }

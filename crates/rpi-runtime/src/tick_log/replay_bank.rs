@@ -261,9 +261,9 @@ impl Plant for ReplayBank {
                 (code.cast_signed(), entry.flag)
             };
             // There are fewer than 2^32 devices.
-            let told =
+            let state =
                 loaded.then(|| self.replay_entry(EntryKind::DeviceState, device as u32, condition));
-            let (code, moving) = told.flatten().unwrap_or_default();
+            let (code, moving) = state.flatten().unwrap_or_default();
             each(device, code, moving);
         }
     }
@@ -301,12 +301,12 @@ mod tests {
         let fill = |stage: &mut EntryBuffer| stage.push(EntryKind::Write, 4, false, &[&[9]]);
         let mut other = player(fill);
         other.write(PortId(4), &[8]);
-        let told = Mismatch::SetPoint {
+        let mismatch = Mismatch::SetPoint {
             port: 4,
             recorded: vec![9],
             now: vec![8],
         };
-        assert_eq!(other.mismatch(), Some(told));
+        assert_eq!(other.mismatch(), Some(mismatch));
         let mut missing = player(fill);
         assert_eq!(
             missing.mismatch(),
@@ -314,10 +314,10 @@ mod tests {
         );
         let mut more = player(fill);
         more.stop(2);
-        let told = Mismatch::UnexpectedAccess {
+        let mismatch = Mismatch::UnexpectedAccess {
             recorded: Some((EntryKind::Write, 4)),
             now: (EntryKind::Stop, 2),
         };
-        assert_eq!(more.mismatch(), Some(told));
+        assert_eq!(more.mismatch(), Some(mismatch));
     }
 }

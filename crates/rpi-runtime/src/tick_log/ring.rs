@@ -45,8 +45,8 @@ impl TickLogWriter {
         sights: &EntryBuffer,
     ) {
         let rows = exchange.words().zip(sights.words());
-        let fits = rows.filter(|(a, b)| self.ring.slots() >= HEADER + a.len() + b.len());
-        let Some((exchange, sights)) = fits else {
+        let fitting = rows.filter(|(a, b)| self.ring.slots() >= HEADER + a.len() + b.len());
+        let Some((exchange, sights)) = fitting else {
             self.lost_since_last += 1;
             self.lost += 1;
             return;

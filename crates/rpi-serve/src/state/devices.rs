@@ -222,7 +222,7 @@ impl Devices {
 
     /// Called when the cycle has added a device. Returns its name.
     pub(super) fn added(&mut self, info: DeviceInfo, log: &mut EventLog) -> String {
-        self.subscribers.tell(&Update::DeviceAdded(&info));
+        self.subscribers.notify(&Update::DeviceAdded(&info));
         log.write(format_args!("device {} was added", info.name));
         info.name
     }
@@ -235,7 +235,8 @@ impl Devices {
         info.moving = moving;
         if std::mem::replace(&mut info.code, code) != code {
             let name = &info.name;
-            self.subscribers.tell(&Update::DeviceCondition(name, code));
+            self.subscribers
+                .notify(&Update::DeviceCondition(name, code));
             let how = rpi_sim::error_code::ErrorCode(code);
             log.write(format_args!("device {name}: {how}"));
         }
@@ -243,7 +244,7 @@ impl Devices {
 
     /// Called when the cycle has removed a device.
     pub(super) fn gone(&mut self, name: &str, log: &mut EventLog) {
-        self.subscribers.tell(&Update::DeviceRemoved(name));
+        self.subscribers.notify(&Update::DeviceRemoved(name));
         log.write(format_args!("device {name} was removed"));
     }
 }

@@ -94,7 +94,7 @@ impl Objects {
         text: usize,
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
-        self.fits(session, core, |usage, limits, client| {
+        self.ensure_quota(session, core, |usage, limits, client| {
             let (count, bytes) = usage.usage(client);
             let room = count.admit(1, limits.commands);
             room.map_err(|full| ApiError::limit(full, "commands"))?;
@@ -110,7 +110,7 @@ impl Objects {
         bytes: usize,
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
-        self.fits(self.session_of(number), core, |usage, limits, client| {
+        self.ensure_quota(self.session_of(number), core, |usage, limits, client| {
             let memory = usage.usage(client).1.admit(bytes, limits.memory_bytes);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
@@ -124,7 +124,7 @@ impl Objects {
         bytes: usize,
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
-        self.fits(self.session_of(number), core, |usage, limits, _| {
+        self.ensure_quota(self.session_of(number), core, |usage, limits, _| {
             let memory = usage.usage(None).1.admit(bytes, limits.memory_bytes);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
@@ -145,7 +145,7 @@ impl Objects {
     }
 
     /// Removes ended commands and tasks of the client, oldest first, until `admit` succeeds.
-    fn fits(
+    fn ensure_quota(
         &mut self,
         session: u64,
         core: &mut CoreLink,

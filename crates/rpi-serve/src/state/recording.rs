@@ -34,8 +34,8 @@ impl Recording {
         {
             self.is_recording = false;
             let why = recorder.write_error().unwrap_or("the writer has failed");
-            let told = format!("RECORDING STOPPED: {why}");
-            log.warn(&told);
+            let warning = format!("RECORDING STOPPED: {why}");
+            log.warn(&warning);
         }
     }
 

@@ -240,7 +240,7 @@ impl ServerState {
         }
         self.emergency
             .send_stop_request(&mut self.core, Some(reply));
-        self.emergency.tell();
+        self.emergency.notify();
     }
 
     /// Resets the emergency stop: commands can be started again.

@@ -199,7 +199,7 @@ impl Rules {
         let mut watchers = std::mem::take(&mut rule.watchers);
         self.reported_rules
             .extend(Some(id).filter(|_| !watchers.is_empty()));
-        watchers.tell(&Update::Rule(state));
+        watchers.notify(&Update::Rule(state));
         self.forget_oldest();
     }
 

@@ -20,7 +20,7 @@ impl Subscribers {
     }
 
     /// Sends an update to all subscribers.
-    pub(super) fn tell(&mut self, update: &Update<'_>) {
+    pub(super) fn notify(&mut self, update: &Update<'_>) {
         self.0.retain_mut(|sink| sink.notify(update));
     }
 

@@ -148,8 +148,8 @@ impl Subscriptions {
 
     /// Reports a discontinuity to all subscribers.
     pub(super) fn report_discontinuity(&mut self, jump: &str) {
-        let told = |s: &mut Subscription| s.subscriber.notify(&Update::Discontinuity(jump));
-        self.list.retain_mut(told);
+        let notify = |s: &mut Subscription| s.subscriber.notify(&Update::Discontinuity(jump));
+        self.list.retain_mut(notify);
     }
 
     /// Called when the firing of the rule that started the command was reported: ends withholding its values.
@@ -166,10 +166,10 @@ impl Subscriptions {
 
     /// Reports a value of a Boolean export to subscribers with a settling time, regardless of its actual value.
     pub(super) fn report_flag(&mut self, key: &str, value: bool) {
-        let told = [(key.to_owned(), value.to_string())];
+        let values = [(key.to_owned(), value.to_string())];
         let slow = |s: &&mut Subscription| !s.end_delay.is_zero();
         self.list.iter_mut().filter(slow).for_each(|s| {
-            s.subscriber.notify(&Update::Values(&told));
+            s.subscriber.notify(&Update::Values(&values));
         });
     }
 

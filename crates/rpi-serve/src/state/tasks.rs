@@ -74,7 +74,7 @@ impl TaskRecord {
 
     fn report_progress(&mut self) {
         if std::mem::take(&mut self.changed) {
-            self.watchers.tell(&Update::Task(&self.status));
+            self.watchers.notify(&Update::Task(&self.status));
         }
     }
 }
@@ -301,7 +301,7 @@ impl Tasks {
         if let Some(mut record) = self.records.remove(&number) {
             record.report_progress();
             record.status.phase = TaskPhase::Unloaded;
-            record.watchers.tell(&Update::Task(&record.status));
+            record.watchers.notify(&Update::Task(&record.status));
         }
     }
 }

@@ -17,13 +17,13 @@ impl AuthPolicy {
     /// or in the query `?token=...`.
     pub(crate) fn check_token(&self, head: &Head) -> Option<RejectReason> {
         let token = self.token.as_ref()?;
-        let shown = head.header("authorization");
-        let shown = shown.and_then(|value| value.strip_prefix("Bearer "));
-        let asked = head
+        let in_header = head.header("authorization");
+        let in_header = in_header.and_then(|value| value.strip_prefix("Bearer "));
+        let in_query = head
             .query
             .split('&')
             .find_map(|part| part.strip_prefix("token="));
-        match shown.or(asked) {
+        match in_header.or(in_query) {
             None => Some(RejectReason::NoToken),
             Some(shown) if !constant_time_eq(shown, token) => Some(RejectReason::WrongToken),
             Some(_) => None,

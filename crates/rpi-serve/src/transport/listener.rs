@@ -144,8 +144,8 @@ impl Acceptor {
 
     /// Logs a rejected connection or request.
     fn log_rejection(&self, peer: Peer, why: RejectReason) {
-        if let Some(told) = self.throttle.record(peer, why) {
-            self.state.lock().log.warn(&told);
+        if let Some(warning) = self.throttle.record(peer, why) {
+            self.state.lock().log.warn(&warning);
         }
     }
 

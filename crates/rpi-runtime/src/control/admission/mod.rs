@@ -117,8 +117,8 @@ impl Admission {
 
     /// Returns an error if a command exceeds the budget even when it runs alone.
     pub(super) fn check_alone(&self, command: &Command) -> Result<(), BudgetExceededError> {
-        let fits = |budget: Budget| budget.check(budget.worst_case_ns(command));
-        self.budget.map_or(Ok(()), fits)
+        let check = |budget: Budget| budget.check(budget.worst_case_ns(command));
+        self.budget.map_or(Ok(()), check)
     }
 
     /// Adds a loaded command.

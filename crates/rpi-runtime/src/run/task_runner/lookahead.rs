@@ -52,7 +52,7 @@ impl Planner<'_> {
     pub(super) fn start_first(&mut self, place: NextStep) -> Result<Branch, StartError> {
         let mut track = self.load(place)?;
         let commands: Vec<CommandId> = track.commands().iter().map(|s| s.id).collect();
-        let asked = match commands.as_slice() {
+        let request = match commands.as_slice() {
             [only] => self
                 .core
                 .start(*only)
@@ -65,7 +65,7 @@ impl Planner<'_> {
                     .map(|(rule, ticket)| StartRequest::new(ticket, Some(rule)))
             }
         };
-        track.request = Some(asked.map_err(|why| start_error(track.indices(), why))?);
+        track.request = Some(request.map_err(|why| start_error(track.indices(), why))?);
         Ok(track)
     }
 
@@ -200,8 +200,8 @@ impl Planner<'_> {
                 rule = rule.transfer((from, export), (slot.id, input));
             }
         }
-        let asked = self.core.schedule(rule);
-        let (rule, ticket) = asked.map_err(|why| start_error(track.indices(), why))?;
+        let scheduled = self.core.schedule(rule);
+        let (rule, ticket) = scheduled.map_err(|why| start_error(track.indices(), why))?;
         track.request = Some(StartRequest::new(ticket, Some(rule)));
         Ok(Successor { track })
     }
