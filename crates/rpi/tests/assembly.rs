@@ -41,10 +41,10 @@ fn run(change: impl Fn(&str) -> String) -> (serde_json::Value, Vec<f64>) {
 fn story(outcome: &serde_json::Value) -> Vec<(String, String)> {
     let text = |value: &serde_json::Value| value.as_str().unwrap_or("").to_owned();
     let commands = outcome["commands"].as_array().unwrap();
-    let told = commands
+    let names = commands
         .iter()
         .map(|c| (text(&c["name"]), text(&c["end"]["name"])));
-    told.collect()
+    names.collect()
 }
 
 fn assert_story(outcome: &serde_json::Value, expected: &[(&str, &str)]) {

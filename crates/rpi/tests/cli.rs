@@ -203,9 +203,9 @@ fn a_reader_that_closes_the_pipe_early_is_no_fault() {
 
 fn refuses_its_input(args: &[&str]) {
     let output = rpi(args);
-    let told = err(&output);
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("overwrite the input"), "{told}");
+    let message = err(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("overwrite the input"), "{message}");
 }
 
 #[test]
@@ -290,8 +290,8 @@ fn a_task_runs_commands_of_another_module() {
     std::fs::write(dir.path().join("waits.rpi"), library).unwrap();
     std::fs::write(dir.path().join("cell.rpi"), cell).unwrap();
     let output = rpi(&["run", &path(&dir, "cell.rpi"), "--command", "Main"]);
-    let told = out(&output);
-    let told: Vec<Vec<&str>> = told
+    let rows = out(&output);
+    let rows: Vec<Vec<&str>> = rows
         .lines()
         .filter(|line| line.contains("finished"))
         .map(|line| line.split("finished with over; ").collect())
@@ -303,7 +303,7 @@ fn a_task_runs_commands_of_another_module() {
         ["waits.Wait(n * 10) #2", "12 cycles"],
         ["waits.Wait(five, five)", "11 cycles"],
     ];
-    assert_eq!(told, expected, "{}", err(&output));
+    assert_eq!(rows, expected, "{}", err(&output));
 }
 
 /// A command, and a task that runs two of it in parallel.
@@ -322,13 +322,13 @@ fn what_may_take_too_long_is_refused_on_real_time() {
     };
     let refused = run("Wait", &["--real-time", "--period", "20ns"]);
     assert_eq!(refused.status.code(), Some(2));
-    let told = err(&refused);
-    assert!(told.contains("RPI7003: Wait may take"), "{told}");
+    let message = err(&refused);
+    assert!(message.contains("RPI7003: Wait may take"), "{message}");
     for way_out in ["--cycle-share", "--machine", "--period", "RPI7003"] {
-        assert!(told.contains(way_out), "{told}");
+        assert!(message.contains(way_out), "{message}");
     }
     // One command fits such a tick, two do not.
-    let figures = told.split("may take ").nth(1).unwrap();
+    let figures = message.split("may take ").nth(1).unwrap();
     let ns: f64 = figures.split(' ').next().unwrap().parse().unwrap();
     let tick = format!("{:.0}ns", ns * 2.0);
     assert!(!err(&run("Wait", &["--real-time", "--period", &tick])).contains("RPI7003"));
@@ -408,14 +408,14 @@ fn a_command_that_lacks_a_constant_is_told_which() {
         std::fs::write(dir.path().join("go.rpi"), text).unwrap();
         let output = rpi(&[&["run", &path(&dir, "go.rpi")], args].concat());
         assert_eq!(output.status.code(), Some(2), "{}", err(&output));
-        let told = err(&output);
-        assert!(told.contains("Go cannot run alone"), "{told}");
+        let message = err(&output);
+        assert!(message.contains("Go cannot run alone"), "{message}");
         assert!(
-            told.contains("`to: real[m]`") && told.contains("`n: int`"),
-            "{told}"
+            message.contains("`to: real[m]`") && message.contains("`n: int`"),
+            "{message}"
         );
-        assert!(told.contains("const to: real[m] = ...;"), "{told}");
-        assert!(!told.contains("has no command"), "{told}");
+        assert!(message.contains("const to: real[m] = ...;"), "{message}");
+        assert!(!message.contains("has no command"), "{message}");
     }
 }
 

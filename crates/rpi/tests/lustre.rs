@@ -272,14 +272,14 @@ fn source(text: &str) -> rpi_driver::Input {
 #[test]
 fn what_has_no_form_in_lustre_is_told() {
     let page = rpi_diag::Code::RPI9103.page();
-    for (fence, told) in [
+    for (fence, count) in [
         ("```rpi-wrong emit-lustre", 1),
         ("```rpi-right emit-lustre", 0),
     ] {
         let text = page.split(fence).nth(1);
         let text = text.and_then(|rest| rest.split("```").next());
         let (text, diagnostics) = command(text.expect("the page has both"));
-        assert_eq!(diagnostics.len(), told, "{diagnostics:?}");
+        assert_eq!(diagnostics.len(), count, "{diagnostics:?}");
         assert!(text.contains("done: bool"), "{text}");
     }
 }

@@ -61,7 +61,7 @@ fn set_points_come_at_precise_intervals() {
         "--record",
         file.to_str().unwrap(),
     ];
-    let mut told = Vec::new();
+    let mut attempts = Vec::new();
     // Other processes may use the machine, so there are several attempts.
     for _ in 0..5 {
         let output = rpi(&example("blending/blending.rpi"), &options);
@@ -86,9 +86,9 @@ fn set_points_come_at_precise_intervals() {
             assert!(late["p99"].as_u64() >= late["p50"].as_u64(), "{late}");
             return;
         }
-        told.push(format!("mean {mean} ns, median {median} ns, late {late}"));
+        attempts.push(format!("mean {mean} ns, median {median} ns, late {late}"));
     }
-    panic!("set-points at odd intervals:\n{}", told.join("\n"));
+    panic!("set-points at odd intervals:\n{}", attempts.join("\n"));
 }
 
 const COUNTS: &str = "
@@ -146,9 +146,9 @@ fn values_are_through_the_whole_net_in_their_cycle() {
     let output = rpi(&program, &["--record", file.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let points = messages(&file, "/set_points/io");
-    let told: Vec<serde_json::Value> = points.into_iter().map(|p| p.1).collect();
-    assert_eq!(told.len(), 10, "{told:?}");
-    for (k, point) in told.iter().enumerate() {
+    let points: Vec<serde_json::Value> = points.into_iter().map(|p| p.1).collect();
+    assert_eq!(points.len(), 10, "{points:?}");
+    for (k, point) in points.iter().enumerate() {
         let n = k as f64 + 1.0;
         let text = point.to_string();
         assert_eq!(point["cycle"], k, "{text}");

@@ -120,8 +120,8 @@ tel
             let cycle = format!("cycle 3 of `Count`: {what}");
             assert!(err.contains(&cycle), "{err}");
             let values = ["guaranteed here", "in this cycle n = 3", "in the call `n`"];
-            let told = values.map(|part| err.contains(part));
-            assert_eq!(told, [contracts == "fault"; 3], "{err}");
+            let shown = values.map(|part| err.contains(part));
+            assert_eq!(shown, [contracts == "fault"; 3], "{err}");
             assert_eq!(
                 err.matches("RPI90").count(),
                 2,

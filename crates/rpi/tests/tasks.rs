@@ -61,13 +61,13 @@ fn run(task: &str, options: &[&str]) -> (Option<i32>, Value, String) {
         stderr,
     } = rpi.env("NO_COLOR", "1").output().unwrap();
     let said = String::from_utf8_lossy(&stderr).into_owned();
-    let told = serde_json::from_slice(&stdout).unwrap_or(Value::Null);
-    (status.code(), told, said)
+    let outcome = serde_json::from_slice(&stdout).unwrap_or(Value::Null);
+    (status.code(), outcome, said)
 }
 
 /// Returns name, first tick and number of cycles of each command, in the order of their starts.
-fn times(told: &Value) -> Vec<(String, u64, u64)> {
-    let commands = told["commands"].as_array().unwrap().iter();
+fn times(outcome: &Value) -> Vec<(String, u64, u64)> {
+    let commands = outcome["commands"].as_array().unwrap().iter();
     let times = commands.map(|c| {
         let name = c["name"].as_str().unwrap().to_owned();
         let first = c["first_tick"].as_u64().unwrap_or(u64::MAX);
@@ -78,10 +78,10 @@ fn times(told: &Value) -> Vec<(String, u64, u64)> {
     times
 }
 
-fn expect(told: &Value, expected: &[(&str, u64, u64)]) {
-    let times = times(told);
+fn expect(outcome: &Value, expected: &[(&str, u64, u64)]) {
+    let times = times(outcome);
     let times: Vec<(&str, u64, u64)> = times.iter().map(|t| (&*t.0, t.1, t.2)).collect();
-    assert_eq!(times, expected, "{told}");
+    assert_eq!(times, expected, "{outcome}");
 }
 
 #[test]
@@ -100,10 +100,10 @@ let
   Both(left, right);
 tel
 ";
-    let (code, told, said) = run(task, &[]);
+    let (code, outcome, said) = run(task, &[]);
     assert_eq!(code, Some(0), "{said}");
     expect(
-        &told,
+        &outcome,
         &[
             ("Count(left, 3)", 0, 3),
             ("Count(left, 10)", 3, 10),
@@ -113,8 +113,8 @@ tel
             ("Both(left, right)", 33, 3),
         ],
     );
-    assert_eq!(told["late"], 0, "{told}");
-    assert_eq!(told["devices"][0]["moving"], false);
+    assert_eq!(outcome["late"], 0, "{outcome}");
+    assert_eq!(outcome["devices"][0]["moving"], false);
 }
 
 /// A loop whose body runs nothing is left, and the next command runs.
@@ -131,14 +131,14 @@ let
   Count(left, 3);
 tel
 ";
-    let (code, told, said) = run(task, &[]);
+    let (code, outcome, said) = run(task, &[]);
     assert_eq!(code, Some(0), "{said}");
     let expected = [
         ("Count(left, 2)", 0, 2),
         ("Count(left, 2)", 2, 2),
         ("Count(left, 3)", 4, 3),
     ];
-    expect(&told, &expected);
+    expect(&outcome, &expected);
 }
 
 #[test]
@@ -154,10 +154,10 @@ let
 tel
 command Wait (n: int) let finish over when time >= real(n - 1) * 1[ms]; tel
 ";
-    let (code, told, said) = run(task, &[]);
+    let (code, outcome, said) = run(task, &[]);
     assert_eq!(code, Some(0), "{said}");
     expect(
-        &told,
+        &outcome,
         &[
             ("Count(left, 5)", 0, 5),
             ("Count(right, 3)", 0, 3),
@@ -175,11 +175,11 @@ fn it_does_not_matter_which_strand_is_the_last() {
         let task = format!(
             "task All (left, right: AnalogueIo)\nlet\n  parallel\n  let Count(left, {one}); tel\n  let Count(right, {other}); tel\n  Both(left, right);\ntel\n"
         );
-        let (code, told, said) = run(&task, &[]);
+        let (code, outcome, said) = run(&task, &[]);
         assert_eq!(code, Some(0), "{said}");
-        let last = times(&told).pop().unwrap();
-        assert_eq!(last.1, one.max(other), "{told}");
-        assert_eq!(told["late"], 0, "{told}");
+        let last = times(&outcome).pop().unwrap();
+        assert_eq!(last.1, one.max(other), "{outcome}");
+        assert_eq!(outcome["late"], 0, "{outcome}");
     }
 }
 
@@ -193,16 +193,16 @@ let
   Both(left, right);
 tel
 ";
-    let (code, told, said) = run(task, &[]);
+    let (code, outcome, said) = run(task, &[]);
     assert_eq!(code, Some(1), "{said}");
-    let times = times(&told);
-    assert_eq!(times.len(), 2, "{told}");
-    let asked = &told["commands"][0]["end"];
-    let broken = &told["commands"][1]["end"];
-    let ends = [asked, broken].map(|end| end["name"].as_str().unwrap());
+    let times = times(&outcome);
+    assert_eq!(times.len(), 2, "{outcome}");
+    let cancelled = &outcome["commands"][0]["end"];
+    let broken = &outcome["commands"][1]["end"];
+    let ends = [cancelled, broken].map(|end| end["name"].as_str().unwrap());
     assert!(
         ends.contains(&"asked") && ends.contains(&"broken"),
-        "{told}"
+        "{outcome}"
     );
 }
 
@@ -222,15 +222,15 @@ let
   mend: Count(right, 2);
 tel
 ";
-    let (code, told, said) = run(task, &["--command", "All"]);
-    assert_eq!(code, Some(0), "{said} {told}");
-    let times = times(&told);
+    let (code, outcome, said) = run(task, &["--command", "All"]);
+    assert_eq!(code, Some(0), "{said} {outcome}");
+    let times = times(&outcome);
     let names: Vec<&str> = times.iter().map(|t| t.0.as_str()).collect();
-    assert_eq!(names.last(), Some(&"Count(right, 2)"), "{told}");
-    assert_eq!(times.len(), 3, "{told}");
-    let commands = told["commands"].as_array().unwrap();
+    assert_eq!(names.last(), Some(&"Count(right, 2)"), "{outcome}");
+    assert_eq!(times.len(), 3, "{outcome}");
+    let commands = outcome["commands"].as_array().unwrap();
     let handled = commands.iter().filter(|c| c["handled"] == true);
-    assert_eq!(handled.count(), 1, "{told}");
+    assert_eq!(handled.count(), 1, "{outcome}");
 }
 
 #[test]
@@ -248,10 +248,10 @@ let
 tel
 ";
     let text = task.replace("Both(left, right);", "Count(left, 1);");
-    let (code, told, said) = run(&text, &[]);
+    let (code, outcome, said) = run(&text, &[]);
     assert_eq!(code, Some(0), "{said}");
     expect(
-        &told,
+        &outcome,
         &[
             ("Break(left, 3)", 0, 3),
             ("Count(right, 20)", 0, 20),
@@ -282,9 +282,9 @@ let
   Both(left, right);
 tel
 ";
-    let (code, told, said) = run(task, &["--planning-time", "50ms"]);
+    let (code, outcome, said) = run(task, &["--planning-time", "50ms"]);
     assert_eq!(code, Some(0), "{said}");
-    assert_eq!(told["late"], 1, "{told}");
-    assert_eq!(told["missed"], 0, "{told}");
-    assert!(times(&told).last().unwrap().1 >= 8, "{told}");
+    assert_eq!(outcome["late"], 1, "{outcome}");
+    assert_eq!(outcome["missed"], 0, "{outcome}");
+    assert!(times(&outcome).last().unwrap().1 >= 8, "{outcome}");
 }

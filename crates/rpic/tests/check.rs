@@ -35,11 +35,17 @@ fn fixes_keep_line_ends_and_are_told_one_by_one() {
     let folder = folder(&[("a.rpi", program)]);
     let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let mended = "node f (a, b: int) returns (y: bool)\r\nlet\r\n  y = a = b;\r\ntel\r\n";
-    assert_eq!(read(folder.path(), "a.rpi"), mended);
-    let told = text(&output.stderr);
-    assert!(told.contains("a.rpi:2:9: fixed: write `=`"), "{told}");
-    assert!(told.contains("a.rpi:1:37: fixed: insert `let`"), "{told}");
+    let fixed = "node f (a, b: int) returns (y: bool)\r\nlet\r\n  y = a = b;\r\ntel\r\n";
+    assert_eq!(read(folder.path(), "a.rpi"), fixed);
+    let messages = text(&output.stderr);
+    assert!(
+        messages.contains("a.rpi:2:9: fixed: write `=`"),
+        "{messages}"
+    );
+    assert!(
+        messages.contains("a.rpi:1:37: fixed: insert `let`"),
+        "{messages}"
+    );
     let left: Vec<_> = std::fs::read_dir(folder.path())
         .expect("readable")
         .collect();
@@ -66,16 +72,16 @@ fn folders_stand_for_their_programs() {
     let folder = folder(&files);
     let checked = rpic(folder.path(), &["check", ".", "--format", "short"]);
     assert_eq!(checked.status.code(), Some(1));
-    let told = text(&checked.stdout);
+    let output = text(&checked.stdout);
     assert!(
-        told.contains("a.rpi:3:7") && !told.contains("notes"),
-        "{told}"
+        output.contains("a.rpi:3:7") && !output.contains("notes"),
+        "{output}"
     );
     let formatted = rpic(folder.path(), &["fmt", "--check", "."]);
     assert_eq!(text(&formatted.stderr), "b.lus: not formatted\n");
     let tested = rpic(folder.path(), &["test", "."]);
-    let told = text(&tested.stdout);
-    assert!(told.contains("1 passed, 0 failed"), "{told}");
+    let output = text(&tested.stdout);
+    assert!(output.contains("1 passed, 0 failed"), "{output}");
     let none = rpic(folder.path(), &["check", "target"]);
     assert_eq!(none.status.code(), Some(2));
 }
@@ -86,8 +92,8 @@ fn what_one_fix_uncovers_is_fixed_too() {
     let folder = folder(&[("a.rpi", program)]);
     let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let mended = "node f (x: real) returns (y: real) let\n  y = x;\ntel\n";
-    assert_eq!(read(folder.path(), "a.rpi"), mended);
+    let fixed = "node f (x: real) returns (y: real) let\n  y = x;\ntel\n";
+    assert_eq!(read(folder.path(), "a.rpi"), fixed);
 }
 
 #[test]
@@ -227,13 +233,13 @@ fn a_machine_that_is_none_is_told() {
     assert!(check().contains("not a text file"));
     std::fs::remove_dir(&machine).unwrap();
     std::fs::write(&machine, "speed = 3\n").unwrap();
-    let told = check();
+    let messages = check();
     for part in [
         "machine.toml: ",
         "line 1: unknown field `speed`",
         "help: required is",
     ] {
-        assert!(told.contains(part), "{part} in {told}");
+        assert!(messages.contains(part), "{part} in {messages}");
     }
 }
 
@@ -282,15 +288,15 @@ fn a_name_of_two_modules_is_told_and_may_be_qualified() {
         ("n.rpi", &main("a::k + b::k")),
     ]);
     let output = rpic(folder.path(), &["check", "m.rpi"]);
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{told}");
+    let messages = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{messages}");
     assert_eq!(
         (
-            told.matches("RPI1002").count(),
-            told.matches("RPI1016").count()
+            messages.matches("RPI1002").count(),
+            messages.matches("RPI1016").count()
         ),
         (2, 0),
-        "{told}"
+        "{messages}"
     );
     let output = rpic(folder.path(), &["check", "n.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -309,9 +315,9 @@ fn a_program_includes_lustre() {
         ("right.rpi", &right),
     ]);
     let output = rpic(folder.path(), &["check", "wrong.rpi"]);
-    let told = text(&output.stderr);
-    assert!(told.contains("wrong.rpi:4"), "{told}");
-    assert_eq!(told.matches("error RPI0016").count(), 1, "{told}");
+    let messages = text(&output.stderr);
+    assert!(messages.contains("wrong.rpi:4"), "{messages}");
+    assert_eq!(messages.matches("error RPI0016").count(), 1, "{messages}");
     let output = rpic(folder.path(), &["check", "right.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }

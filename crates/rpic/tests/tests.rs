@@ -70,8 +70,8 @@ fn coverage_names_what_was_not_seen() {
 fn covered(program: &str) -> Vec<String> {
     let (status, text) = run(program, &["--coverage"]);
     assert_eq!(status, Some(0), "{text}");
-    let told = text.lines().filter(|line| !line.starts_with("ok"));
-    told.map(str::to_owned).collect()
+    let lines = text.lines().filter(|line| !line.starts_with("ok"));
+    lines.map(str::to_owned).collect()
 }
 
 #[test]

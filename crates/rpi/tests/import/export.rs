@@ -54,7 +54,7 @@ fn as_read(text: &str) -> Result<Net, String> {
 #[test]
 fn what_a_net_cannot_hold_is_told() {
     let page = rpi_diag::Code::RPI9102.page();
-    for (fence, told) in [
+    for (fence, count) in [
         ("```rpi-wrong emit-rpinet", 1),
         ("```rpi-right emit-rpinet", 0),
     ] {
@@ -72,7 +72,7 @@ fn what_a_net_cannot_hold_is_told() {
             panic!("{:?}", compiled.diagnostics)
         };
         let (text, diagnostics) = emit::rpinet(net);
-        assert_eq!(diagnostics.len(), told, "{diagnostics:?}");
+        assert_eq!(diagnostics.len(), count, "{diagnostics:?}");
         assert!(text.contains("outTerminate=") && text.contains("Key='done'"));
     }
 }

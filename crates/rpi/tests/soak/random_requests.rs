@@ -41,7 +41,7 @@ pub(crate) struct RandomDriver {
     random: Random,
     known: BTreeMap<CommandId, CommandRecord>,
     /// Commands that pending requests will start.
-    asked: BTreeMap<Ticket, Vec<CommandId>>,
+    starts_by_ticket: BTreeMap<Ticket, Vec<CommandId>>,
     /// Device faults are expected until this time (s).
     troubled: f64,
     tally: Tally,
@@ -78,7 +78,7 @@ impl RandomDriver {
             images: images(&mut random),
             random,
             known: BTreeMap::new(),
-            asked: BTreeMap::new(),
+            starts_by_ticket: BTreeMap::new(),
             troubled: 0.0,
             tally: Tally::default(),
         }
@@ -214,7 +214,7 @@ impl RandomDriver {
         };
         if let Some(id) = self.load(wanted, &[]) {
             let ticket = self.control.start(id).expect("there is room for requests");
-            self.asked.insert(ticket, vec![id]);
+            self.starts_by_ticket.insert(ticket, vec![id]);
         }
     }
 
@@ -268,14 +268,14 @@ impl RandomDriver {
 
     fn schedule(&mut self, rule: Rule) {
         let starts = rule.starts().to_vec();
-        let asked = self.control.schedule(rule);
-        self.asked
-            .insert(asked.expect("there is room for rules").1, starts);
+        let scheduled = self.control.schedule(rule);
+        self.starts_by_ticket
+            .insert(scheduled.expect("there is room for rules").1, starts);
     }
 
     /// A refused command will never run, for example the successor of a command that was cancelled meanwhile.
     fn answered(&mut self, ticket: Ticket, refused: bool) {
-        let starts = self.asked.remove(&ticket).unwrap_or_default();
+        let starts = self.starts_by_ticket.remove(&ticket).unwrap_or_default();
         for id in starts.into_iter().filter(|_| refused) {
             self.control.unload(id).expect("it is ready");
             self.known.remove(&id);
