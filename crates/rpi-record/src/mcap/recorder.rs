@@ -53,7 +53,7 @@ pub struct Recorder {
 
 /// Starts recording a core and its devices.
 ///
-/// Returns the recorder for the host and the camera for the cycle. `continuity` is the policy of commands that have
+/// Returns the recorder for the host and the collector for the cycle. `continuity` is the policy of commands that have
 /// none of their own.
 ///
 /// # Errors
@@ -64,16 +64,16 @@ pub fn record(
     (tick_ns, continuity): (u64, Continuity),
     (control, executive): (&mut Control, &mut Executive<LoggingBank<SimBank>>),
 ) -> io::Result<(Recorder, TickCollector)> {
-    let (camera, tape, channels) = TickCollector::begin(cell, executive);
+    let (collector, tick_log, channels) = TickCollector::begin(cell, executive);
     let run = Recorded {
         cell,
         channels: &channels,
         tick_ns,
         continuity,
     };
-    let recorder = Recorder::start(wanted, run, tape)?;
+    let recorder = Recorder::start(wanted, run, tick_log)?;
     control.set_request_log(recorder.request_callback());
-    Ok((recorder, camera))
+    Ok((recorder, collector))
 }
 
 /// Continuity policies and their keywords in a recording.
@@ -105,7 +105,7 @@ impl Recorder {
     fn start(
         wanted: RecordingOptions,
         run: Recorded<'_>,
-        tape: TickLogReader,
+        tick_log: TickLogReader,
     ) -> io::Result<Recorder> {
         let mut file = McapFile::create(wanted.out)?;
         write_metadata(&mut file, &wanted.origin, run.tick_ns, run.continuity)?;
@@ -114,7 +114,7 @@ impl Recorder {
             file,
             names: NameTable::new(run.cell, run.tick_ns),
             channels: run.channels.to_vec(),
-            tape,
+            tick_log,
             notes: receiver,
             written: RecordingStats::default(),
             freed: Vec::new(),
@@ -172,7 +172,7 @@ impl Recorder {
         self.write_error.get().map(String::as_str)
     }
 
-    /// Ends the recording. `lost` is the number of ticks that did not fit on the tape.
+    /// Ends the recording. `lost` is the number of ticks that did not fit on the tick log.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
@@ -194,9 +194,9 @@ impl StartRecording for RecordingOptions {
     fn start(
         self: Box<Self>,
         run: Recorded<'_>,
-        tape: TickLogReader,
+        tick_log: TickLogReader,
     ) -> io::Result<Box<dyn RunRecorder>> {
-        Ok(Box::new(Recorder::start(*self, run, tape)?))
+        Ok(Box::new(Recorder::start(*self, run, tick_log)?))
     }
 }
 

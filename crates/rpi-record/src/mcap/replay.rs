@@ -1,4 +1,4 @@
-//! Replays a recording: the same requests in the same ticks, with the tape in place of the devices.
+//! Replays a recording: the same requests in the same ticks, with the tick log in place of the devices.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -49,7 +49,7 @@ struct ReplayRun<'a> {
     control: RawControl<()>,
     /// Requests by the tick that carries them out, in recorded order.
     requests: BTreeMap<u64, Vec<(Ticket, Request<()>)>>,
-    sights: FlowProbe,
+    probe: FlowProbe,
     names: NameTable,
     /// Recorded events that the replay has not produced yet.
     expected: VecDeque<&'a Value>,
@@ -83,7 +83,7 @@ impl<'a> ReplayRun<'a> {
             executive,
             control,
             requests,
-            sights: FlowProbe::new(&recording.images),
+            probe: FlowProbe::new(&recording.images),
             names,
             expected: recording
                 .events
@@ -106,8 +106,8 @@ impl<'a> ReplayRun<'a> {
         self.executive.plant().load_tick(tick.exchange);
         self.apply_halts();
         if tick.ticked {
-            self.sights.begin();
-            self.executive.tick(tick.wall_ns, &mut self.sights);
+            self.probe.begin();
+            self.executive.tick(tick.wall_ns, &mut self.probe);
             self.apply_halts();
             self.report.ticks += 1;
         }
@@ -123,7 +123,7 @@ impl<'a> ReplayRun<'a> {
 
     fn apply_halts(&mut self) {
         while let Some(late) = self.executive.plant().take_overrun() {
-            // If the overrun policy stops all commands, the tape has a halt entry next, which is handled below.
+            // If the overrun policy stops all commands, the tick log has a halt entry next, which is handled below.
             self.executive.attribute_overrun(&late);
         }
         while let Some(why) = self.executive.plant().take_halt() {
@@ -134,7 +134,7 @@ impl<'a> ReplayRun<'a> {
     /// Compares the flows of a tick with the recording.
     fn compare_flows(&mut self, tick: &LoggedTick<'_>) -> Option<Difference> {
         let recorded = decode_entries(tick.observations).filter(|e| e.kind == EntryKind::Flow);
-        let mut now = decode_entries(self.sights.stage().words().unwrap_or(&[]));
+        let mut now = decode_entries(self.probe.stage().words().unwrap_or(&[]));
         for recorded in recorded {
             self.report.values += 1;
             let same = now.next();

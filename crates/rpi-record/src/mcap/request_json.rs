@@ -96,7 +96,7 @@ impl RequestDecoder<'_> {
                 Request::Set(settings.collect::<Option<_>>()?)
             }
             "subscribe" => {
-                // The samples are discarded: the values of the flows are on the tape.
+                // The samples are discarded: the values of the flows are on the tick log.
                 let subscription = Subscription::new(command()?, &[], object["every"].as_u64()?);
                 Request::Subscribe(Box::new(subscription))
             }

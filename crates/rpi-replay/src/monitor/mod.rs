@@ -158,13 +158,14 @@ impl ClaimMonitor {
 impl MonitoredClaim {
     /// Evaluates the claim in a cycle. Returns true if it is violated for the first time.
     fn evaluate(&mut self, flows: &dyn ExportValues, released: &mut BTreeSet<String>) -> bool {
-        let owed = self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
+        let is_due =
+            self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
         // A claim that is constantly true has no export.
         let holds = self.condition.map_or(Some(true), |export| {
             flows.words(export).map(|cells| cells.first() != Some(&0))
         });
-        self.evaluated += u64::from(owed && holds.is_some());
-        let fails = owed && holds == Some(false);
+        self.evaluated += u64::from(is_due && holds.is_some());
+        let fails = is_due && holds == Some(false);
         self.violated += u64::from(fails);
         if fails && self.claim.kind == ClaimKind::Assume {
             released.insert(self.claim.path.clone());

@@ -115,7 +115,7 @@ impl<P: Plant> Executive<P> {
     }
 
     /// Attributes an overrun to a command. The overrun was measured by [`Executive::handle_overrun`] or is replayed from a
-    /// tape. Returns true if the overrun policy of the command requires all commands to be ended.
+    /// tick log. Returns true if the overrun policy of the command requires all commands to be ended.
     pub fn attribute_overrun(&mut self, late: &AttributedOverrun) -> bool {
         let (id, times) = (late.command, (late.took_ns, late.late_ns));
         let stop = self.core.report_overrun(id, times, &mut self.plant);

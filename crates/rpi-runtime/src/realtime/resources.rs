@@ -61,7 +61,7 @@ fn lock_memory() -> ResourceGrant {
     // With a memlock limit, `MLOCKALL_FUTURE` would make later allocations above the limit fail, so only current memory
     // is locked.
     let unlimited = getrlimit(Resource::Memlock).current.is_none() || geteuid().is_root();
-    let (what, wish) = match unlimited {
+    let (what, resource) = match unlimited {
         true => (
             MlockAllFlags::CURRENT | MlockAllFlags::FUTURE,
             "memory locked",
@@ -73,7 +73,7 @@ fn lock_memory() -> ResourceGrant {
     };
     let locked = mlockall(what);
     ResourceGrant {
-        resource: wish.to_owned(),
+        resource: resource.to_owned(),
         refusal: locked.err().map(|why| {
             format!("{why}; raise `memlock` in /etc/security/limits.conf or give CAP_IPC_LOCK")
         }),

@@ -85,12 +85,10 @@ impl ExecutablePlan {
             }
             match &self.nodes[at] {
                 Node::Run { command, .. } => most = most.max(of[*command]),
-                Node::Parallel {
-                    branches: strands, ..
-                } => {
-                    let each = strands
+                Node::Parallel { branches, .. } => {
+                    let each = branches
                         .iter()
-                        .map(|strand| self.branch_worst_case_ns(*strand, of));
+                        .map(|branch| self.branch_worst_case_ns(*branch, of));
                     most = most.max(each.fold(0, u64::saturating_add));
                 }
                 _ => {}

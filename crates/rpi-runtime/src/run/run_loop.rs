@@ -134,7 +134,7 @@ fn outcome(
     listener: HostLoop<'_>,
 ) -> Result<Outcome, RunError> {
     host.process_events(listener.sink);
-    let lost = cycle.finish_tape();
+    let lost = cycle.finish_tick_log();
     let written = host.recorder.take().map(|recorder| recorder.finish(lost));
     let (recorded, unrecorded) = match written.transpose() {
         Ok(recorded) => (recorded, None),

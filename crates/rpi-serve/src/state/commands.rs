@@ -123,9 +123,9 @@ impl Commands {
     }
 
     /// Applies an operation to a command in the table, as soon as the queue has room.
-    pub(super) fn defer(&self, number: u64, debt: CommandOp, core: &mut CoreLink) {
+    pub(super) fn defer(&self, number: u64, op: CommandOp, core: &mut CoreLink) {
         if let Some(id) = self.records.get(&number).and_then(|r| r.id) {
-            core.defer_by_id(id, debt);
+            core.defer_by_id(id, op);
         }
     }
 
@@ -186,7 +186,7 @@ impl Commands {
     }
 
     /// Removes the subscriptions of disconnected clients.
-    pub(super) fn forget_deaf(&mut self) {
+    pub(super) fn remove_disconnected(&mut self) {
         let records = self.records.values_mut();
         records.for_each(|r| r.subscriptions.drop_disconnected());
     }

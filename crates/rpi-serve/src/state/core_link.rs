@@ -80,8 +80,8 @@ impl CoreLink {
     }
 
     /// Applies an operation to a command, as soon as the queue has room.
-    pub(super) fn defer_by_id(&mut self, id: CommandId, debt: CommandOp) {
-        self.push_deferred(DeferredOp::Command(id, debt));
+    pub(super) fn defer_by_id(&mut self, id: CommandId, op: CommandOp) {
+        self.push_deferred(DeferredOp::Command(id, op));
     }
 
     /// Withdraws a rule, as soon as the queue has room.
@@ -89,8 +89,8 @@ impl CoreLink {
         self.push_deferred(DeferredOp::Rule(id));
     }
 
-    fn push_deferred(&mut self, owing: DeferredOp) {
-        self.deferred.push(owing);
+    fn push_deferred(&mut self, deferred: DeferredOp) {
+        self.deferred.push(deferred);
         self.pay();
     }
 

@@ -14,7 +14,7 @@ impl ServerState {
     /// Processes all pending events and due updates. Called periodically outside the cycle thread.
     pub(crate) fn update(&mut self) {
         while let Some(event) = self.core.poll() {
-            self.hear(event);
+            self.handle_event(event);
         }
         self.recording.look_after(&mut self.log);
         self.core.pay();
@@ -27,9 +27,9 @@ impl ServerState {
         commands.publish();
     }
 
-    fn hear(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         self.recording.event(&event);
-        self.objects.tasks.hear(&event);
+        self.objects.tasks.handle_event(&event);
         match event {
             Event::Answer {
                 ticket, refused, ..
@@ -52,7 +52,8 @@ impl ServerState {
     /// Advances all running tasks and reports their progress.
     fn advance_tasks(&mut self) {
         for number in self.objects.tasks.under_way() {
-            self.shop(number).with_task(|task, shop| task.advance(shop));
+            self.task_core(number)
+                .with_task(|task, core| task.advance(core));
             let objects = &mut self.objects;
             objects
                 .tasks

@@ -208,7 +208,8 @@ impl ServerState {
     /// Cancels a task: no further command starts, and running ones are cancelled.
     pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.tasks.cancel(name)?;
-        self.shop(number).with_task(|task, shop| task.cancel(shop));
+        self.task_core(number)
+            .with_task(|task, core| task.cancel(core));
         Ok(())
     }
 
@@ -220,7 +221,7 @@ impl ServerState {
     }
 
     /// Returns the core as seen by the task with this number.
-    pub(super) fn shop(&mut self, number: u64) -> TaskCoreAdapter<'_> {
+    pub(super) fn task_core(&mut self, number: u64) -> TaskCoreAdapter<'_> {
         TaskCoreAdapter {
             objects: &mut self.objects,
             core: &mut self.core,
@@ -236,7 +237,8 @@ impl ServerState {
         self.log.write(format_args!("EMERGENCY STOP by {by}"));
         self.emergency.raise(by);
         for number in self.objects.tasks.under_way() {
-            self.shop(number).with_task(|task, shop| task.abort(shop));
+            self.task_core(number)
+                .with_task(|task, core| task.abort(core));
         }
         self.emergency
             .send_stop_request(&mut self.core, Some(reply));

@@ -67,21 +67,21 @@ fn condition(expr: &Expr, commands: &Commands) -> Result<Condition, ApiError> {
         Expr::Not(inner) => !condition(inner, commands)?,
         Expr::And(a, b) => condition(a, commands)? & condition(b, commands)?,
         Expr::Or(a, b) => condition(a, commands)? | condition(b, commands)?,
-        Expr::Fact(command, saying) => Condition::from_fact(
+        Expr::Fact(command, fact_expr) => Condition::from_fact(
             commands.command_id(command)?,
-            fact(command, saying, commands)?,
+            fact(command, fact_expr, commands)?,
         ),
     })
 }
 
-fn fact(command: &str, saying: &FactExpr, commands: &Commands) -> Result<Fact, ApiError> {
+fn fact(command: &str, fact_expr: &FactExpr, commands: &Commands) -> Result<Fact, ApiError> {
     let (_, record) = commands.find(command)?;
     let image = record.image.as_deref();
     let place = |what: &str, key: &str, found: Option<usize>| {
         let index = found.and_then(|k| u32::try_from(k).ok());
         index.ok_or_else(|| ApiError::Unknown(format!("{what} {key} of {command}")))
     };
-    Ok(match saying {
+    Ok(match fact_expr {
         FactExpr::Export(key) => {
             let exports = image.map_or(&[][..], |i| &i.exports);
             let found = exports.iter().position(|e| e.key == *key);

@@ -105,8 +105,8 @@ impl Rules {
         let rules = Usage::for_client(Some(rule.client), held.clone().map(|(of, _)| (of, 1)));
         let room = rules.admit(1, self.most);
         room.map_err(|full| ApiError::limit(full, "rules"))?;
-        let said = Usage::for_client(Some(rule.client), held).admit(rule.size, self.facts);
-        said.map_err(|full| ApiError::limit(full, RULE_SIZE_LIMIT))
+        let admitted = Usage::for_client(Some(rule.client), held).admit(rule.size, self.facts);
+        admitted.map_err(|full| ApiError::limit(full, RULE_SIZE_LIMIT))
     }
 
     /// Drops the rules of a disconnected client that act on no command. They only served its subscriptions.

@@ -25,7 +25,7 @@ impl Subscribers {
     }
 
     /// Removes the subscribers whose clients have disconnected.
-    pub(super) fn forget_deaf(&mut self) {
+    pub(super) fn remove_disconnected(&mut self) {
         self.0.retain(|sink| sink.is_connected());
     }
 

@@ -246,7 +246,7 @@ impl Tasks {
     }
 
     /// Passes an event of the cycle to all tasks.
-    pub(super) fn hear(&mut self, event: &Event) {
+    pub(super) fn handle_event(&mut self, event: &Event) {
         let tasks = self.records.values_mut().filter_map(|r| r.task.as_mut());
         tasks.for_each(|task| task.handle_event(event));
     }

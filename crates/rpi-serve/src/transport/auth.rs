@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn only_the_token_opens() {
-        let guard = AuthPolicy {
+        let policy = AuthPolicy {
             token: Some("secret".into()),
         };
-        let knows = |head: &Head| guard.check_token(head).is_none();
+        let knows = |head: &Head| policy.check_token(head).is_none();
         assert!(knows(&head("/rpc", "Authorization: Bearer secret")));
         assert!(knows(&head("/rpc?token=secret", "X: y")));
         for wrong in [
@@ -108,13 +108,13 @@ mod tests {
 
     #[test]
     fn pages_from_elsewhere_are_turned_away() {
-        let guard = AuthPolicy {
+        let policy = AuthPolicy {
             token: Some("secret".into()),
         };
-        assert!(guard.is_same_origin(&head("/", "X: y")));
-        assert!(guard.is_same_origin(&head("/", "Origin: http://cell:8080")));
-        assert!(!guard.is_same_origin(&head("/", "Origin: http://evil.example")));
-        assert!(!guard.is_same_origin(&head("/", "Origin: null")));
+        assert!(policy.is_same_origin(&head("/", "X: y")));
+        assert!(policy.is_same_origin(&head("/", "Origin: http://cell:8080")));
+        assert!(!policy.is_same_origin(&head("/", "Origin: http://evil.example")));
+        assert!(!policy.is_same_origin(&head("/", "Origin: null")));
     }
 
     #[test]
