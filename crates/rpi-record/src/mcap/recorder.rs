@@ -201,7 +201,7 @@ impl StartRecording for RecordingOptions {
 }
 
 impl RunRecorder for Recorder {
-    fn journal(&self) -> RequestLog {
+    fn request_log(&self) -> RequestLog {
         Recorder::request_callback(self)
     }
 

@@ -39,7 +39,7 @@ pub trait StartRecording {
 /// Host side of the recorder of a run. No method but [`RunRecorder::finish`] blocks.
 pub trait RunRecorder {
     /// Returns the callback that records each request to the control core.
-    fn journal(&self) -> RequestLog;
+    fn request_log(&self) -> RequestLog;
 
     /// Records an event.
     fn event(&self, event: &Event);

@@ -127,7 +127,7 @@ fn start_recording(
         continuity: job.continuity,
     };
     let recorder = wanted.start(run, reader)?;
-    control.set_request_log(recorder.journal());
+    control.set_request_log(recorder.request_log());
     Ok((recorder, writer))
 }
 

@@ -133,7 +133,7 @@ impl LoggedTick<'_> {
             wall_ns: wall.cast_signed(),
             ticked: kind == 0,
             exchange,
-            observations: observations,
+            observations,
         })
     }
 }

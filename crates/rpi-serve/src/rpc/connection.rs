@@ -71,7 +71,7 @@ impl RpcConnection {
     pub(crate) fn new(state: SharedState, peer: Peer, out: Outbox) -> RpcConnection {
         let client = state.lock().objects.client(peer);
         RpcConnection {
-            state: state,
+            state,
             client,
             outbox: out,
             sessions: Vec::new(),

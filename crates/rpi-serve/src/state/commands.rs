@@ -98,14 +98,18 @@ impl Commands {
         bytes: usize,
         core: &mut CoreLink,
     ) {
-        let AdoptedCommand { id, ticket, board } = adopted;
+        let AdoptedCommand {
+            id,
+            ticket,
+            snapshot,
+        } = adopted;
         self.by_id.insert(id, number);
         let mut reply = None;
         if let Some(record) = self.records.get_mut(&number) {
             record.id = Some(id);
             record.bytes += bytes;
             record.image = Some(image);
-            record.board = Some(board);
+            record.snapshot = Some(snapshot);
             reply = record.loading.take();
         }
         core.track_request(Ok(ticket), OnAnswer::CommandInserted(number), reply);
@@ -172,7 +176,7 @@ impl Commands {
     pub(crate) fn watch(&mut self, name: &str, watching: WatchRequest) -> Result<(), ApiError> {
         let (number, _) = self.find(name)?;
         if let Some(record) = self.records.get_mut(&number) {
-            let exported = Exported::new(record.board.as_deref(), record.image.as_deref());
+            let exported = Exported::new(record.snapshot.as_deref(), record.image.as_deref());
             let subscriptions = &mut record.subscriptions;
             subscriptions.add(watching, &record.status, &exported);
         }

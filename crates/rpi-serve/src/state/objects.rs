@@ -88,7 +88,7 @@ impl Objects {
     }
 
     /// Makes room for a command or task with this many bytes of text.
-    pub(super) fn has_room(
+    pub(super) fn make_room(
         &mut self,
         session: u64,
         text: usize,

@@ -76,19 +76,22 @@ const MIN_PERIOD: Duration = Duration::from_millis(1);
 
 /// The latest exports of a command, if it has run.
 pub(super) struct Exported<'a> {
-    board: Option<&'a ExportSnapshot>,
+    snapshot: Option<&'a ExportSnapshot>,
     image: Option<&'a Image>,
 }
 
 impl<'a> Exported<'a> {
     /// Creates the view of a command's exports.
-    pub(super) fn new(board: Option<&'a ExportSnapshot>, image: Option<&'a Image>) -> Exported<'a> {
-        Exported { board, image }
+    pub(super) fn new(
+        snapshot: Option<&'a ExportSnapshot>,
+        image: Option<&'a Image>,
+    ) -> Exported<'a> {
+        Exported { snapshot, image }
     }
 
     /// Returns the declarations of the exports and their memory slots.
     fn read(&self) -> Option<(&'a [Export], Vec<u64>)> {
-        let cells = self.board.and_then(ExportSnapshot::read_consistent);
+        let cells = self.snapshot.and_then(ExportSnapshot::read_consistent);
         Some((&self.image?.exports, cells?))
     }
 

@@ -187,6 +187,19 @@ impl Liveness {
     }
 }
 
+/// Iterates over the queued messages. If an answer is expected, the iterator waits for it for a short time.
+fn queued_messages(
+    out: &OutboxReceiver,
+    answer_expected: bool,
+) -> impl Iterator<Item = String> + '_ {
+    let wait = match answer_expected {
+        true => ANSWER_WAIT,
+        false => Duration::ZERO,
+    };
+    let first = out.messages.recv_timeout(wait).ok();
+    std::iter::successors(first, |_| out.messages.try_recv().ok())
+}
+
 fn send(
     socket: &mut WebSocket<Box<dyn Stream>>,
     out: &OutboxReceiver,
@@ -196,15 +209,8 @@ fn send(
         Error::Io(why) => why,
         other => io::Error::other(other),
     };
-    let wait = if answer_expected {
-        ANSWER_WAIT
-    } else {
-        Duration::ZERO
-    };
-    let mut next = out.messages.recv_timeout(wait).ok();
-    while let Some(message) = next {
+    for message in queued_messages(out, answer_expected) {
         socket.write(Message::text(message)).map_err(failed)?;
-        next = out.messages.try_recv().ok();
     }
     socket.flush().map_err(failed)
 }
@@ -263,16 +269,9 @@ fn send_lines(
     out: &OutboxReceiver,
     answer_expected: bool,
 ) -> io::Result<()> {
-    let wait = if answer_expected {
-        ANSWER_WAIT
-    } else {
-        Duration::ZERO
-    };
-    let mut next = out.messages.recv_timeout(wait).ok();
-    while let Some(message) = next {
+    for message in queued_messages(out, answer_expected) {
         stream.write_all(message.as_bytes())?;
         stream.write_all(b"\n")?;
-        next = out.messages.try_recv().ok();
     }
     stream.flush()
 }
