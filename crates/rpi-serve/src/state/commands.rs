@@ -74,7 +74,7 @@ impl Commands {
     }
 
     /// Returns the command with this id in the core, and its number.
-    pub(super) fn numbered(&self, id: CommandId) -> Option<(u64, &CommandRecord)> {
+    pub(super) fn find_by_id(&self, id: CommandId) -> Option<(u64, &CommandRecord)> {
         let number = *self.by_id.get(&id)?;
         Some((number, self.records.get(&number)?))
     }
@@ -166,7 +166,7 @@ impl Commands {
 
     /// Unloads a command whose session has left it behind, once it can be unloaded.
     pub(super) fn unload_if_abandoned(&self, id: CommandId, core: &mut CoreLink) {
-        let found = self.numbered(id);
+        let found = self.find_by_id(id);
         if found.is_some_and(|(_, r)| r.unload_at_end && r.eval.is_none()) {
             core.defer_by_id(id, CommandOp::Unload);
         }
@@ -201,7 +201,7 @@ impl Commands {
             return ApiError::Refused(why);
         };
         let actuator = devices.actuator_name(resource);
-        ApiError::ResourceHeld(match self.numbered(by) {
+        ApiError::ResourceHeld(match self.find_by_id(by) {
             Some((number, record)) => {
                 let title = record.title.as_str();
                 let gap = if title.is_empty() { "" } else { " " };

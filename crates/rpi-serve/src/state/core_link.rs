@@ -45,7 +45,7 @@ impl CoreLink {
     }
 
     /// Sends a request about a command.
-    pub(super) fn ask(
+    pub(super) fn send_request(
         &mut self,
         commands: &Commands,
         name: &str,
@@ -70,7 +70,7 @@ impl CoreLink {
     }
 
     /// Removes the pending request with this ticket.
-    pub(super) fn answered(&mut self, ticket: Ticket) -> Option<PendingRequest> {
+    pub(super) fn take_answered(&mut self, ticket: Ticket) -> Option<PendingRequest> {
         self.pending.take(ticket)
     }
 
@@ -91,11 +91,11 @@ impl CoreLink {
 
     fn push_deferred(&mut self, deferred: DeferredOp) {
         self.deferred.push(deferred);
-        self.pay();
+        self.send_deferred();
     }
 
     /// Sends the deferred requests, as far as the queue has room.
-    pub(super) fn pay(&mut self) {
+    pub(super) fn send_deferred(&mut self) {
         self.deferred
             .send_deferred(&mut self.control, &mut self.pending);
     }

@@ -5,7 +5,7 @@ use rpi_runtime::control::{
 };
 
 use super::ServerState;
-use super::command_events::{ended, on_braked, on_discontinuity, on_inserted, phase};
+use super::command_events::{on_braked, on_discontinuity, on_ended, on_inserted, set_phase};
 use super::eval::{fail_eval, finish_evals};
 use super::pending::{OnAnswer, PendingRequest, answer};
 use super::types::RuleState;
@@ -16,12 +16,12 @@ impl ServerState {
         while let Some(event) = self.core.poll() {
             self.handle_event(event);
         }
-        self.recording.look_after(&mut self.log);
-        self.core.pay();
+        self.recording.warn_if_failed(&mut self.log);
+        self.core.send_deferred();
         self.emergency.repeat_stop_request(&mut self.core);
         self.advance_tasks();
         let commands = &mut self.objects.commands;
-        self.rules.release_told(commands);
+        self.rules.release_reported(commands);
         self.rules.report_delayed_rules(commands);
         finish_evals(commands, &mut self.core);
         commands.publish();
@@ -45,7 +45,7 @@ impl ServerState {
                 code,
                 moving,
                 ..
-            } => self.devices.changed(device, code, moving, &mut self.log),
+            } => self.devices.on_changed(device, code, moving, &mut self.log),
         }
     }
 
@@ -63,7 +63,7 @@ impl ServerState {
     }
 
     fn on_answer(&mut self, ticket: Ticket, refused: Option<CommandError>) {
-        let Some(PendingRequest { then, reply }) = self.core.answered(ticket) else {
+        let Some(PendingRequest { then, reply }) = self.core.take_answered(ticket) else {
             return;
         };
         let Some(why) = refused else {
@@ -93,13 +93,13 @@ impl ServerState {
                 format!("n{number}")
             }
             OnAnswer::RuleMade(rule) => format!("r{}", rule.0),
-            OnAnswer::DeviceAdded(info) => self.devices.added(info, &mut self.log),
+            OnAnswer::DeviceAdded(info) => self.devices.on_added(info, &mut self.log),
             OnAnswer::Stopped => {
                 self.emergency.clear_stop_flag();
                 String::new()
             }
             OnAnswer::DeviceRemoved(name) => {
-                self.devices.gone(&name, &mut self.log);
+                self.devices.on_removed(&name, &mut self.log);
                 String::new()
             }
         }
@@ -108,17 +108,19 @@ impl ServerState {
     fn on_notice(&mut self, notice: Notice) {
         let commands = &mut self.objects.commands;
         match notice {
-            Notice::Scheduled { command, .. } => phase(commands, command, CommandState::Scheduled),
-            Notice::Started { command, .. } => phase(commands, command, CommandState::Running),
+            Notice::Scheduled { command, .. } => {
+                set_phase(commands, command, CommandState::Scheduled)
+            }
+            Notice::Started { command, .. } => set_phase(commands, command, CommandState::Running),
             Notice::Cancelling { command, .. } => {
-                phase(commands, command, CommandState::Cancelling)
+                set_phase(commands, command, CommandState::Cancelling)
             }
             Notice::Ended {
                 command, ending, ..
             } => self.on_ended(command, ending),
             Notice::Orphaned { command, kept } => {
                 if kept {
-                    phase(commands, command, CommandState::Ready);
+                    set_phase(commands, command, CommandState::Ready);
                 }
                 commands.unload_if_abandoned(command, &mut self.core);
             }
@@ -132,9 +134,9 @@ impl ServerState {
                 on_discontinuity(commands, command, (&jump, &self.devices), &mut self.log);
             }
             Notice::Rule { rule, outcome } => match outcome {
-                RuleOutcome::Fired => self.rules.fired(rule, commands, &mut self.log),
-                RuleOutcome::Failed(_) => self.rules.over(rule, RuleState::Failed),
-                RuleOutcome::Dropped => self.rules.over(rule, RuleState::Dropped),
+                RuleOutcome::Fired => self.rules.on_fired(rule, commands, &mut self.log),
+                RuleOutcome::Failed(_) => self.rules.on_ended(rule, RuleState::Failed),
+                RuleOutcome::Dropped => self.rules.on_ended(rule, RuleState::Dropped),
             },
         }
     }
@@ -145,7 +147,7 @@ impl ServerState {
             _ => false,
         };
         let objects = &mut self.objects;
-        ended(&mut objects.commands, id, (ending, stopped), &mut self.log);
+        on_ended(&mut objects.commands, id, (ending, stopped), &mut self.log);
         objects.tasks.add_step(id, &objects.commands);
         objects.commands.unload_if_abandoned(id, &mut self.core);
     }

@@ -91,10 +91,10 @@ pub(crate) type LoadCallback = Box<dyn Fn(LoadJob, Result<LoadOutput, Vec<String
 pub(crate) fn start(
     jobs: Arc<LoadQueue>,
     continuity: Option<Continuity>,
-    twin: Arc<Mutex<DeviceReplica>>,
+    replica: Arc<Mutex<DeviceReplica>>,
     done: LoadCallback,
 ) -> std::io::Result<()> {
-    let work = move || work(&jobs, continuity, &twin, &done);
+    let work = move || work(&jobs, continuity, &replica, &done);
     std::thread::Builder::new()
         .name("rpi-load".into())
         .spawn(work)?;
@@ -104,13 +104,13 @@ pub(crate) fn start(
 fn work(
     jobs: &LoadQueue,
     continuity: Option<Continuity>,
-    twin: &Mutex<DeviceReplica>,
+    replica: &Mutex<DeviceReplica>,
     done: &LoadCallback,
 ) {
     while let Some(job) = jobs.pop() {
         // A crash of the compiler on one text must not end the loader for all clients.
         let loaded = catch_unwind(AssertUnwindSafe(|| match job.kind {
-            JobKind::Command => load_command(&job, continuity, twin).map(LoadOutput::Command),
+            JobKind::Command => load_command(&job, continuity, replica).map(LoadOutput::Command),
             JobKind::Task => load_task(&job).map(LoadOutput::Task),
         }));
         let loaded = loaded.unwrap_or_else(|_| {
@@ -125,13 +125,13 @@ fn work(
 fn load_command(
     job: &LoadJob,
     continuity: Option<Continuity>,
-    twin: &Mutex<DeviceReplica>,
+    replica: &Mutex<DeviceReplica>,
 ) -> Result<LoadedCommand, Vec<String>> {
     let (image, work, reasons, given) = lower_command(job)?;
     let image = Arc::new(image);
-    let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
-    let generation = twin.generation;
-    let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
+    let mut replica = replica.lock().unwrap_or_else(PoisonError::into_inner);
+    let generation = replica.generation;
+    let mut command = Command::load(Arc::clone(&image), &mut replica.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     command.set_continuity(continuity.unwrap_or(match job.origin.language {
         // Nets of the reference system are written for control cores without this check.

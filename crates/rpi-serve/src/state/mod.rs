@@ -118,7 +118,7 @@ impl SharedState {
     ) -> std::io::Result<SharedState> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let devices = Devices::from_cell(cell, &limits, tick_ns);
-        let twin = devices.twin();
+        let replica = devices.replica();
         let jobs = Arc::new(LoadQueue::new(limits.queued_loads));
         let shared = SharedState(Arc::new(Mutex::new(ServerState {
             limits,
@@ -146,7 +146,7 @@ impl SharedState {
                 SharedState(state).lock().loading().loaded(job, loaded);
             }
         });
-        loader::start(jobs, settings.continuity, twin, done)?;
+        loader::start(jobs, settings.continuity, replica, done)?;
         Ok(shared)
     }
 

@@ -69,7 +69,9 @@ impl Objects {
         name: &str,
         rule: &RuleRecord,
     ) -> Result<(), ApiError> {
-        let mut records = rule.acts_on().filter_map(|id| self.commands.numbered(*id));
+        let mut records = rule
+            .acts_on()
+            .filter_map(|id| self.commands.find_by_id(*id));
         records.try_for_each(|(_, r)| self.sessions.ensure_may_act_in(client, r.session, name))
     }
 
@@ -179,7 +181,7 @@ impl Objects {
             answer(reply, Err(why));
             self.close_if_empty(session);
         } else if let Some(record) = self.commands.remove(number) {
-            let called = record.called(number);
+            let called = record.display_name(number);
             log.write(format_args!("{called} cannot be loaded: {why}"));
             let reply = record.eval.map(|e| e.reply).or(record.loading);
             answer(reply, Err(why));

@@ -69,8 +69,8 @@ impl CommandRecord {
     }
 
     /// Returns the name and title of the command for the log.
-    pub(super) fn called(&self, number: u64) -> String {
-        called(&format!("n{number}"), &self.title)
+    pub(super) fn display_name(&self, number: u64) -> String {
+        display_name(&format!("n{number}"), &self.title)
     }
 
     /// Returns whether the command runs or ends on its path.
@@ -114,11 +114,11 @@ impl CommandRecord {
     pub(super) fn set_phase(&mut self, phase: Phase) {
         if self.status.phase != phase {
             self.status.phase = phase;
-            self.tell_state();
+            self.publish_state();
         }
     }
 
-    fn tell_state(&mut self) {
+    fn publish_state(&mut self) {
         let exported = Exported::new(self.snapshot.as_deref(), self.image.as_deref());
         self.subscriptions.report_state(&self.status, &exported);
     }
@@ -173,7 +173,7 @@ impl CommandRecord {
 }
 
 /// Returns a name with its title for display.
-pub(super) fn called(name: &str, title: &str) -> String {
+pub(super) fn display_name(name: &str, title: &str) -> String {
     match title {
         "" => name.to_owned(),
         title => format!("{name} ({title})"),

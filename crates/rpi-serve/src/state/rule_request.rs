@@ -27,7 +27,7 @@ pub(crate) struct RuleRequest<'a> {
 }
 
 /// Resolves the names of a request: returns the rule for the core and its record.
-pub(super) fn built(
+pub(super) fn build_rule(
     make: &RuleRequest<'_>,
     commands: &Commands,
 ) -> Result<(Rule, RuleRecord), ApiError> {
@@ -106,7 +106,7 @@ fn fact(command: &str, fact_expr: &FactExpr, commands: &Commands) -> Result<Fact
 
 /// Notes the result that ends a command: a rule that only stops a command, when one of its exports is true, declares
 /// that export as such a result.
-pub(super) fn note_end_result(make: &RuleRequest<'_>, commands: &mut Commands) {
+pub(super) fn record_end_result(make: &RuleRequest<'_>, commands: &mut Commands) {
     let (Expr::Fact(command, FactExpr::Export(key)), [stop], [], []) =
         (make.when, make.stop, make.cancel, make.start)
     else {
