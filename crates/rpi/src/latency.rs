@@ -44,11 +44,11 @@ fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
         time: Some(args.time),
         settings: Vec::new(),
     };
-    let script = target::task_bundle(&compiled, &target, target::lower_for_run)?;
-    let (cell, _) = target::cell(&path, &target, &script)?;
+    let bundle = target::task_bundle(&compiled, &target, target::lower_for_run)?;
+    let (cell, _) = target::cell(&path, &target, &bundle)?;
     let outcome = run::run(RunOptions {
-        images: &script.images,
-        plans: std::slice::from_ref(&script.plan),
+        images: &bundle.images,
+        plans: std::slice::from_ref(&bundle.plan),
         cell: &cell,
         time_base: TimeBase::Real,
         real_time: RealTime {

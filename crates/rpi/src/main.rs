@@ -5,6 +5,7 @@
 
 mod args;
 mod budget_args;
+mod cell_file;
 mod exit;
 mod interrupt;
 mod latency;

@@ -34,8 +34,8 @@ use rpi_serve::TaskBundle;
 /// Runs, records and prints the summary.
 pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let compiled = compile(args)?;
-    let script = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
-    target::ensure_inputs_set(&compiled, &args.target, &script)?;
+    let bundle = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
+    target::ensure_inputs_set(&compiled, &args.target, &bundle)?;
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
         return Err("--record and --plot must name different files".into());
@@ -57,12 +57,12 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     several
         .0
         .extend(digest.as_mut().map(|digest| digest as &mut dyn Sink));
-    let mut claims = claims(&compiled, &script);
+    let mut claims = claims(&compiled, &bundle);
     several.0.push(&mut claims);
     let interrupt = Interrupt::listen()?;
-    let mut outcome = execute(args, &script, &interrupt, &mut several)?;
+    let mut outcome = execute(args, &bundle, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.to_hex());
-    let mut faults = Faults::of(&outcome);
+    let mut faults = Faults::from_outcome(&outcome);
     let (mut diagnostics, summary) = claims.into_diagnostics(&mut outcome, &mut faults);
     // The text that an image was compiled from is not known, so faults have no location.
     if !matches!(compiled.program, Program::Image(_)) {
@@ -75,8 +75,8 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     );
     let file = record.unwrap_or(Path::new("")).display();
     let recorded = match (rows, &outcome.unrecorded) {
-        (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}")),
-        (None, Some(why)) => Err(format!("{file}: {why}")),
+        (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}").into()),
+        (None, Some(why)) => Err(format!("{file}: {why}").into()),
         (None, None) => Ok(()),
     };
     let drawn = match (motion, &mut picture) {
@@ -98,12 +98,12 @@ fn draw(
     motion: &MotionSink,
     outcome: &Outcome,
     picture: &mut File,
-) -> Result<(), String> {
+) -> Result<(), Box<dyn Error>> {
     let title = args.program.file_name().unwrap_or_default();
     let drawing = plot::render_svg(&motion.to_plot(&title.to_string_lossy(), outcome));
     let file = args.plot.as_deref().unwrap_or(Path::new("")).display();
     let drawn = picture.write_all(drawing.as_bytes());
-    drawn.map_err(|e| format!("{file}: {e}"))
+    drawn.map_err(|e| format!("{file}: {e}").into())
 }
 
 fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
@@ -119,28 +119,29 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
 }
 
 /// Creates the observer of assertions and contracts of all commands that run.
-fn claims(compiled: &Compiled, script: &TaskBundle) -> ClaimMonitorSink {
-    let runs = |net: &&Net| script.images.iter().any(|image| image.name == net.name);
+fn claims(compiled: &Compiled, bundle: &TaskBundle) -> ClaimMonitorSink {
+    let runs = |net: &&Net| bundle.images.iter().any(|image| image.name == net.name);
     let nets = compiled.nets().iter().filter(runs);
     ClaimMonitorSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }
 
 fn execute(
     args: &RunArgs,
-    script: &TaskBundle,
+    bundle: &TaskBundle,
     interrupt: &Interrupt,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
-    let (cell, text) = target::cell(&args.program, &args.target, script)?;
+    let (cell, text) = target::cell(&args.program, &args.target, bundle)?;
     let recording = args.record.as_deref().filter(|path| is_mcap(path));
     let recording = recording.map(|path| mcap_recording(path, args, text));
-    let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
+    let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
-    let mut report_end = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
+    let mut show_progress =
+        |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
     let shows = std::io::stderr().is_terminal();
     let outcome = run::run(RunOptions {
-        images: &script.images,
-        plans: std::slice::from_ref(&script.plan),
+        images: &bundle.images,
+        plans: std::slice::from_ref(&bundle.plan),
         cell: &cell,
         time_base: match args.clock.real_time {
             true => TimeBase::Real,
@@ -148,7 +149,7 @@ fn execute(
         },
         real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
-        budget: share(args, script, tick_ns)?,
+        budget: share(args, bundle, tick_ns)?,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),
@@ -158,7 +159,11 @@ fn execute(
         settings: &args.target.settings,
         recording: recording.transpose()?,
         sink,
-        progress: if shows { Some(&mut report_end) } else { None },
+        progress: if shows {
+            Some(&mut show_progress)
+        } else {
+            None
+        },
     });
     progress.clear();
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
@@ -176,16 +181,16 @@ const BUDGET_HELP: &str = "reduce its work per cycle, use a longer --period, mea
 /// Returns the share of a tick for commands; `None` on simulated time, where a cycle may take any time.
 fn share<'a>(
     args: &RunArgs,
-    script: &'a TaskBundle,
+    bundle: &'a TaskBundle,
     tick_ns: u64,
-) -> Result<Option<RunBudget<'a>>, String> {
+) -> Result<Option<RunBudget<'a>>, Box<dyn Error>> {
     let share = args.share.parse_share().filter(|_| args.clock.real_time);
     let machine = args.program.with_file_name(rpi_driver::MACHINE);
     let budget = |share| {
         let ns = args.share.ns_per_operation(Some(&machine))?;
         Ok(RunBudget {
             budget: Budget::from_share(tick_ns, share, ns),
-            work: &script.work,
+            work: &bundle.work,
         })
     };
     share.map(budget).transpose()

@@ -9,9 +9,9 @@ use std::time::Duration;
 use rpi_diag::with_noun;
 use rpi_record::mcap::{RecordingOptions, RunSources};
 use rpi_serve::{OpenError, Server, Settings, TlsFiles};
-use rpi_sim::Cell;
 
 use crate::args::ServeArgs;
+use crate::cell_file;
 use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
 use crate::run::is_mcap;
@@ -83,19 +83,6 @@ fn recording(path: &Path, cell: String) -> Result<RecordingOptions, String> {
             cell,
         },
     })
-}
-
-/// Reads the cell with its text; a cell without devices if there is no path.
-fn read_cell(path: Option<&Path>) -> Result<(Cell, String), String> {
-    let Some(path) = path else {
-        return Ok((Cell::default(), String::new()));
-    };
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
-    let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
-    let cell = Cell::parse(&name, text);
-    let cell = cell.map_err(|errors| format!("the cell is invalid\n{errors}"))?;
-    Ok((cell, text.to_owned()))
 }
 
 fn tls(args: &ServeArgs) -> Option<TlsFiles> {

@@ -32,17 +32,17 @@ pub(crate) fn trace(args: &TraceArgs) -> CommandResult {
 
 fn record(args: &TraceArgs) -> CommandResult {
     let compiled = program::load(&args.source, ClaimPolicy::Off)?;
-    let script = target::task_bundle(&compiled, &args.target, |net, period| {
-        rpi_driver::lower_for_observation(net, period).map(|image| (image, None))
+    let bundle = target::task_bundle(&compiled, &args.target, |net, period| {
+        Ok((rpi_driver::lower_for_observation(net, period)?, None))
     })?;
-    target::ensure_inputs_set(&compiled, &args.target, &script)?;
-    let (cell, _) = target::cell(&args.source, &args.target, &script)?;
-    let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
+    target::ensure_inputs_set(&compiled, &args.target, &bundle)?;
+    let (cell, _) = target::cell(&args.source, &args.target, &bundle)?;
+    let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut text = Vec::new();
     let mut traced = TraceSink::new(&mut text, 0)?;
     let outcome = run::run(RunOptions {
-        images: &script.images,
-        plans: std::slice::from_ref(&script.plan),
+        images: &bundle.images,
+        plans: std::slice::from_ref(&bundle.plan),
         cell: &cell,
         time_base: TimeBase::Simulated,
         real_time: RealTime::default(),

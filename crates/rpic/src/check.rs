@@ -63,7 +63,7 @@ pub(crate) fn compile(
 pub(crate) struct DiagnosticSet {
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) sources: SourceMap,
-    /// Indices into `findings` by code and location. The index keeps the search for duplicates fast: there can be a
+    /// Indices into `diagnostics` by code and location. The index keeps the search for duplicates fast: there can be a
     /// hundred thousand diagnostics.
     index: BTreeMap<(Code, Span), Vec<usize>>,
 }

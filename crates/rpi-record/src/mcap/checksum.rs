@@ -49,10 +49,10 @@ pub(super) fn verify(bytes: &[u8]) -> Result<(), &'static str> {
 /// Returns the content of the record at offset `at` if it has this kind and length.
 fn record(bytes: &[u8], at: usize, kind: u8, len: usize) -> Option<&[u8]> {
     let head = bytes.get(at..at.checked_add(RECORD_HEADER_LEN)?)?;
-    let fits = head[0] == kind && decode_le(&head[1..]) == len as u64;
+    let is_expected = head[0] == kind && decode_le(&head[1..]) == len as u64;
     bytes
         .get(at + RECORD_HEADER_LEN..at + RECORD_HEADER_LEN + len)
-        .filter(|_| fits)
+        .filter(|_| is_expected)
 }
 
 /// Decodes a little-endian number of at most eight bytes.

@@ -65,13 +65,13 @@ impl fmt::Display for ReplayReport {
             events,
             ..
         } = self;
-        let told = [
+        let counts = [
             with_noun(ticks, "tick"),
             with_noun(commands, "command"),
             with_noun(values, "value"),
             with_noun(events, "event"),
         ];
-        writeln!(f, "{}", told.join(", "))?;
+        writeln!(f, "{}", counts.join(", "))?;
         if self.lost > 0 {
             writeln!(
                 f,

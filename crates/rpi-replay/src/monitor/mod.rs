@@ -14,9 +14,8 @@ use std::collections::BTreeSet;
 use rpi_diag::Diagnostic;
 use rpi_image::Type;
 use rpi_net::{Claim, ClaimKind, ClaimRead};
-use rpi_prims::FaultCode;
 
-use rpi_runtime::run::fault_text;
+use crate::faults::ReportedFault;
 
 /// Access to the values of exports.
 pub trait ExportValues {
@@ -107,23 +106,17 @@ impl ClaimMonitor {
         violation_report::diagnostic(&self.claims[broken.claim].claim, broken, cycle)
     }
 
-    /// Rewrites the diagnostic of a fault if the fault was raised by this violated claim. Returns the new message;
-    /// `None` if the fault has another cause.
+    /// Rewrites the report of a fault if the fault was raised by this violated claim. Returns the description of the
+    /// violation; `None` if the fault has another cause.
     pub(crate) fn explain_fault(
         &self,
-        fault: &mut Diagnostic,
+        fault: &mut ReportedFault,
         broken: &ClaimViolation,
     ) -> Option<String> {
         let claim = &self.claims[broken.claim].claim;
-        let assertion = fault_text(FaultCode::AssertionFailed);
-        let is_of_it = fault.span() == claim.span && fault.message.ends_with(assertion);
-        is_of_it.then(|| {
-            let (told, sentence) = (
-                violation_report::diagnostic(claim, broken, 0),
-                violation_report::violation_text(claim),
-            );
-            fault.message = fault.message.replace(assertion, &sentence);
-            (fault.labels, fault.notes) = (told.labels, told.notes);
+        fault.is_assertion_at(claim.span).then(|| {
+            let sentence = violation_report::violation_text(claim);
+            fault.explain(&sentence, violation_report::diagnostic(claim, broken, 0));
             sentence
         })
     }
@@ -165,13 +158,14 @@ impl ClaimMonitor {
 impl MonitoredClaim {
     /// Evaluates the claim in a cycle. Returns true if it is violated for the first time.
     fn evaluate(&mut self, flows: &dyn ExportValues, released: &mut BTreeSet<String>) -> bool {
-        let owed = self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
+        let is_due =
+            self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
         // A claim that is constantly true has no export.
         let holds = self.condition.map_or(Some(true), |export| {
             flows.words(export).map(|cells| cells.first() != Some(&0))
         });
-        self.evaluated += u64::from(owed && holds.is_some());
-        let fails = owed && holds == Some(false);
+        self.evaluated += u64::from(is_due && holds.is_some());
+        let fails = is_due && holds == Some(false);
         self.violated += u64::from(fails);
         if fails && self.claim.kind == ClaimKind::Assume {
             released.insert(self.claim.path.clone());

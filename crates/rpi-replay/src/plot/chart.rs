@@ -41,8 +41,8 @@ pub(super) fn draw(
         },
     };
     frame.draw(svg, &chart.title, "s");
-    for spell in spells.iter().skip(1) {
-        let x = frame.x.to_pixel(spell.from);
+    for span in spells.iter().skip(1) {
+        let x = frame.x.to_pixel(span.from);
         svg.dashed((x, frame.top()), (x, frame.bottom()), AXIS);
     }
     for (k, line) in chart.lines.iter().enumerate() {

@@ -15,6 +15,7 @@ use super::relation::Tolerance;
 use super::report::{CompareReport, ReplayFault};
 use super::trace_view::{CycleView, RecordedValue, varying_ports};
 use rpi_record::trace::Trace;
+use rpi_runtime::ImageLoadError;
 
 /// Replays a net against a trace and compares every computed value that the trace also holds.
 ///
@@ -59,9 +60,10 @@ fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instanc
         observe: Observe::All,
         may_be_absent: &may_be_absent,
     };
-    let image = rpi_lower::lower(&analysis.net, &plan, &lowering);
-    let image = image.map_err(|error| ReplayError::Lowering(error.to_string()))?;
-    Instance::load(image, bank).map_err(ReplayError::Loading)
+    let image = rpi_lower::lower(&analysis.net, &plan, &lowering)
+        .map_err(|error| ReplayError::Lowering(error.to_string()))?;
+    let instance = Instance::load(image, bank).map_err(ImageLoadError);
+    instance.map_err(ReplayError::Loading)
 }
 
 /// State of a running replay.

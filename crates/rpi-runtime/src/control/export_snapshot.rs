@@ -32,7 +32,7 @@ struct OverrunSnapshot {
 }
 
 impl ExportSnapshot {
-    /// Creates a board for these exports. All exports are absent.
+    /// Creates a snapshot for these exports. All exports are absent.
     pub(super) fn new(exports: &[Export]) -> ExportSnapshot {
         let cells: usize = exports.iter().map(export_words).sum();
         ExportSnapshot {

@@ -12,7 +12,7 @@ mod timing_stats;
 
 pub use clock::TimeBase;
 pub(crate) use command_timer::CommandTimer;
-pub use overrun::{OverrunPolicy, OverrunStats};
+pub use overrun::{OverrunPolicy, OverrunStats, ParseOverrunPolicyError};
 pub use resources::{ResourceGrant, SchedulingOptions, request_resources};
 pub use rpi_core::{CommandOverrunPolicy, OverrunThreshold};
 pub use syscall_filter::{install_syscall_filter, is_syscall_filter_installed, sleep_forever};

@@ -259,12 +259,12 @@ impl Host<'_> {
     /// blocks.
     pub(super) fn serve(&mut self, sink: &mut dyn Sink) {
         self.process_events(sink);
-        let mut bench = TaskCoreAdapter {
+        let mut core = TaskCoreAdapter {
             context: &mut self.context,
             books: &mut self.command_log,
         };
         for task in &mut self.tasks {
-            task.advance(&mut bench);
+            task.advance(&mut core);
         }
     }
 

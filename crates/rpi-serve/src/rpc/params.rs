@@ -35,16 +35,16 @@ impl<'a> Call<'a> {
     pub(super) fn period_answer(
         &self,
         front: &RpcConnection,
-        asked_ns: u64,
+        requested_ns: u64,
     ) -> impl FnOnce(&str, String) -> Value + Send + 'static {
-        let period_ns = front.state.lock().defaults.round_period(asked_ns);
+        let period_ns = front.state.lock().defaults.round_period(requested_ns);
         move |kind, name| {
-            let mut told = json!({"period": period_ns as f64 * 1e-9});
-            told[kind] = json!(name);
-            if asked_ns > 0 && asked_ns != period_ns {
-                told["rounded"] = json!(true);
+            let mut answer = json!({"period": period_ns as f64 * 1e-9});
+            answer[kind] = json!(name);
+            if requested_ns > 0 && requested_ns != period_ns {
+                answer["rounded"] = json!(true);
             }
-            told
+            answer
         }
     }
 

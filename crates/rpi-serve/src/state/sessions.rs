@@ -160,7 +160,7 @@ impl Sessions {
     pub(super) fn remove_closed(&mut self, number: u64) {
         let closed = self.records.get(&number).is_some_and(|s| s.closed);
         if closed && let Some(mut session) = self.records.remove(&number) {
-            session.watchers.tell(&Update::Session(false));
+            session.watchers.notify(&Update::Session(false));
         }
     }
 

@@ -81,7 +81,7 @@ impl TaskCore for TaskCoreAdapter<'_> {
         let objects = &mut *self.objects;
         let room = objects.ensure_total_memory(self.number, bytes, self.core);
         room.map_err(|_| RequestError::OutOfMemoryQuota)?;
-        let adopted: AdoptedCommand = self.core.control.adopt_with_board(command)?;
+        let adopted: AdoptedCommand = self.core.control.adopt_with_snapshot(command)?;
         let id = adopted.id;
         let task = objects.tasks.get(self.number);
         let session = task.map_or(0, |task| task.session);

@@ -8,6 +8,7 @@ use rpi_runtime::control::{
 
 use super::source_location::SourceLocation;
 use super::task_status::TaskStatus;
+use crate::condition::ConditionError;
 use crate::fair_share::QuotaError;
 
 /// Life-cycle state of a command, as clients see it.
@@ -179,6 +180,12 @@ impl From<RequestError> for ApiError {
             }
             RequestError::ValueSize { .. } => ApiError::Invalid(why.to_string()),
         }
+    }
+}
+
+impl From<ConditionError> for ApiError {
+    fn from(error: ConditionError) -> ApiError {
+        ApiError::Invalid(error.to_string())
     }
 }
 

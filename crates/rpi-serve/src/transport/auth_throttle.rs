@@ -117,10 +117,10 @@ mod tests {
 
     #[test]
     fn the_first_is_told_and_then_ever_fewer() {
-        let strangers = AuthThrottle::default();
-        let told = (0..1000).filter_map(|_| strangers.record(peer(1), RejectReason::WrongToken));
+        let throttle = AuthThrottle::default();
+        let warnings = (0..1000).filter_map(|_| throttle.record(peer(1), RejectReason::WrongToken));
         assert_eq!(
-            told.collect::<Vec<_>>(),
+            warnings.collect::<Vec<_>>(),
             [
                 "rejected a request with a wrong token, from 10.0.0.1",
                 "rejected a request with a wrong token, 10 times by now, from 10.0.0.1",
@@ -128,26 +128,22 @@ mod tests {
                 "rejected a request with a wrong token, 1000 times by now, from 10.0.0.1",
             ]
         );
-        assert!(
-            strangers
-                .record(peer(2), RejectReason::WrongToken)
-                .is_some()
-        );
+        assert!(throttle.record(peer(2), RejectReason::WrongToken).is_some());
     }
 
     #[test]
     fn only_so_many_wait_and_are_remembered() {
-        let strangers = AuthThrottle::default();
-        strangers.record(peer(1), RejectReason::WrongToken);
+        let throttle = AuthThrottle::default();
+        throttle.record(peer(1), RejectReason::WrongToken);
         let mut waiting: Vec<DelayedAnswer> = (0..MAX_DELAYED)
-            .map(|_| strangers.reserve_delay(peer(1)).unwrap())
+            .map(|_| throttle.reserve_delay(peer(1)).unwrap())
             .collect();
-        assert!(strangers.reserve_delay(peer(1)).is_none());
+        assert!(throttle.reserve_delay(peer(1)).is_none());
         waiting.pop();
-        assert!(strangers.reserve_delay(peer(1)).is_some());
+        assert!(throttle.reserve_delay(peer(1)).is_some());
         for k in 0..2000_u32 {
-            strangers.record(Peer::from_ip(k.to_be_bytes().into()), RejectReason::NoToken);
+            throttle.record(Peer::from_ip(k.to_be_bytes().into()), RejectReason::NoToken);
         }
-        assert_eq!(strangers.lock().len(), MAX_ENTRIES);
+        assert_eq!(throttle.lock().len(), MAX_ENTRIES);
     }
 }

@@ -61,9 +61,9 @@ impl Acceptor {
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
         if ready.is_ok() {
-            self.spawn_connection(peer, move |reception| match &reception.identity {
-                None => reception.serve(Box::new(stream), peer),
-                Some(identity) => reception.serve_secure(identity, stream, peer),
+            self.spawn_connection(peer, move |acceptor| match &acceptor.identity {
+                None => acceptor.serve(Box::new(stream), peer),
+                Some(identity) => acceptor.serve_secure(identity, stream, peer),
             });
         }
     }
@@ -78,13 +78,13 @@ impl Acceptor {
         else {
             return self.log_rejection(peer, RejectReason::TooManyConnections);
         };
-        let reception = self.clone();
+        let acceptor = self.clone();
         let _ = thread::Builder::new()
             .name("rpi-client".into())
             .spawn(move || {
                 // Moved into the thread, so that the connection is counted until the thread ends.
                 let _place = place;
-                serve(&reception);
+                serve(&acceptor);
             });
     }
 
@@ -147,8 +147,8 @@ impl Acceptor {
 
     /// Logs a rejected connection or request.
     fn log_rejection(&self, peer: Peer, why: RejectReason) {
-        if let Some(told) = self.throttle.record(peer, why) {
-            self.state.lock().log.warn(&told);
+        if let Some(warning) = self.throttle.record(peer, why) {
+            self.state.lock().log.warn(&warning);
         }
     }
 
@@ -214,10 +214,10 @@ impl Acceptor {
         peer: Peer,
         out: Outbox,
     ) -> Option<Box<dyn ConnectionHandler>> {
-        let office = self.state.clone();
+        let shared = self.state.clone();
         match path {
-            "/DirectIO" => Some(Box::new(DioConnection::new(office, peer, out))),
-            "/rpc" => Some(Box::new(RpcConnection::new(office, peer, out))),
+            "/DirectIO" => Some(Box::new(DioConnection::new(shared, peer, out))),
+            "/rpc" => Some(Box::new(RpcConnection::new(shared, peer, out))),
             _ => None,
         }
     }
@@ -296,21 +296,21 @@ impl Acceptor {
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
         if ready.is_ok() {
-            self.spawn_connection(Peer::Local, move |reception| {
+            self.spawn_connection(Peer::Local, move |acceptor| {
                 let (out, outgoing) = outbox(
-                    reception.limits.queued_messages,
-                    reception.limits.subscriptions,
+                    acceptor.limits.queued_messages,
+                    acceptor.limits.subscriptions,
                 );
-                let mut front = RpcConnection::new(reception.state.clone(), Peer::Local, out);
-                let most = reception.limits.message_bytes;
+                let mut front = RpcConnection::new(acceptor.state.clone(), Peer::Local, out);
+                let most = acceptor.limits.message_bytes;
                 let end = framing::lines(
                     Box::new(stream),
                     most,
                     &mut front,
                     &outgoing,
-                    &reception.closing,
+                    &acceptor.closing,
                 );
-                reception.log_if_not_reading(end, Peer::Local);
+                acceptor.log_if_not_reading(end, Peer::Local);
             });
         }
     }

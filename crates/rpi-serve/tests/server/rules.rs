@@ -207,10 +207,13 @@ fn an_emergency_stop_brakes_what_moves() {
     });
     assert_eq!(ending["why"], "emergency stop", "{ending}");
     assert_eq!(ending["braked"], json!(["arm"]), "{ending}");
-    let told = owner.ask("command.describe", &json!({"command": swing}));
-    let told = &told["result"];
-    assert_eq!(told["state"], "terminated", "{told}");
-    assert_eq!(told["ending"], ending, "whoever asks later hears the same");
+    let description = owner.ask("command.describe", &json!({"command": swing}));
+    let description = &description["result"];
+    assert_eq!(description["state"], "terminated", "{description}");
+    assert_eq!(
+        description["ending"], ending,
+        "whoever asks later hears the same"
+    );
     assert_eq!(ending["cause"], "aborted", "{ending}");
     let place = ending["place"].as_str().unwrap_or_default();
     assert!(place.contains("arm"), "what has moved it: {ending}");

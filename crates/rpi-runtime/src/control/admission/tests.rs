@@ -9,34 +9,34 @@ fn id(number: u64) -> CommandId {
 }
 
 /// Creates an admission state with commands 1, 2, ... that have these bounds and actuators.
-fn books(claims: &[(u64, &[u32])]) -> Admission {
+fn books(demands: &[(u64, &[u32])]) -> Admission {
     let mut books = Admission::new(Some(Budget {
         ns_per_operation: 1.0,
         granted_ns: GRANTED,
     }));
-    for (number, (bound_ns, actuators)) in (1..).zip(claims) {
-        let claim = CommandDemand {
+    for (number, (bound_ns, actuators)) in (1..).zip(demands) {
+        let demand = CommandDemand {
             bound_ns: *bound_ns,
             actuators: (*actuators).into(),
             is_live: false,
             is_running: false,
             pending_starts: 0,
         };
-        books.demands.insert(id(number), claim);
+        books.demands.insert(id(number), demand);
     }
     books
 }
 
 fn ask(books: &mut Admission, ticket: u64, start: u64) -> Result<(), BudgetExceededError> {
-    let way = books.admit_start(id(start))?;
-    books.request_sent(Ticket(ticket), way);
+    let cause = books.admit_start(id(start))?;
+    books.request_sent(Ticket(ticket), cause);
     Ok(())
 }
 
 /// Adds the rule with this number.
 fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), BudgetExceededError> {
-    let way = books.admit_rule(RuleId(number), rule)?;
-    books.request_sent(Ticket(number), way);
+    let cause = books.admit_rule(RuleId(number), rule)?;
+    books.request_sent(Ticket(number), cause);
     books.handle_event(&answer(number, None));
     Ok(())
 }
@@ -66,7 +66,7 @@ fn those_of_one_actuator_take_turns_and_others_add_up() {
 fn what_was_refused_or_is_over_makes_room() {
     let mut books = books(&[(60, &[]), (60, &[])]);
     ask(&mut books, 1, 1).unwrap();
-    assert!(ask(&mut books, 2, 2).is_err(), "the first is on its way");
+    assert!(ask(&mut books, 2, 2).is_err(), "the first is on its cause");
     books.handle_event(&answer(1, Some(CommandError::Unknown)));
     ask(&mut books, 3, 2).unwrap();
     books.handle_event(&answer(3, None));
@@ -101,7 +101,7 @@ fn a_chain_takes_no_more_than_the_most_expensive_of_it() {
     }
     let why = ask(&mut books, 4, 4).unwrap_err();
     assert_eq!((why.needed_ns, why.taken_ns), (20, 90));
-    // Once command 3 may also start in another way, it counts in addition to the others.
+    // Once command 3 may also start in another cause, it counts in addition to the others.
     let rule = Rule::when(Condition::always()).start(id(3));
     assert!(make(&mut books, 5, &rule).is_err());
 }
