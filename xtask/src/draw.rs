@@ -4,7 +4,7 @@
 //! diagnostic. A comment that cannot be understood from these alone needs a better text. The same seed draws the same
 //! texts, as long as the sources do not change.
 
-use rpi_house::{source_files, tracked_files};
+use xtask::{source_files, tracked_files};
 
 use crate::fuzz::root;
 

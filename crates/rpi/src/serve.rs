@@ -18,7 +18,8 @@ use crate::run::is_mcap;
 
 /// Runs the server until it is interrupted; then stops everything and closes once the devices are at rest.
 pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
-    let (cell, text) = read_cell(args.cell.as_deref())?;
+    let cell = args.cell.as_deref().map(cell_file::read).transpose()?;
+    let (cell, text) = cell.unwrap_or_default();
     let token = args.token_file.as_deref().map(read_token).transpose()?;
     let settings = Settings {
         cycle_share: args.share.parse_share(),
