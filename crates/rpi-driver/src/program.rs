@@ -152,7 +152,7 @@ fn check_and_build<T>(
         facts: &facts,
         error_free: &sound,
         machine: modules.machine,
-        node_budget: SizeBudget::for_program(&program, &checked),
+        node_budget: SizeBudget::for_program(&program, &checked.units),
         summaries: RefCell::default(),
         faults: RefCell::default(),
     };

@@ -36,24 +36,21 @@ use crate::program::{DeclId, DeclKind, Program};
 use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
+use crate::ty::machine_types::external_type;
 use crate::typed::{Flow, Leaf, Unit, UnitId};
 use rpi_diag::{Code, Diagnostic, Severity, Span};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
-pub(crate) use crate::check::calls::prim_ports::{machine_type, pack_leaves, param_default};
 pub use crate::check::diagnostics::undefined_names::file_not_found;
 pub(crate) use crate::check::diagnostics::undefined_names::module_not_found;
 #[cfg(test)]
 pub(crate) use crate::check::exprs::builtins::intrinsic_names;
 pub(crate) use crate::check::exprs::builtins::{resolve_predeclared, spatial_parts};
-pub(crate) use crate::check::exprs::names::predeclared_flow_of_prim;
 pub use crate::check::exprs::names::result_identity;
 pub(crate) use crate::check::signatures::constraint::constraints;
 pub(crate) use crate::check::signatures::static_params::{static_params, static_params_of};
-pub(crate) use crate::check::types::exact_time::external_type;
-pub(crate) use crate::check::types::subrange::outside_subrange;
 
 /// A checked program.
 #[derive(Debug)]

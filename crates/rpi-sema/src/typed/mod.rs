@@ -6,6 +6,7 @@
 
 mod expr;
 mod flow;
+pub(crate) mod predeclared;
 mod print;
 pub(crate) mod task_step;
 pub(crate) mod traversal;

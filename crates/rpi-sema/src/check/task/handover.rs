@@ -174,7 +174,7 @@ fn source_from(
         return Err(Box::new(diagnostic.help(help)));
     };
     let found = &unit.expr(export.value).ty;
-    let [wanted, handed] = [ty, found].map(|ty| crate::check::external_type(ty).0);
+    let [wanted, handed] = [ty, found].map(|ty| crate::ty::machine_types::external_type(ty).0);
     match check_assignable(&wanted, &handed, &mut Substitution::default()) {
         // Frames have the names of the parameters of each command, so they may differ.
         Ok(()) | Err(TypeMismatchError::Frame { .. }) => Ok(TakenOverValue {

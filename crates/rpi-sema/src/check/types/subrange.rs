@@ -6,6 +6,7 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::types::consts;
+use crate::ty::subrange::outside_subrange;
 use crate::ty::{Subrange, Ty};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Diagnostic, Span};
@@ -60,11 +61,4 @@ pub(crate) fn is_in_subranges(cx: &mut Body<'_, '_>, leaves: &[Leaf], ty: &Ty, s
         );
     }
     out.is_none()
-}
-
-/// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
-pub(crate) fn outside_subrange(value: i64, range: Subrange) -> Diagnostic {
-    let message = format!("{value} is outside of the subrange {range}");
-    Diagnostic::new(Code::RPI2017, message)
-        .help(format!("use a value in {range}, or widen the range"))
 }
