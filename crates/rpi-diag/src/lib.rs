@@ -8,11 +8,12 @@
 //! |---|---|
 //! | `span.rs` | locations in source texts |
 //! | `codes.rs` | the table of codes |
-//! | `finding.rs` | a diagnostic |
+//! | `diagnostic.rs` | a diagnostic |
 //! | `format.rs` | output formats: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
-//! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | parts of the output for people |
+//! | `snippet.rs`, `overlap.rs`, `source_code.rs`, `footer.rs` | parts of the output for people |
 //! | `style.rs` | capabilities of the terminal |
 //! | `apply.rs` | applying fixes to texts |
+//! | `suppression.rs` | removal of diagnostics that follow from others |
 
 mod abbreviate;
 mod apply;
@@ -30,10 +31,11 @@ mod source_code;
 mod span;
 mod stderr;
 mod style;
+pub mod suppression;
 
 pub use apply::{apply, sure_edits, sure_fixes};
-pub use codes::{Code, Severity};
-pub use diagnostic::{Applicability, Diagnostic, Edit, Fix, Label};
+pub use codes::{Code, CodeGroup, Severity};
+pub use diagnostic::{Applicability, Diagnostic, Edit, Fix, Label, Subject};
 pub use format::{Format, render_as};
 pub use render::render;
 pub use rpi_words::{suggest, times, with_noun};

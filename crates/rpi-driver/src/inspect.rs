@@ -20,7 +20,7 @@ use crate::faults::FaultLocation;
 use crate::file_loader::FileLoader;
 use crate::input::stem;
 use crate::modules::Modules;
-use crate::program::build_modules;
+use crate::roots::build_modules;
 
 /// Results of checking a program, which may have errors. Its main text is file 0.
 #[derive(Debug)]

@@ -5,6 +5,8 @@
 //! This crate handles files and the order of the stages; it must not depend on the content of diagnostics or on the
 //! execution of commands.
 
+mod analysed_net;
+mod analysis_summary;
 mod compile;
 mod coverage_points;
 mod doctext;
@@ -18,20 +20,24 @@ pub mod import;
 mod input;
 mod inspect;
 mod instance_diagnostics;
+mod lowering;
 mod machine;
 mod modules;
 mod node;
 mod program;
 mod program_tests;
 mod project;
+mod roots;
 mod task;
 mod typed_program;
+mod unit_analysis;
 mod unused_outputs;
 mod violation;
 
+pub use analysed_net::AnalysedNet;
+pub use analysis_summary::AnalysisSummary;
 pub use compile::{
     CompileOptions, Compiled, Program, UnboundCommand, compile, compile_example, compile_with,
-    lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
 };
 pub use coverage_points::CoveragePoints;
 pub use doctext::{doc_blocks, doc_links, examples};
@@ -40,10 +46,12 @@ pub use faults::FaultLocation;
 pub use file_loader::{DiskLoader, FileLoader};
 pub use input::{Input, InputError, InputKind, read, read_error, utf8};
 pub use inspect::{Inspection, inspect};
+pub use lowering::{
+    LowerError, lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
+};
 pub use machine::{MACHINE, machine_text, read_machine};
 pub use modules::{library_modules, library_text};
 pub use node::{CompiledNode, Node, compile_node};
-pub use program::AnalysisSummary;
 pub use program_tests::Test;
 pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::ClaimPolicy;

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use rpi_driver::{Task, TaskPlan};
+use rpi_driver::{AnalysedNet, Task, TaskPlan};
 use rpi_image::Image;
-use rpi_net::Net;
 use rpi_runtime::run::ExecutablePlan;
 
 /// A task, ready to be loaded.
@@ -36,8 +35,8 @@ impl TaskBundle {
     /// If the task or one of its commands cannot be run.
     pub fn from_task(
         task: &Task,
-        nets: &[Net],
-        lower: impl Fn(&Net) -> Result<(Image, Option<u64>), String>,
+        nets: &[AnalysedNet],
+        lower: impl Fn(&AnalysedNet) -> Result<(Image, Option<u64>), String>,
     ) -> Result<TaskBundle, String> {
         let name = &task.name;
         let plan = task.plan.as_ref();

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rpi_driver::{Compiled, Program, Task};
+use rpi_driver::{AnalysedNet, Compiled, Program, Task};
 use rpi_image::Image;
-use rpi_net::Net;
 use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
 
@@ -17,12 +16,15 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 
 /// Lowers a net with a period in nanoseconds. Returns the image, and the bound on the work of its primitives per cycle
 /// if known.
-pub(crate) type Lower = fn(&Net, u64) -> Result<(Image, Option<u64>), String>;
+pub(crate) type Lower = fn(&AnalysedNet, u64) -> Result<(Image, Option<u64>), String>;
 
 /// Lowers a net for running.
-pub(crate) fn lower_for_run(net: &Net, period: u64) -> Result<(Image, Option<u64>), String> {
-    let lowered = rpi_driver::lower_with_work(net, period);
-    lowered.map(|(image, work)| (image, Some(work)))
+pub(crate) fn lower_for_run(
+    net: &AnalysedNet,
+    period: u64,
+) -> Result<(Image, Option<u64>), String> {
+    let (image, work) = rpi_driver::lower_with_work(net, period)?;
+    Ok((image, Some(work)))
 }
 
 /// Returns whether any command uses a device.

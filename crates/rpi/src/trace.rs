@@ -33,7 +33,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Outcome {
 fn record(args: &TraceArgs) -> Outcome {
     let compiled = program::load(&args.source, ClaimPolicy::Off)?;
     let script = target::task_bundle(&compiled, &args.target, |net, period| {
-        rpi_driver::lower_for_observation(net, period).map(|image| (image, None))
+        Ok((rpi_driver::lower_for_observation(net, period)?, None))
     })?;
     target::ensure_inputs_set(&compiled, &args.target, &script)?;
     let (cell, _) = target::cell(&args.source, &args.target, &script)?;

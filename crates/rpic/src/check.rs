@@ -42,14 +42,18 @@ pub(crate) fn check(args: &CheckArgs) -> CommandResult {
     })
 }
 
-/// Compiles a file; `told` requests the summary of each analysis.
-pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::error::Error>> {
+/// Compiles a file; `summaries` requests the summary of each analysis.
+pub(crate) fn compile(
+    path: &Path,
+    summaries: bool,
+) -> Result<Compiled, Box<dyn std::error::Error>> {
     let input = rpi_driver::read(path)?;
     Ok(rpi_driver::compile_with(
         &input,
         CompileOptions {
-            claims: ClaimPolicy::Off,
-            summaries: told,
+            // The nets of the analysis; other nets need not be made.
+            claims: ClaimPolicy::Report,
+            summaries,
             ..CompileOptions::default()
         },
     )?)

@@ -38,7 +38,8 @@ use crate::ty::Ty;
 use crate::ty::check_assignable;
 use crate::ty::machine_types::external_type;
 use crate::typed::{Flow, Leaf, Unit, UnitId};
-use rpi_diag::{Code, Diagnostic, Severity, Span};
+use rpi_diag::suppression::{self, Cause, suppress};
+use rpi_diag::{Code, Diagnostic, Span};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
@@ -117,14 +118,12 @@ pub fn check(program: &Program<'_>) -> CheckedProgram {
     checker
         .diagnostics
         .extend(crate::check::diagnostics::dialect::check(&checker.units));
-    crate::check::diagnostics::undefined_names::dedup_by_fix(&mut checker.diagnostics);
-    crate::check::diagnostics::undefined_names::dedup_by_name(&mut checker.diagnostics);
+    suppression::remove_repeated_fixes(&mut checker.diagnostics);
     if !checker.valueless_constants.is_empty() {
-        checker.diagnostics.retain(|diagnostic| {
-            !crate::check::signatures::sample_check::may_depend_on_sample(diagnostic)
-        });
+        suppress(&mut checker.diagnostics, Cause::SampleValue);
     }
-    suppress_external(&mut checker.diagnostics);
+    suppression::suppress_external(&mut checker.diagnostics);
+    suppression::merge_by_subject(&mut checker.diagnostics);
     let root = program
         .root()
         .decls
@@ -139,22 +138,6 @@ pub fn check(program: &Program<'_>) -> CheckedProgram {
         diagnostics: checker.diagnostics,
         constants: root.collect(),
     }
-}
-
-/// Removes the diagnostics about external definitions if the program has other errors. They only keep the program from
-/// running here.
-fn suppress_external(diagnostics: &mut Vec<Diagnostic>) {
-    let is_outside =
-        |diagnostic: &Diagnostic| matches!(diagnostic.code, Code::RPI0017 | Code::RPI1012);
-    let is_fault = |diagnostic: &Diagnostic| {
-        diagnostic.severity() == Severity::Error && !is_outside(diagnostic)
-    };
-    if diagnostics.iter().any(is_fault) {
-        diagnostics.retain(|diagnostic| !is_outside(diagnostic));
-    }
-    // One diagnostic for each construct.
-    let mut said = BTreeSet::new();
-    diagnostics.retain(|f| f.code != Code::RPI0017 || said.insert(f.message.clone()));
 }
 
 /// Value of a constant: its type and its leaves.

@@ -294,6 +294,7 @@ pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Checkpoint) {
     cx.unit.static_conditions.truncate(kept);
     cx.diagnostics.truncate(mark.diagnostics);
     cx.reported.undefined_names.truncate(mark.diagnostics);
+    cx.reported.undefined_flows.truncate(mark.diagnostics);
     cx.reported.invalid_clocks.truncate(mark.diagnostics);
     cx.inference.real_fix_index = cx
         .inference

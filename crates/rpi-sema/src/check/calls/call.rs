@@ -67,7 +67,7 @@ pub(crate) fn call_with_activation<'a>(
     let name = &call.callee.name;
     match callee::resolve_callee(cx, &name.name, name.span) {
         Callee::Nothing(_) => {
-            let given = args::check_args(cx, &call.args);
+            let given = elsewhere::check_foreign_args(cx, call, span);
             elsewhere::suggest_for_foreign_call(cx, call, &given, span);
             suggest_callee::suggest_struct_literal(cx, call, span)
         }
