@@ -36,7 +36,7 @@ pub mod suppression;
 pub use apply::{apply, sure_edits, sure_fixes};
 pub use codes::{Code, CodeGroup, Severity};
 pub use diagnostic::{Applicability, Diagnostic, Edit, Fix, Label, Subject};
-pub use format::{Format, render_as};
+pub use format::{Format, FormatError, render_as};
 pub use render::render;
 pub use rpi_words::{suggest, times, with_noun};
 pub use span::{FileId, LineCol, SourceMap, Span};

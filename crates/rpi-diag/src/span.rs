@@ -18,12 +18,6 @@ pub struct Span {
 }
 
 impl Span {
-    /// Returns whether this range contains all of another one.
-    #[must_use]
-    pub fn covers(self, other: Span) -> bool {
-        self.file == other.file && self.start <= other.start && other.end <= self.end
-    }
-
     /// Location of an item without source text, such as a generated net or a built-in declaration.
     pub const NONE: Span = Span {
         file: FileId(u32::MAX),

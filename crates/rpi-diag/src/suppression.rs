@@ -53,7 +53,7 @@ impl Cause<'_> {
             }
             Cause::ForeignText(texts) => {
                 matches!(code, Code::RPI0002 | Code::RPI0013 | Code::RPI0016)
-                    && texts.iter().any(|text| text.covers(span))
+                    && texts.iter().any(|text| text.contains(span))
             }
             Cause::ClockMismatch(expressions) => contains_any(expressions, span),
             Cause::AbsentValues(values) => {

@@ -117,11 +117,15 @@ impl Inspection {
     /// Returns all operations that can fault. They are computed on first use, because that requires the later stages to
     /// run again.
     fn faults(&self) -> &[FaultLocation] {
-        let asked = CompileOptions {
+        let options = CompileOptions {
             faults: true,
-            ..CompileOptions::from(ClaimPolicy::Off)
+            ..CompileOptions::from(ClaimPolicy::Report)
         };
-        let faults = || build_modules(&self.modules, &self.sources, asked).0.faults;
+        let faults = || {
+            build_modules(&self.modules, &self.sources, options)
+                .0
+                .faults
+        };
         self.faults.get_or_init(faults)
     }
 

@@ -41,7 +41,7 @@ pub use compile::{
 };
 pub use coverage_points::CoveragePoints;
 pub use doctext::{doc_blocks, doc_links, examples};
-pub use duration::{format_duration, parse_duration};
+pub use duration::{DurationError, format_duration, parse_duration};
 pub use faults::FaultLocation;
 pub use file_loader::{DiskLoader, FileLoader};
 pub use input::{Input, InputError, InputKind, read, read_error, utf8};
@@ -49,11 +49,11 @@ pub use inspect::{Inspection, inspect};
 pub use lowering::{
     LowerError, lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
 };
-pub use machine::{MACHINE, machine_text, read_machine};
+pub use machine::{MACHINE, MachineError, machine_text, read_machine};
 pub use modules::{library_modules, library_text};
 pub use node::{CompiledNode, Node, compile_node};
 pub use program_tests::Test;
 pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::ClaimPolicy;
-pub use task::{Task, TaskNode, TaskPlan};
+pub use task::{Task, TaskNode, TaskPlan, TaskPlanError};
 pub use typed_program::{TypedProgram, check_typed};

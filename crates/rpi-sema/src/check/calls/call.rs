@@ -271,10 +271,10 @@ pub(crate) fn match_call<'a>(
     };
     let mut sound = args::check_arg_types(cx, &header, &mut args, &mut subst);
     let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
-    let told = args.iter().flatten();
-    let all_told = told.copied().all(|arg| !cx.ty_of(arg).has_unknown());
-    let told_at = all_told.then_some(span);
-    let header = instance::resolve_instance(cx, &header, statics, &open, &subst, (span, told_at));
+    let given = args.iter().flatten();
+    let all_known = given.copied().all(|arg| !cx.ty_of(arg).has_unknown());
+    let known_at = all_known.then_some(span);
+    let header = instance::resolve_instance(cx, &header, statics, &open, &subst, (span, known_at));
     let header = header.ok_or(Ty::Unknown)?;
     // Units that depend on static parameters are known only in the instance, so that the types are checked again.
     sound = sound && (!of_units || args::check_arg_types(cx, &header, &mut args, &mut subst));

@@ -14,7 +14,7 @@ use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 /// Adds a diagnostic about this body, unless it follows from a reported call of another language.
 pub(crate) fn report_diagnostic(cx: &mut Body<'_, '_>, diagnostic: Diagnostic) {
     let is_foreign =
-        |call: Span| diagnostic.code == Code::RPI1001 && call.covers(diagnostic.span());
+        |call: Span| diagnostic.code == Code::RPI1001 && call.contains(diagnostic.span());
     if !cx.bindings.foreign_call.is_some_and(is_foreign) {
         cx.diagnostics.push(diagnostic);
     }
