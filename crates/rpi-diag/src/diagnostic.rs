@@ -155,6 +155,7 @@ impl Diagnostic {
         let mut diagnostic = self.primary(span, text);
         diagnostic.labels.rotate_right(1);
         diagnostic.fixes.clear();
+        diagnostic.subject = None;
         diagnostic
     }
 
