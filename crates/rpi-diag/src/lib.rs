@@ -1,8 +1,8 @@
-//! Diagnostics: the table of codes, their explanation pages, and rendering.
+//! Diagnostics: the table of codes, their explanation pages, suppression of consequences, and rendering.
 //!
 //! Every stage of the compiler reports a problem as a [`Diagnostic`]: a code, a message, labelled locations and, where one
-//! exists, a fix. This crate declares codes and renders diagnostics; it must not depend on their meaning. The message
-//! is written in the code that performs the check.
+//! exists, a fix. This crate declares codes, removes diagnostics that only follow from others, and renders the rest; it must
+//! not depend on the checks. The message is written in the code that performs the check.
 //!
 //! | file | idea |
 //! |---|---|

@@ -4,6 +4,20 @@
 //! [`lower_for_observation`] lower one of its commands. [`inspect`] compiles for an editor, which needs more than diagnostics.
 //! This crate handles files and the order of the stages; it must not depend on the content of diagnostics or on the
 //! execution of commands.
+//!
+//! Each stage has a type that states what has been established:
+//!
+//! | stage | type | established |
+//! |---|---|---|
+//! | parsing | `Modules` | the syntax trees of all modules |
+//! | checks | [`CheckedProgram`](rpi_sema::CheckedProgram) | types and units of every callable |
+//! | facts | `AnalysedProgram` | clocks and presence of flows; units without errors |
+//! | elaboration | [`ElaboratedUnit`](rpi_sema::elab::ElaboratedUnit) | a net, not yet analysed |
+//! | passes | [`AnalysedNet`] | a net with an order of evaluation, without errors |
+//! | lowering | [`Image`](rpi_image::Image) | an image |
+//!
+//! A net is elaborated and analysed once. A command with claims has another net for execution if the options leave the
+//! claims out or make them faults; it is analysed once as well.
 
 mod analysed_net;
 mod analysis_summary;
