@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use rpi_driver::{ClaimPolicy, Input, InputKind, compile, compile_node, emit, lower_for_execution};
-use rpi_net::Net;
+use rpi_driver::{
+    AnalysedNet, ClaimPolicy, Input, InputKind, compile, compile_node, emit, lower_for_execution,
+};
 use rpi_testkit::{files_below, workspace_root};
 
 use crate::texts::LUSTRE;
@@ -78,7 +79,7 @@ fn blocks(page: &Seed) -> Vec<Seed> {
     code.enumerate().map(seed).collect()
 }
 
-fn seeds_from_nets(form: impl Fn(&Net) -> Vec<u8>) -> Vec<Seed> {
+fn seeds_from_nets(form: impl Fn(&AnalysedNet) -> Vec<u8>) -> Vec<Seed> {
     let mut seeds = Vec::new();
     for text in texts() {
         for (k, net) in nets_of(&text).iter().enumerate() {
@@ -91,7 +92,7 @@ fn seeds_from_nets(form: impl Fn(&Net) -> Vec<u8>) -> Vec<Seed> {
     seeds
 }
 
-fn nets_of(seed: &Seed) -> Vec<Net> {
+fn nets_of(seed: &Seed) -> Vec<AnalysedNet> {
     let kind = match seed.bytes.starts_with(LUSTRE.as_bytes()) {
         true => InputKind::Lustre,
         false => InputKind::Rpi,

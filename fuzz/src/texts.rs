@@ -2,11 +2,10 @@
 
 use rpi_diag::{Diagnostic, FileId, Format, SourceMap, Style, apply, render_as, sure_edits};
 use rpi_driver::{
-    ClaimPolicy, Input, InputKind, compile, compile_node, lower_for_execution,
+    AnalysedNet, ClaimPolicy, Input, InputKind, compile, compile_node, lower_for_execution,
     lower_for_observation,
 };
 use rpi_image::Image;
-use rpi_net::Net;
 use rpi_syntax::{Dialect, format, parse as parse_text, source_tokens};
 
 /// First line that marks a text as Lustre; any other text is `.rpi`.
@@ -100,7 +99,7 @@ fn check_fixes(diagnostics: &[Diagnostic], sources: &SourceMap) {
 }
 
 /// Lowers a checked net. The resulting image must pass the verifier; lowering may return an error.
-pub(crate) fn check_lowering(net: &Net) {
+pub(crate) fn check_lowering(net: &AnalysedNet) {
     for lower in [lower_for_execution, lower_for_observation] {
         if let Ok(image) = lower(net, PERIOD_NS) {
             check_image(&image);

@@ -20,7 +20,7 @@ use crate::faults::FaultLocation;
 use crate::file_loader::FileLoader;
 use crate::input::stem;
 use crate::modules::Modules;
-use crate::program::build_modules;
+use crate::roots::build_modules;
 
 /// Results of checking a program, which may have errors. Its main text is file 0.
 #[derive(Debug)]
@@ -117,11 +117,15 @@ impl Inspection {
     /// Returns all operations that can fault. They are computed on first use, because that requires the later stages to
     /// run again.
     fn faults(&self) -> &[FaultLocation] {
-        let asked = CompileOptions {
+        let options = CompileOptions {
             faults: true,
-            ..CompileOptions::from(ClaimPolicy::Off)
+            ..CompileOptions::from(ClaimPolicy::Report)
         };
-        let faults = || build_modules(&self.modules, &self.sources, asked).0.faults;
+        let faults = || {
+            build_modules(&self.modules, &self.sources, options)
+                .0
+                .faults
+        };
         self.faults.get_or_init(faults)
     }
 

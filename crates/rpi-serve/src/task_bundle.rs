@@ -3,9 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use rpi_driver::{Task, TaskPlan};
+use rpi_driver::{AnalysedNet, Task, TaskPlan};
 use rpi_image::Image;
-use rpi_net::Net;
 use rpi_runtime::run::{ExecutablePlan, PlanError};
 
 /// A task, ready to be loaded.
@@ -71,8 +70,8 @@ impl TaskBundle {
     /// If the task or one of its commands cannot be run.
     pub fn from_task<E: fmt::Display>(
         task: &Task,
-        nets: &[Net],
-        lower: impl Fn(&Net) -> Result<(Image, Option<u64>), E>,
+        nets: &[AnalysedNet],
+        lower: impl Fn(&AnalysedNet) -> Result<(Image, Option<u64>), E>,
     ) -> Result<TaskBundle, TaskBundleError> {
         let plan = task.plan.as_ref();
         let plan = plan.map_err(|reason| TaskBundleError::InvalidPlan {

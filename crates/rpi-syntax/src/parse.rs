@@ -7,6 +7,7 @@ use crate::lexer::{LexOutput, Lexeme, lex_skipping};
 use crate::lexical_errors;
 use crate::split::{Chunk, ChunkKind, split};
 use crate::{Dialect, Parse, nesting, recover, stray_tokens, with_large_stack};
+use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Code, Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeSet;
 
@@ -77,9 +78,7 @@ fn parse_with_claims(
         let mut lexed = lex_skipping(file, text, mode, &skipped);
         let (items, found, foreign) = parse_items(file, text, mode, &lexed);
         if !foreign.is_empty() {
-            let is_sign = |code| matches!(code, Code::RPI0002 | Code::RPI0013 | Code::RPI0016);
-            let is_told = |sign: &Diagnostic| is_sign(sign.code) && is_within(&foreign, sign);
-            lexed.diagnostics.retain(|sign| !is_told(sign));
+            suppress(&mut lexed.diagnostics, Cause::ForeignText(&foreign));
         }
         let faults = lexed.diagnostics.iter().chain(&found);
         let faults = faults.filter(|f| f.severity() == Severity::Error);
@@ -98,14 +97,6 @@ fn parse_with_claims(
         }
         skipped.extend(strange);
     }
-}
-
-/// Returns whether a diagnostic lies in one of the spans, which are in text order.
-fn is_within(places: &[Span], diagnostic: &Diagnostic) -> bool {
-    let at = diagnostic.span();
-    let after = places.partition_point(|place| place.start <= at.start);
-    let place = after.checked_sub(1).map(|i| places[i]);
-    place.is_some_and(|place| at.end <= place.end)
 }
 
 /// Parts of the text that form no complete token: unknown characters, unterminated comments and strings.

@@ -36,7 +36,8 @@ impl BudgetArgs {
         let beside = beside.filter(|path| path.is_file());
         let measured = self.machine.as_deref().or(beside);
         measured.map_or(Ok(Budget::NS_PER_OPERATION), |path| {
-            Ok(rpi_driver::read_machine(path)?.ns_per_operation)
+            let machine = rpi_driver::read_machine(path).map_err(|error| error.to_string())?;
+            Ok(machine.ns_per_operation)
         })
     }
 }

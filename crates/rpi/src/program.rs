@@ -4,8 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{CompileOptions, Compiled, Task, UnboundCommand};
-use rpi_net::Net;
+use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Task, UnboundCommand};
 
 /// Compiles a file and prints its diagnostics. Returns an error if there are errors.
 pub(crate) fn load(
@@ -29,7 +28,7 @@ pub(crate) fn select_command<'a>(
     compiled: &'a Compiled,
     tasks: &[Task],
     name: Option<&str>,
-) -> Result<&'a Net, SelectionError> {
+) -> Result<&'a AnalysedNet, SelectionError> {
     let nets = compiled.nets();
     let unset = compiled.unbound.iter().find(|unset| match name {
         Some(name) => unset.command == name,

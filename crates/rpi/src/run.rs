@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{CompileOptions, Compiled, Program};
+use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Program};
 use rpi_record::mcap::{RecordingOptions as Recording, RunSources};
 use rpi_record::sample_output::{DigestSink, SampleFormat, SampleWriter};
 use rpi_replay::faults::Faults;
@@ -20,8 +20,6 @@ use rpi_runtime::run::{
     self, CommandEnd, Limits, Outcome, RunBudget, RunError, RunOptions, Sink, SinkList,
     StartRecording, Status,
 };
-
-use rpi_net::Net;
 
 use crate::args::RunArgs;
 use crate::exit::{self, Exit};
@@ -120,7 +118,7 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
 
 /// Creates the observer of assertions and contracts of all commands that run.
 fn claims(compiled: &Compiled, bundle: &TaskBundle) -> ClaimMonitorSink {
-    let runs = |net: &&Net| bundle.images.iter().any(|image| image.name == net.name);
+    let runs = |net: &&AnalysedNet| bundle.images.iter().any(|image| image.name == net.name);
     let nets = compiled.nets().iter().filter(runs);
     ClaimMonitorSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }

@@ -4,9 +4,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rpi_driver::{Compiled, Program, Task};
+use rpi_driver::{AnalysedNet, Compiled, Program, Task};
 use rpi_image::Image;
-use rpi_net::Net;
 use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
 
@@ -19,11 +18,11 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 
 /// Lowers a net with a period in nanoseconds. Returns the image, and the bound on the work of its primitives per cycle
 /// if known.
-pub(crate) type Lower = fn(&Net, u64) -> Result<(Image, Option<u64>), Box<dyn Error>>;
+pub(crate) type Lower = fn(&AnalysedNet, u64) -> Result<(Image, Option<u64>), Box<dyn Error>>;
 
 /// Lowers a net for running.
 pub(crate) fn lower_for_run(
-    net: &Net,
+    net: &AnalysedNet,
     period: u64,
 ) -> Result<(Image, Option<u64>), Box<dyn Error>> {
     let (image, work) = rpi_driver::lower_with_work(net, period)?;

@@ -51,7 +51,8 @@ pub(crate) fn compile(
     Ok(rpi_driver::compile_with(
         &input,
         CompileOptions {
-            claims: ClaimPolicy::Off,
+            // The nets of the analysis; other nets need not be made.
+            claims: ClaimPolicy::Report,
             summaries: with_summaries,
             ..CompileOptions::default()
         },

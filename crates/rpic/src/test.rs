@@ -23,7 +23,8 @@ pub(crate) fn test(args: &TestArgs) -> CommandResult {
     for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
         let options = CompileOptions {
-            claims: ClaimPolicy::Off,
+            // Only the tests run, so that no other nets of the commands are made.
+            claims: ClaimPolicy::Report,
             marks: args.coverage,
             ..CompileOptions::default()
         };

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use rpi_diag::{Applicability, Code, Diagnostic, Fix, Severity, apply};
+use rpi_diag::{Applicability, Code, CodeGroup, Diagnostic, Fix, Severity, apply};
 use xtask::fences;
 
 use crate::compile::{CheckOutput, check};
@@ -88,7 +88,7 @@ fn judge(
     };
     let sure = fix.applicability == Applicability::Sure;
     let mut errors = new.iter().filter(is_new);
-    match errors.find(|((code, _), _)| sure || code.as_str().starts_with("RPI0")) {
+    match errors.find(|((code, _), _)| sure || code.group() == CodeGroup::Syntax) {
         Some((new, _)) => Err(format!("but then: {} {}", new.0, new.1)),
         None => Ok(()),
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rpi_core::{Command, CommandOverrunPolicy, Continuity};
-use rpi_driver::{Compiled, Input, Program};
+use rpi_driver::{AnalysedNet, Compiled, Input, Program};
 use rpi_image::Image;
 use rpi_net::{CommandInput, Net};
 use rpi_sim::SimBank;
@@ -182,7 +182,7 @@ fn load_task(job: &LoadJob) -> Result<TaskBundle, Vec<String>> {
         )],
         _ => choice_error("task", job.origin.command.as_deref(), known().collect()),
     })?;
-    let lower = |net: &Net| {
+    let lower = |net: &AnalysedNet| {
         let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
         lowered.map(|(image, work)| (image, Some(work)))
     };
@@ -227,7 +227,10 @@ impl Source {
     }
 }
 
-fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {
+fn select_net<'a>(
+    compiled: &'a Compiled,
+    name: Option<&str>,
+) -> Result<&'a AnalysedNet, Vec<String>> {
     let Program::Nets(nets) = &compiled.program else {
         return Err(vec!["images cannot be loaded from a client".to_owned()]);
     };

@@ -69,22 +69,22 @@ pub(crate) fn check_args_for<'a>(
     id: DeclId,
     args: &[&'a Arg],
 ) -> (Vec<CallArgument<'a>>, bool) {
-    let told = cx.diagnostics.len();
+    let before = cx.diagnostics.len();
     let named = args.iter().filter(|arg| arg.name.is_none());
     let wrong = named
         .filter(|arg| report_arg_named_by_eq(cx, id, &arg.value))
         .count();
     if wrong > 0 {
-        merge_named_by_eq(cx, told);
+        merge_named_by_eq(cx, before);
         return (Vec::new(), false);
     }
     (args.iter().map(|arg| check_arg(cx, arg)).collect(), true)
 }
 
-/// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
-fn merge_named_by_eq(cx: &mut Body<'_, '_>, told: usize) {
+/// Merges the diagnostics about arguments named by `=` that were added since there were `before` diagnostics.
+fn merge_named_by_eq(cx: &mut Body<'_, '_>, before: usize) {
     let by_eq = |diagnostic: &Diagnostic| diagnostic.code == Code::RPI1010;
-    let mut others = cx.diagnostics.split_off(told).into_iter();
+    let mut others = cx.diagnostics.split_off(before).into_iter();
     let Some(mut first) = others.find(by_eq) else {
         return;
     };
