@@ -1,8 +1,8 @@
 //! Maintenance tasks of the repository: `cargo xtask TASK`.
 
+mod bless;
 mod book;
 mod draw;
-mod bless;
 mod fuzz;
 mod lustre;
 

@@ -1,30 +1,10 @@
 //! Lowering of checked nets to images.
 
-use std::error::Error;
-use std::fmt;
-
 use rpi_image::Image;
+pub use rpi_lower::LowerError;
 use rpi_lower::LowerOptions;
 
 use crate::analysed_net::AnalysedNet;
-
-/// Reason why a net cannot be lowered.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct LowerError(String);
-
-impl fmt::Display for LowerError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl Error for LowerError {}
-
-impl From<LowerError> for String {
-    fn from(error: LowerError) -> String {
-        error.0
-    }
-}
 
 /// Lowers a checked net for execution: only the outputs of the command can be observed.
 ///
@@ -66,5 +46,5 @@ pub fn lower_for_observation(net: &AnalysedNet, period_ns: u64) -> Result<Image,
 
 /// Lowers a checked net.
 pub(crate) fn lower(net: &AnalysedNet, options: &LowerOptions<'_>) -> Result<Image, LowerError> {
-    rpi_lower::lower(net, &net.plan(), options).map_err(LowerError)
+    rpi_lower::lower(net, &net.plan(), options)
 }

@@ -36,7 +36,11 @@ fn finish(instance: &mut Instance) {
 /// The value of the probe `path.port` in this cycle; `None` if it is absent.
 fn probe(instance: &Instance, name: &str) -> Option<Vec<u64>> {
     let image = instance.image();
-    let probe = image.debug.probes.iter().find(|p| image.probe_name(p) == name);
+    let probe = image
+        .debug
+        .probes
+        .iter()
+        .find(|p| image.probe_name(p) == name);
     let probe = probe.unwrap_or_else(|| panic!("no probe {name}"));
     let active = instance.is_active(probe.fragment);
     instance

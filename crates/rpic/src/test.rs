@@ -169,7 +169,8 @@ fn report(test: &Test, args: &TestArgs) -> Result<TestReport, String> {
     run(TestCase {
         net: &test.net,
         coverage: args.coverage,
-        image: rpi_driver::lower_for_observation(&test.net, args.period)?,
+        image: rpi_driver::lower_for_observation(&test.net, args.period)
+            .map_err(|e| e.to_string())?,
         conditions: &own,
         claims: &others,
         cycles: args.cycles,

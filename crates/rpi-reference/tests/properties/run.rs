@@ -69,7 +69,7 @@ impl CompiledNode {
             })
             .collect();
         let node = made.node.ok_or_else(|| errors.join("\n"))?;
-        let image = lower_for_execution(&node.net, PERIOD_NS)?;
+        let image = lower_for_execution(&node.net, PERIOD_NS).map_err(|e| e.to_string())?;
         Ok(CompiledNode {
             image: Arc::new(image),
             node,
@@ -215,7 +215,7 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<CommandCycleR
     let [net] = compiled.nets() else {
         return Err("not one command".to_owned());
     };
-    let image = Arc::new(lower_for_execution(net, PERIOD_NS)?);
+    let image = Arc::new(lower_for_execution(net, PERIOD_NS).map_err(|e| e.to_string())?);
     let mut machine = Instance::load(Arc::clone(&image), &mut NoDevices).expect("it verifies");
     let mut seen = Vec::new();
     for _ in 0..cycles {
