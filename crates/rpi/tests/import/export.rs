@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_driver::{Input, InputKind, compile, emit, import, read};
-use rpi_net::Net;
+use rpi_driver::{AnalysedNet, Input, InputKind, compile, emit, import, read};
 
 use crate::round_trip::program;
 use crate::run::compare_nets;
@@ -38,7 +37,7 @@ pub(crate) fn come_back(path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-fn as_read(text: &str) -> Result<Net, String> {
+fn as_read(text: &str) -> Result<AnalysedNet, String> {
     let input = Input {
         path: PathBuf::from("written.rpinet"),
         kind: InputKind::Rpinet,
