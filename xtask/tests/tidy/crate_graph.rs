@@ -185,7 +185,6 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-diag",
             "rpi-driver",
             "rpi-image",
-            "rpi-net",
             "rpi-sim",
             "rpi-syntax",
             "rpi-testkit",

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_driver::AnalysedNet;
-use rpi_driver::{Input, InputKind, compile, emit, import, read};
+use rpi_driver::{AnalysedNet, Input, InputKind, compile, emit, import, read};
 
 use crate::round_trip::program;
 use crate::run::compare_nets;

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rpi_diag::{Code, Severity};
-use rpi_driver::AnalysedNet;
-use rpi_driver::{Input, InputKind, compile, import, read};
+use rpi_driver::{AnalysedNet, Input, InputKind, compile, import, read};
 use rpi_net::{FragmentId, Net, NodeId};
 use rpi_syntax::Dialect;
 

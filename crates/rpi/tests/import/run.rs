@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rpi_core::{CycleContext, Instance, Verdict};
-use rpi_driver::AnalysedNet;
-use rpi_driver::lower_for_execution;
+use rpi_driver::{AnalysedNet, lower_for_execution};
 use rpi_image::image::{CommandEnd, CommandEndKind};
 
 use crate::bank::{RecordingBank, SetPoints, TWO_ARMS};
@@ -88,7 +87,7 @@ pub(crate) fn compare_nets(
 }
 
 fn run(net: &AnalysedNet, cell: &str, period_ns: u64) -> Result<Vec<CycleBehaviour>, String> {
-    let image = lower_for_execution(net, period_ns).map_err(|e| e.to_string())?;
+    let image = lower_for_execution(net, period_ns)?;
     let mut bank = RecordingBank::new(cell, period_ns);
     let mut machine = Instance::load(image, &mut bank).map_err(|faults| format!("{faults:?}"))?;
     let mut all = Vec::new();
