@@ -8,8 +8,6 @@
 //! type of the parser generator or of the lexer.
 
 mod actions;
-mod actions_blocks;
-mod actions_expr;
 pub mod ast;
 mod comments;
 mod context;

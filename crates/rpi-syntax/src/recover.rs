@@ -4,6 +4,7 @@
 //! [`Token::Broken`]. If the header of a declaration has an error, its body is still parsed for its diagnostics. So
 //! every independent error is reported exactly once.
 
+use crate::actions::declarations;
 use crate::ast::{DeclaredKind, DeclaredName, Ident, Item, ItemKind};
 use crate::context::ParseContext;
 use crate::foreign::{self, ForeignSyntax, Repair};
@@ -49,7 +50,7 @@ pub(crate) fn broken_item(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Item {
             .chain(guessed_declarations::datatype_constructors(cx, lexemes))
             .collect(),
     );
-    cx.item(start, kind, end)
+    declarations::item(cx, start, kind, end)
 }
 
 /// Returns the kind of declaration from its first keyword.

@@ -11,40 +11,38 @@ use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
-impl ParseContext<'_> {
-    pub(crate) fn choice(
-        &self,
-        word: ConditionalKeyword,
-        first: BlockBranch,
-        rest: Vec<BlockBranch>,
-        otherwise: Option<Vec<Statement>>,
-    ) -> Box<ConditionalBlock> {
-        let branches = crate::actions::with_elements(vec![first], rest);
-        let mut choice = Box::new(ConditionalBlock {
-            keyword: word,
-            branches,
-            else_statements: otherwise,
-            desugared: Desugared::default(),
-        });
-        choice.desugared = Desugarer::new(self, &[]).desugar_choice(&choice);
-        choice
-    }
+pub(crate) fn choice(
+    cx: &ParseContext<'_>,
+    word: ConditionalKeyword,
+    first: BlockBranch,
+    rest: Vec<BlockBranch>,
+    otherwise: Option<Vec<Statement>>,
+) -> Box<ConditionalBlock> {
+    let branches = crate::actions::with_elements(vec![first], rest);
+    let mut choice = Box::new(ConditionalBlock {
+        keyword: word,
+        branches,
+        else_statements: otherwise,
+        desugared: Desugared::default(),
+    });
+    choice.desugared = Desugarer::new(cx, &[]).desugar_choice(&choice);
+    choice
+}
 
-    pub(crate) fn frame_block(
-        &self,
-        names: Vec<Ident>,
-        initial: Vec<Statement>,
-        statements: Vec<Statement>,
-    ) -> Box<FrameBlock> {
-        let mut keep = Box::new(FrameBlock {
-            names,
-            initial,
-            statements,
-            desugared: Desugared::default(),
-        });
-        keep.desugared = Desugarer::new(self, &keep.names).desugar_frame(&keep);
-        keep
-    }
+pub(crate) fn frame_block(
+    cx: &ParseContext<'_>,
+    names: Vec<Ident>,
+    initial: Vec<Statement>,
+    statements: Vec<Statement>,
+) -> Box<FrameBlock> {
+    let mut keep = Box::new(FrameBlock {
+        names,
+        initial,
+        statements,
+        desugared: Desugared::default(),
+    });
+    keep.desugared = Desugarer::new(cx, &keep.names).desugar_frame(&keep);
+    keep
 }
 
 /// Definitions of a block, by the source text of their left sides (the keys), in text order.
