@@ -9,6 +9,7 @@
 
 mod actions;
 pub mod ast;
+mod closing_brackets;
 mod comments;
 mod context;
 mod dump;
@@ -23,6 +24,7 @@ mod kind2_blocks;
 mod lexer;
 mod lexical_errors;
 mod name;
+mod neighbours;
 mod nesting;
 pub mod ops;
 mod parse;

@@ -3,8 +3,8 @@
 use crate::comments::Comment;
 use crate::context::ParseContext;
 use crate::expected;
-use crate::keywords::begins_operand;
 use crate::lexer::Lexeme;
+use crate::neighbours::begins_operand;
 use crate::stray_tokens;
 use crate::token::Token;
 use crate::token_tree::{TokenTree, closing_token};

@@ -6,7 +6,7 @@
 use super::{Lexeme, Lexer};
 use crate::Dialect;
 use crate::token::Token;
-use crate::{keywords, lexical_errors};
+use crate::{lexical_errors, neighbours};
 use logos::Logos;
 use rpi_diag::{Diagnostic, Span};
 
@@ -60,7 +60,7 @@ impl Lexer<'_> {
 
     /// Returns whether an operand ends before a mark and another one may begin after it.
     fn is_between_operands(&self, rest: &str) -> bool {
-        self.last_token().is_some_and(keywords::ends_value) && self.may_be_operand(rest)
+        self.last_token().is_some_and(neighbours::ends_value) && self.may_be_operand(rest)
     }
 
     /// Returns whether the rest of a line may be an operand: no unknown character, no two names or numbers in a row.
@@ -87,7 +87,7 @@ impl Lexer<'_> {
                 called || PREDECLARED.contains(&name) || self.guessed_names.declares(name)
             }
             Token::Minus | Token::LBracket | Token::NumberWord | Token::IecLiteral => true,
-            other => keywords::begins_operand(*other) || other.keyword().is_some_and(|_| !in_row),
+            other => neighbours::begins_operand(*other) || other.keyword().is_some_and(|_| !in_row),
         };
         begins && !strange && !in_row
     }

@@ -1,6 +1,6 @@
 //! Arrays in a `frame` block that one half defines as a whole, `A = e`, and the other by element, `A[i] = e`.
 
-use super::{Definition, Definitions};
+use super::definitions::{Definition, Definitions};
 use crate::ast::*;
 use crate::context::ParseContext;
 
