@@ -1,8 +1,11 @@
 //! Lexer: turns text into tokens. Separates comments, checks numbers and string literals, resolves contextual keywords.
 
 mod comment_marks;
+mod error;
 mod numbers;
 mod operators;
+
+pub(crate) use self::error::{LexicalError, LexicalErrorKind};
 
 use crate::comments::{Comment, CommentKind, Comments};
 use crate::guessed_names::GuessedNames;
@@ -26,7 +29,7 @@ pub(crate) struct Lexeme {
 pub(crate) struct LexOutput {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
-    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) errors: Vec<LexicalError>,
     /// Spans of comments with contracts and properties, whose content was lexed.
     pub(crate) lexed_comments: Vec<Span>,
     /// Replacement text of tokens, by their byte range: `0xFF` for `16#FF`.
@@ -50,10 +53,10 @@ pub(crate) fn lex_skipping(
 ) -> LexOutput {
     let mut lexer = Lexer::new(file, text, mode, skipped);
     if text.len() > MAX_LEN {
-        lexer
-            .output
-            .diagnostics
-            .push(lexical_errors::file_too_large(file));
+        lexer.report(
+            LexicalErrorKind::Other,
+            lexical_errors::file_too_large(file),
+        );
         return lexer.output;
     }
     lexer.lex_range(0, text.len());
@@ -92,7 +95,7 @@ impl<'t> Lexer<'t> {
         let out = LexOutput {
             lexemes: Vec::with_capacity(text.len() / 4),
             comments: Comments::default(),
-            diagnostics: Vec::new(),
+            errors: Vec::new(),
             lexed_comments: Vec::new(),
             replaced_text: BTreeMap::new(),
         };
@@ -188,9 +191,10 @@ impl<'t> Lexer<'t> {
     }
 
     fn unterminated_string(&mut self, lexeme: Lexeme) {
-        self.output
-            .diagnostics
-            .push(lexical_errors::unterminated_string(self.span(lexeme)));
+        self.report(
+            LexicalErrorKind::Unclosed,
+            lexical_errors::unterminated_string(self.span(lexeme)),
+        );
         self.push(Token::Str, lexeme);
     }
 
@@ -252,18 +256,26 @@ impl<'t> Lexer<'t> {
         if let Some(read) = self.claim_lexer(lexeme, kind) {
             return read(self, lexeme);
         }
-        let diagnostic = match lexeme.token {
-            Token::OpenComment => Some(lexical_errors::unterminated_comment(
-                span,
-                self.slice(lexeme),
-            )),
-            Token::SlashComment if self.mode == Dialect::Rpi => Some(self.foreign_comment(span, 2)),
-            Token::Hash | Token::Percent => Some(self.foreign_comment(span, 1)),
-            _ if kind == CommentKind::Contract => Some(lexical_errors::unsupported_contract(span)),
-            _ if kind == CommentKind::Property => Some(lexical_errors::unsupported_property(span)),
-            _ => None,
-        };
-        self.output.diagnostics.extend(diagnostic);
+        use LexicalErrorKind::{ForeignSyntax, Other, Unclosed};
+        match lexeme.token {
+            Token::OpenComment => {
+                let text = self.slice(lexeme);
+                self.report(Unclosed, lexical_errors::unterminated_comment(span, text));
+            }
+            Token::SlashComment if self.mode == Dialect::Rpi => {
+                self.report(ForeignSyntax, self.foreign_comment(span, 2));
+            }
+            Token::Hash | Token::Percent => {
+                self.report(ForeignSyntax, self.foreign_comment(span, 1));
+            }
+            _ if kind == CommentKind::Contract => {
+                self.report(Other, lexical_errors::unsupported_contract(span));
+            }
+            _ if kind == CommentKind::Property => {
+                self.report(Other, lexical_errors::unsupported_property(span));
+            }
+            _ => {}
+        }
         self.output.comments.all.push(Comment { kind, span });
     }
 
@@ -279,10 +291,15 @@ impl<'t> Lexer<'t> {
     fn report_unknown(&mut self) {
         if let Some(span) = self.unknown.take() {
             let text = &self.text[span.start as usize..span.end as usize];
-            self.output
-                .diagnostics
-                .push(lexical_errors::unknown_chars(span, text));
+            self.report(
+                LexicalErrorKind::UnknownChars,
+                lexical_errors::unknown_chars(span, text),
+            );
         }
+    }
+
+    fn report(&mut self, kind: LexicalErrorKind, diagnostic: Diagnostic) {
+        self.output.errors.push(LexicalError { kind, diagnostic });
     }
 
     fn span(&self, lexeme: Lexeme) -> Span {

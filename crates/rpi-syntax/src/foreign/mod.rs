@@ -31,8 +31,7 @@ mod updates;
 mod word_operators;
 
 pub(crate) use foreign_operators::{
-    AssignContext, NAMED_ARGUMENT, assign_diagnostic, find_operator, operator_diagnostic,
-    with_spaces,
+    AssignContext, assign_diagnostic, find_operator, operator_diagnostic, with_spaces,
 };
 pub(crate) use initial_values::remove_initial_values;
 

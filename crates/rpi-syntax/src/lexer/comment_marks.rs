@@ -3,7 +3,7 @@
 //! Each of them is also an operator in some language. So a mark after an operand begins a comment only if the rest of
 //! the line is not an operand.
 
-use super::{Lexeme, Lexer};
+use super::{Lexeme, Lexer, LexicalErrorKind};
 use crate::Dialect;
 use crate::token::Token;
 use crate::{lexical_errors, neighbours};
@@ -33,9 +33,10 @@ impl Lexer<'_> {
     /// Reports a division written as `x // 2`, and pushes the RPI operator.
     pub(super) fn slash_division(&mut self, lexeme: Lexeme) {
         let span = self.span(lexeme);
-        self.output
-            .diagnostics
-            .push(lexical_errors::double_slash(span, self.text));
+        self.report(
+            LexicalErrorKind::ForeignSyntax,
+            lexical_errors::double_slash(span, self.text),
+        );
         self.push(Token::Div, lexeme);
     }
 

@@ -1,6 +1,6 @@
 //! Operators of other languages: each is reported and replaced by the equivalent operator of RPI.
 
-use super::{Lexeme, Lexer};
+use super::{Lexeme, Lexer, LexicalErrorKind};
 use crate::foreign::AssignContext;
 use crate::token::Token;
 use crate::{Dialect, foreign};
@@ -48,7 +48,9 @@ pub(super) fn convert_c_operators(lexer: &mut Lexer<'_>) {
             }
         }
     }
-    lexer.output.diagnostics.extend(signs);
+    for diagnostic in signs {
+        lexer.report(LexicalErrorKind::ForeignSyntax, diagnostic);
+    }
 }
 
 impl Lexer<'_> {
@@ -84,7 +86,7 @@ impl Lexer<'_> {
             return self.unknown_chars(lexeme.start, lexeme.end);
         };
         let diagnostic = foreign::operator_diagnostic(self.span(lexeme), self.text, sign);
-        self.output.diagnostics.push(diagnostic);
+        self.report(LexicalErrorKind::ForeignSyntax, diagnostic);
         self.push(sign.token, lexeme);
     }
 
@@ -93,9 +95,13 @@ impl Lexer<'_> {
         if self.mode == Dialect::Lustre && self.is_in_brackets() {
             return self.push(Token::Becomes, lexeme);
         }
-        let (diagnostic, token) =
-            foreign::assign_diagnostic(self.span(lexeme), self.text, self.assign_context());
-        self.output.diagnostics.push(diagnostic);
+        let context = self.assign_context();
+        let (diagnostic, token) = foreign::assign_diagnostic(self.span(lexeme), self.text, context);
+        let kind = match context {
+            AssignContext::Argument => LexicalErrorKind::NamedArgument,
+            AssignContext::Definition | AssignContext::Other => LexicalErrorKind::ForeignSyntax,
+        };
+        self.report(kind, diagnostic);
         self.push(token, lexeme);
     }
 
