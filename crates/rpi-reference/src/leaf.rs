@@ -1,5 +1,6 @@
 //! Evaluation of expressions: one leaf of one expression in the current cycle.
 
+use rpi_image::Value as Constant;
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::{ElementwiseOp, Expr, ExprId, PrimCall, TypedKind};
 
@@ -56,16 +57,8 @@ fn evaluate_leaf(
         TypedKind::Arbitrary | TypedKind::Sensor { .. } => {
             Err(EvalError::Unsupported("an external value".to_owned()))
         }
-        TypedKind::Const(leaves) => {
-            Ok(interpreter
-                .period
-                .internal_leaf(Value::from_constant(&leaves[k]), &expr.ty, k))
-        }
-        TypedKind::Literal(leaf) => {
-            Ok(interpreter
-                .period
-                .internal_leaf(Value::from_constant(leaf), &expr.ty, k))
-        }
+        TypedKind::Const(leaves) => Ok(constant(interpreter, &leaves[k], &expr.ty, k)),
+        TypedKind::Literal(leaf) => Ok(constant(interpreter, leaf, &expr.ty, k)),
         TypedKind::None => Ok(None),
         TypedKind::Flow(flow) => flow::evaluate(interpreter, here.instance, *flow, k),
         TypedKind::Part { base, at } => evaluate(interpreter, here, *base, *at as usize + k),
@@ -104,6 +97,12 @@ fn evaluate_leaf(
         TypedKind::Merge { on, cases } => merge(interpreter, here, *on, cases, k),
         TypedKind::Current(operand) => current(interpreter, here, id, *operand, k),
     }
+}
+
+/// Returns a leaf of a constant of the given type.
+fn constant(interpreter: &Interpreter<'_>, constant: &Constant, ty: &Ty, k: usize) -> Leaf {
+    let leaf = Value::from_constant(constant);
+    interpreter.period.internal_leaf(leaf, ty, k)
 }
 
 /// Returns a leaf of a struct, tuple or array, whose leaves are numbered consecutively.

@@ -5,6 +5,7 @@
 //! | `random.rs` | random numbers |
 //! | `types.rs`, `forms.rs` | types and forms of expressions |
 //! | `exprs.rs`, `program.rs` | random expressions, random programs |
+//! | `automata.rs` | random automata |
 //! | `tree.rs` | tree of a program, and its reduction |
 //! | `run.rs` | execution as an image and in the interpreter |
 //! | `wrapped.rs` | `main` inside a restart and inside a fragment |
@@ -14,6 +15,7 @@
 //! A plain run tests a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) sets their number, `RPI_SEED` the first
 //! seed. A failing program is reduced and printed with its own seed.
 
+mod automata;
 mod clocked;
 mod exprs;
 mod fixes;
