@@ -94,13 +94,13 @@ impl<'p> Interpreter<'p> {
                 outputs.push(self.period.to_external(leaf, ty, k));
             }
         }
-        let seen = CycleOutput {
+        let output = CycleOutput {
             outputs,
             exports: self.exports()?,
             end: self.end()?,
         };
         self.update_memory()?;
-        Ok(seen)
+        Ok(output)
     }
 
     /// Begins a cycle of an instance.

@@ -83,23 +83,23 @@ fn parse_with_claims(
         lexed.errors = errors
             .filter(|error| !is_explained(&foreign, error))
             .collect();
-        let faults = lexed.errors.iter().map(|error| &error.diagnostic);
-        let faults = faults.chain(&found);
-        let faults = faults.filter(|f| f.severity() == Severity::Error);
-        let faults: Vec<Span> = faults.map(Diagnostic::span).collect();
+        let errors = lexed.errors.iter().map(|error| &error.diagnostic);
+        let errors = errors.chain(&found);
+        let errors = errors.filter(|f| f.severity() == Severity::Error);
+        let errors: Vec<Span> = errors.map(Diagnostic::span).collect();
         attempt += 1;
-        let is_strange = |claim: &&Span| match attempt < MAX_ATTEMPTS {
+        let has_error = |claim: &&Span| match attempt < MAX_ATTEMPTS {
             true => {
-                (faults.iter()).any(|fault| claim.start <= fault.start && fault.end <= claim.end)
+                (errors.iter()).any(|error| claim.start <= error.start && error.end <= claim.end)
             }
-            false => !faults.is_empty(),
+            false => !errors.is_empty(),
         };
-        let strange = lexed.lexed_comments.iter().filter(is_strange);
-        let strange: Vec<u32> = strange.map(|claim| claim.start).collect();
-        if strange.is_empty() {
+        let rejected = lexed.lexed_comments.iter().filter(has_error);
+        let rejected: Vec<u32> = rejected.map(|claim| claim.start).collect();
+        if rejected.is_empty() {
             return (lexed, items, found);
         }
-        skipped.extend(strange);
+        skipped.extend(rejected);
     }
 }
 

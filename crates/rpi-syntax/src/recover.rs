@@ -203,8 +203,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
             error: fault,
         };
         let phrase = structure.phrase(fault.index);
-        if let Some(habit) = foreign::recognise(&found) {
-            return self.apply_foreign(habit, phrase);
+        if let Some(construct) = foreign::recognise(&found) {
+            return self.apply_foreign(construct, phrase);
         }
         let open_let = structure.unclosed_let().filter(|_| at_end);
         if let Some(unclosed) = open_let.and_then(|_| find_unclosed_body(&found)) {
@@ -240,9 +240,9 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
     }
 
     /// Reports foreign syntax and applies its repair. `phrase` is the range that the usual repair removes.
-    fn apply_foreign(&mut self, habit: ForeignSyntax, phrase: Range<usize>) -> bool {
-        self.diagnostics.push(habit.diagnostic);
-        match habit.repair {
+    fn apply_foreign(&mut self, construct: ForeignSyntax, phrase: Range<usize>) -> bool {
+        self.diagnostics.push(construct.diagnostic);
+        match construct.repair {
             Repair::ReplaceTokens(edits) => {
                 for (range, tokens) in edits.into_iter().rev() {
                     self.lexemes.splice(range, tokens);

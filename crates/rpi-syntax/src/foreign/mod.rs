@@ -184,7 +184,7 @@ const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
 
 /// Returns the first construct of another language that explains a rejected token.
 pub(crate) fn recognise(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
-    RECOGNISERS.iter().find_map(|habit| habit(found))
+    RECOGNISERS.iter().find_map(|recogniser| recogniser(found))
 }
 
 /// Creates a diagnostic (RPI0016) about syntax of another language.

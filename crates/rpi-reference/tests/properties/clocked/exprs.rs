@@ -72,12 +72,12 @@ impl Exprs<'_> {
 
     fn of_form(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Expr {
         let lustre = self.lustre;
-        let fits = |(kind, text, _): &&Form| {
+        let is_possible = |(kind, text, _): &&Form| {
             // Lustre V6 has a different syntax for these.
             let known = !lustre || !text.starts_with("condact") && !text.contains(" with ");
             known && kind.is_none_or(|kind| kind == want.kind)
         };
-        let rows: Vec<&Form> = FORMS.iter().filter(fits).collect();
+        let rows: Vec<&Form> = FORMS.iter().filter(is_possible).collect();
         let (_, text, parts) = **self.random.pick(&rows);
         let parts = parts
             .iter()
@@ -119,8 +119,8 @@ impl Exprs<'_> {
                 )
             }
             Part::Delayed => {
-                let fits = |id: &&FlowId| self.is_wanted(**id, want);
-                let fit: Vec<&FlowId> = scope.delayed.iter().filter(fits).collect();
+                let is_wanted = |id: &&FlowId| self.is_wanted(**id, want);
+                let fit: Vec<&FlowId> = scope.delayed.iter().filter(is_wanted).collect();
                 match fit.is_empty() || self.random.one_in(4) {
                     true => self.expr(scope, want, depth),
                     false => {
@@ -289,8 +289,8 @@ impl Exprs<'_> {
 
     /// Returns `last x`.
     fn last(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
-        let fits = |id: &&FlowId| self.flows[**id].kind == want.kind;
-        let flow = *scope.last.iter().find(fits)?;
+        let has_kind = |id: &&FlowId| self.flows[**id].kind == want.kind;
+        let flow = *scope.last.iter().find(has_kind)?;
         let total = Requirement {
             optional: false,
             ..want.clone()

@@ -75,11 +75,11 @@ impl ClockedGenerator<'_> {
                 continue;
             }
             self.flows[flow].is_fixed = true;
-            let seen = self.flow(format!("{name}.{own}"), kind, base());
-            self.flows[seen].optional = true;
+            let outer = self.flow(format!("{name}.{own}"), kind, base());
+            self.flows[outer].optional = true;
             match clock.is_empty() && !optional {
-                true => scope.known.push(seen),
-                false => scope.outside.push(seen),
+                true => scope.known.push(outer),
+                false => scope.outside.push(outer),
             }
         }
         body.locals.push(wanted);
@@ -124,9 +124,9 @@ impl ClockedGenerator<'_> {
             self.flows[flow].declared = Declared::Not;
             self.flows[flow].is_free = false;
             self.flows[flow].is_fixed = true;
-            let seen = self.flow(name, kind, base());
-            self.flows[seen].optional = true;
-            scope.outside.push(seen);
+            let outer = self.flow(name, kind, base());
+            self.flows[outer].optional = true;
+            scope.outside.push(outer);
         }
         scope.known.push(shared);
         Statement::Automaton(states)
@@ -216,7 +216,7 @@ impl ClockedGenerator<'_> {
         for output in &site.callee.outputs {
             let own = self.flows[*output].clone();
             let first = &self.flows[site.callee.inputs[0]].name;
-            let seen = own.clock.iter().map(|own| match own == first {
+            let samplings = own.clock.iter().map(|own| match own == first {
                 true => on_text.to_owned(),
                 // Neither a condition inside the callee nor an unnamed argument has a name in the caller.
                 false if *own == format!("not {first}") && site.is_condition_named => {
@@ -224,7 +224,7 @@ impl ClockedGenerator<'_> {
                 }
                 false => format!("?{whole} {own}"),
             });
-            let clock: Clock = site.clock.iter().cloned().chain(seen).collect();
+            let clock: Clock = site.clock.iter().cloned().chain(samplings).collect();
             let name = match site.is_whole {
                 true => format!("{whole}.{}", own.name),
                 false => format!("{whole}_{}", own.name),

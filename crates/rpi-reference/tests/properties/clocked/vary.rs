@@ -95,13 +95,13 @@ fn named(model: &mut Model, random: &mut Random) -> bool {
             equation.value.each_mut(&mut |expr| {
                 let has_name =
                     |clock: &super::model::Clock| clock.iter().all(|on| !on.starts_with('?'));
-                let fits = expr
+                let has_kind = expr
                     .clock
                     .as_ref()
                     .is_some_and(|clock| !lustre || has_name(clock));
                 // A call with several results is not a value on its own.
                 let is_value = matches!(&expr.node, Node::Template(text, _) if !text.starts_with("Sub") || text.contains(")."));
-                if fits && is_value {
+                if has_kind && is_value {
                     places.push((k, part));
                 }
                 part += 1;
