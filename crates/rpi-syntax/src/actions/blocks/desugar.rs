@@ -1,183 +1,15 @@
-//! Actions of the grammar for the blocks of equations of Kind 2 (`if`, `when`, `cond`, `frame`), and their desugaring.
-//!
-//! A block becomes one equation per flow, with the conditions in its value.
+//! Desugaring of the blocks of Kind 2: one equation per flow, with the conditions in its value.
 
-mod frame_arrays;
-mod frame_init;
-
+use super::definitions::{Definition, Definitions};
+use super::{frame_arrays, frame_init};
 use crate::ast::*;
 use crate::context::ParseContext;
 use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
-use std::collections::{BTreeMap, BTreeSet};
-
-impl ParseContext<'_> {
-    pub(crate) fn choice(
-        &self,
-        word: ConditionalKeyword,
-        first: BlockBranch,
-        rest: Vec<BlockBranch>,
-        otherwise: Option<Vec<Statement>>,
-    ) -> Box<ConditionalBlock> {
-        let branches = crate::actions::with_elements(vec![first], rest);
-        let mut choice = Box::new(ConditionalBlock {
-            keyword: word,
-            branches,
-            else_statements: otherwise,
-            desugared: Desugared::default(),
-        });
-        choice.desugared = Desugarer::new(self, &[]).desugar_choice(&choice);
-        choice
-    }
-
-    pub(crate) fn frame_block(
-        &self,
-        names: Vec<Ident>,
-        initial: Vec<Statement>,
-        statements: Vec<Statement>,
-    ) -> Box<FrameBlock> {
-        let mut keep = Box::new(FrameBlock {
-            names,
-            initial,
-            statements,
-            desugared: Desugared::default(),
-        });
-        keep.desugared = Desugarer::new(self, &keep.names).desugar_frame(&keep);
-        keep
-    }
-}
-
-/// Definitions of a block, by the source text of their left sides (the keys), in text order.
-#[derive(Default)]
-struct Definitions {
-    /// Keys in text order.
-    key_order: Vec<String>,
-    /// Definitions by key.
-    by_key: BTreeMap<String, Definition>,
-    /// Index of each key in `order`.
-    positions: BTreeMap<String, usize>,
-    /// Keys of the definitions of each flow. May contain keys of removed definitions.
-    keys_by_flow: BTreeMap<Name, Vec<String>>,
-}
-
-/// Desugared equation.
-#[derive(Clone)]
-struct Definition {
-    targets: Vec<Target>,
-    value: Expr,
-    span: Span,
-}
-
-impl Definitions {
-    /// Inserts a definition, as the last one if its key is new.
-    fn insert(&mut self, key: String, definition: Definition) {
-        if !self.positions.contains_key(&key) {
-            self.positions.insert(key.clone(), self.key_order.len());
-            self.key_order.push(key.clone());
-        }
-        self.insert_unordered(key, definition);
-    }
-
-    /// Inserts a definition without a position in the order.
-    fn insert_unordered(&mut self, key: String, definition: Definition) {
-        for target in &definition.targets {
-            let sides = self
-                .keys_by_flow
-                .entry(target.name.name.clone())
-                .or_default();
-            sides.push(key.clone());
-        }
-        self.by_key.insert(key, definition);
-    }
-
-    /// Returns the definitions with a flow in their left side.
-    fn defining(&self, name: &Name) -> impl Iterator<Item = &Definition> {
-        let sides = self.keys_by_flow.get(name).into_iter().flatten();
-        sides.filter_map(|key| self.by_key.get(key))
-    }
-
-    /// Returns the value of targets that are defined together or one by one.
-    fn value_of(&self, targets: &[Target]) -> Option<Expr> {
-        let written = |target: &Target| self.definition_of(target);
-        if let [one] = targets {
-            return written(one).map(|definition| definition.value.clone());
-        }
-        let mut of_first = targets
-            .iter()
-            .take(1)
-            .flat_map(|t| self.defining(&t.name.name));
-        if let Some(whole) = of_first.find(|d| are_same_targets(&d.targets, targets)) {
-            return Some(whole.value.clone());
-        }
-        let values: Option<Vec<Expr>> = targets
-            .iter()
-            .map(|t| Some(written(t)?.value.clone()))
-            .collect();
-        let values = values?;
-        let span = values.first().map_or(Span::NONE, |value| value.span);
-        let kind = ExprKind::Tuple(values.into());
-        Some(Expr { kind, span })
-    }
-
-    /// Returns the definition of one target alone.
-    fn definition_of(&self, target: &Target) -> Option<&Definition> {
-        let alone =
-            |d: &&Definition| matches!(&d.targets[..], [one] if is_same_target(one, target));
-        self.defining(&target.name.name).find(alone)
-    }
-
-    /// Removes the single definitions of targets that no definition groups, and returns their values as one.
-    ///
-    /// A target without a definition keeps its previous value.
-    fn take_values(&mut self, targets: &[Target]) -> Expr {
-        let mut values = Vec::with_capacity(targets.len());
-        for target in targets {
-            let is_alone = |key: &&String| {
-                let definition = self.by_key.get(*key);
-                definition
-                    .is_some_and(|d| matches!(&d.targets[..], [one] if is_same_target(one, target)))
-            };
-            let mut sides = self
-                .keys_by_flow
-                .get(&target.name.name)
-                .into_iter()
-                .flatten();
-            let key = sides.find(is_alone).cloned();
-            let definition = key.and_then(|key| self.by_key.remove(&key));
-            values.push(definition.map_or_else(|| previous_value(target), |d| d.value));
-        }
-        match values.len() {
-            1 => values.remove(0),
-            _ => tuple_of(targets, values),
-        }
-    }
-
-    /// Returns the flows that are defined together with others in one definition.
-    fn grouped_flows(&self) -> BTreeSet<String> {
-        let groups = self.by_key.values().filter(|d| d.targets.len() > 1);
-        let targets = groups.flat_map(|d| &d.targets);
-        targets.map(|target| target.name.name.to_string()).collect()
-    }
-}
-
-/// Returns whether two targets are the same flow or the same part of a flow.
-fn is_same_target(a: &Target, b: &Target) -> bool {
-    let step = |(a, b): (&Access, &Access)| match (a, b) {
-        (Access::Field(a), Access::Field(b)) => a.name == b.name,
-        (Access::Index(a), Access::Index(b)) => a.unparen().kind == b.unparen().kind,
-        _ => false,
-    };
-    a.name.name == b.name.name
-        && a.path.len() == b.path.len()
-        && a.path.iter().zip(&b.path).all(step)
-}
-
-fn are_same_targets(a: &[Target], b: &[Target]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_same_target(a, b))
-}
+use std::collections::BTreeSet;
 
 /// Desugaring of a block.
-struct Desugarer<'c, 't> {
+pub(super) struct Desugarer<'c, 't> {
     cx: &'c ParseContext<'t>,
     /// Flows of a `frame`, which keep their previous values where no branch defines them.
     kept_flows: BTreeSet<&'c Name>,
@@ -185,7 +17,7 @@ struct Desugarer<'c, 't> {
 }
 
 impl<'c, 't> Desugarer<'c, 't> {
-    fn new(cx: &'c ParseContext<'t>, kept: &'c [Ident]) -> Self {
+    pub(super) fn new(cx: &'c ParseContext<'t>, kept: &'c [Ident]) -> Self {
         let kept = kept.iter().map(|name| &name.name).collect();
         let faults = Vec::new();
         Desugarer {
@@ -195,7 +27,7 @@ impl<'c, 't> Desugarer<'c, 't> {
         }
     }
 
-    fn desugar_choice(mut self, choice: &ConditionalBlock) -> Desugared {
+    pub(super) fn desugar_choice(mut self, choice: &ConditionalBlock) -> Desugared {
         let defined = self.choice(choice);
         self.finish(defined)
     }
@@ -216,7 +48,7 @@ impl<'c, 't> Desugarer<'c, 't> {
     /// Desugars a `frame` block.
     ///
     /// The equations before `let` give the values before the first cycle, for undefined flows and for `last`.
-    fn desugar_frame(mut self, keep: &FrameBlock) -> Desugared {
+    pub(super) fn desugar_frame(mut self, keep: &FrameBlock) -> Desugared {
         let mut initial = self.statements(&keep.initial);
         let mut defined = self.statements(&keep.statements);
         frame_arrays::unify_array_targets(self.cx, &mut initial, &mut defined);
@@ -396,14 +228,14 @@ impl<'c, 't> Desugarer<'c, 't> {
 }
 
 /// Returns the tuple of the values of several targets.
-fn tuple_of(targets: &[Target], values: Vec<Expr>) -> Expr {
+pub(super) fn tuple_of(targets: &[Target], values: Vec<Expr>) -> Expr {
     let span = targets.first().map_or(Span::NONE, |target| target.span);
     let kind = ExprKind::Tuple(values.into());
     Expr { kind, span }
 }
 
 /// Returns `last x`, the value of a target in the previous cycle.
-fn previous_value(target: &Target) -> Expr {
+pub(super) fn previous_value(target: &Target) -> Expr {
     let span = target.span;
     let mut expr = Expr {
         kind: ExprKind::Name(target.name.name.clone()),
@@ -438,7 +270,7 @@ fn if_expr(condition: Expr, yes: Expr, no: Expr) -> Expr {
 }
 
 /// Returns `lhs -> rhs`.
-fn arrow_expr(lhs: Expr, rhs: Expr) -> Expr {
+pub(super) fn arrow_expr(lhs: Expr, rhs: Expr) -> Expr {
     let span = lhs.span;
     let (op, op_span) = (BinaryOp::Arrow, lhs.span);
     let kind = ExprKind::Binary(Box::new(Binary {

@@ -3,8 +3,9 @@
 //! `last x` is the value of the previous cycle. In the first cycle, it is the value that the frame gives before `let`.
 //! A flow that no branch defines is `last` of itself.
 
+use super::definitions::{Definition, Definitions};
+use super::desugar::arrow_expr;
 use super::frame_arrays::base_flow;
-use super::{Definition, Definitions, arrow_expr};
 use crate::ast::*;
 use crate::ops::UnaryOp;
 use rpi_diag::Span;

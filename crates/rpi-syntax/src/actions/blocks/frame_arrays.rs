@@ -1,6 +1,6 @@
 //! Arrays in a `frame` block that one half defines as a whole, `A = e`, and the other by element, `A[i] = e`.
 
-use super::{Definition, Definitions};
+use super::definitions::{Definition, Definitions};
 use crate::ast::*;
 use crate::context::ParseContext;
 
@@ -33,7 +33,7 @@ pub(super) fn unify_array_targets(
         let Some(then) = then else {
             continue;
         };
-        let old = cx.target_text(&then.targets[0]);
+        let old = target_text(cx, &then.targets[0]);
         let (first, then) = match (form(&first), form(&then)) {
             (TargetForm::Whole, TargetForm::Elements(_)) => elementwise(cx, &first, then),
             (TargetForm::Elements(_), TargetForm::Whole) => {
@@ -50,17 +50,15 @@ pub(super) fn unify_array_targets(
     }
 }
 
-impl ParseContext<'_> {
-    /// Returns the source text of a left side, which is its key.
-    pub(super) fn target_text(&self, target: &Target) -> String {
-        self.slice(target.span.start, target.span.end).to_owned()
-    }
+/// Returns the source text of a left side, which is its key.
+pub(super) fn target_text(cx: &ParseContext<'_>, target: &Target) -> String {
+    cx.slice(target.span.start, target.span.end).to_owned()
 }
 
 impl Definitions {
     /// Replaces the definition with key `old` by another one, under the key of its new left side.
     fn replace(&mut self, old: &str, cx: &ParseContext<'_>, new: Definition) {
-        let key = cx.target_text(&new.targets[0]);
+        let key = target_text(cx, &new.targets[0]);
         self.by_key.remove(old);
         if let Some(at) = self.positions.remove(old) {
             self.key_order[at].clone_from(&key);
