@@ -152,18 +152,18 @@ impl Instance {
     }
 
     /// Phase 1: latches the sensors and the flows that the core provides.
-    pub fn read(&mut self, bank: &mut dyn DeviceBank, moment: &CycleContext) {
+    pub fn read(&mut self, bank: &mut dyn DeviceBank, context: &CycleContext) {
         self.clock = CycleTime {
             cycle_index: self.cycle,
-            net_ns: moment.net_ns,
-            wall_ns: moment.wall_ns,
+            net_ns: context.net_ns,
+            wall_ns: context.wall_ns,
             ..self.clock
         };
         let mut cx = prim_context(&mut self.slots, self.clock, bank, self.fault);
         self.ports.read_sensors(&self.image, &mut cx);
         self.fault = cx.fault;
         for flow in &self.image.flows {
-            let bits = flow_bits(flow.kind, self.clock, moment);
+            let bits = flow_bits(flow.kind, self.clock, context);
             self.slots[flow.value.start as usize] = bits.unwrap_or(0);
             if flow.value.present != TRUE {
                 self.slots[flow.value.present as usize] = u64::from(bits.is_some());
@@ -433,16 +433,16 @@ fn elapsed_ticks(clock: CycleTime) -> i64 {
         .cast_signed()
 }
 
-fn flow_bits(flow: CommandFlow, clock: CycleTime, moment: &CycleContext) -> Option<u64> {
+fn flow_bits(flow: CommandFlow, clock: CycleTime, context: &CycleContext) -> Option<u64> {
     Some(match flow {
-        CommandFlow::Cancel => u64::from(moment.cancel),
-        CommandFlow::Takeover => u64::from(moment.takeover),
+        CommandFlow::Cancel => u64::from(context.cancel),
+        CommandFlow::Takeover => u64::from(context.takeover),
         CommandFlow::Time => clock.seconds(elapsed_ticks(clock)).to_bits(),
         CommandFlow::Elapsed => elapsed_ticks(clock).cast_unsigned(),
         CommandFlow::PeriodTicks => clock.period_ticks,
         CommandFlow::Period => clock.dt.to_bits(),
         CommandFlow::NetTime => clock.net_ns.cast_unsigned(),
         CommandFlow::WallTime => clock.wall_ns.cast_unsigned(),
-        CommandFlow::Predecessor => return moment.predecessor.map(i64::cast_unsigned),
+        CommandFlow::Predecessor => return context.predecessor.map(i64::cast_unsigned),
     })
 }

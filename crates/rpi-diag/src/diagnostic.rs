@@ -24,7 +24,7 @@ pub struct Diagnostic {
 /// What a diagnostic is about, where one diagnostic is enough for the whole program.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Subject {
-    /// Global name of a kind that nothing declares, such as `type Celsius`. The diagnostic shows some of its uses.
+    /// Global name of a kind without a declaration, such as `type Celsius`. The diagnostic shows some of its uses.
     UndefinedName(String),
     /// Construct that is not supported.
     Construct(String),

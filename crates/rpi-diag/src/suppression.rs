@@ -19,8 +19,6 @@ pub enum Cause<'a> {
     UnclosedDeclarations(&'a [Span]),
     /// These texts have syntax errors. Diagnostics about what was made of them are meaningless.
     SyntaxErrors(&'a [Span]),
-    /// These texts were recognised as those of another language and reported as a whole.
-    ForeignText(&'a [Span]),
     /// These expressions run on several clocks. What contains them is absent in some cycles as a consequence.
     ClockMismatch(&'a BTreeSet<Span>),
     /// These values are absent by an error. Whether a default value for them is needed is unknown.
@@ -50,10 +48,6 @@ impl Cause<'_> {
                 let mut places = diagnostic.labels.iter().map(|label| label.span);
                 let is_at_fault = |place| faults.iter().any(|fault| overlap(place, *fault));
                 !is_syntax_error(diagnostic) && places.any(is_at_fault)
-            }
-            Cause::ForeignText(texts) => {
-                matches!(code, Code::RPI0002 | Code::RPI0013 | Code::RPI0016)
-                    && texts.iter().any(|text| text.contains(span))
             }
             Cause::ClockMismatch(expressions) => contains_any(expressions, span),
             Cause::AbsentValues(values) => {

@@ -10,11 +10,11 @@ use rustc_hash::FxHashMap;
 /// Value numbering of Boolean operations: maps (primitive, first, second) to the operations with these operands.
 #[derive(Default)]
 pub(crate) struct BooleanOps {
-    known: FxHashMap<(PrimId, Register, Register), Vec<Known>>,
+    known: FxHashMap<(PrimId, Register, Register), Vec<AddedOp>>,
 }
 
 /// An operation that has been added.
-struct Known {
+struct AddedOp {
     /// Index of the operation.
     op: u32,
     /// Scope in which it is computed.
@@ -91,12 +91,12 @@ impl BooleanOps {
         };
         flat.push(scope, OpKind::Run(prim, Form::Total), words, NO_NODE);
         let op = index(flat.ops.len() - 1);
-        known.push(Known { op, scope, result });
+        known.push(AddedOp { op, scope, result });
         result
     }
 }
 
-impl Known {
+impl AddedOp {
     /// Moves the operation to the innermost scope that encloses its own and `reader`. Returns false if an operand is
     /// computed between the two places; the operation then stays.
     fn hoist(&mut self, flat: &mut FlatNet, reader: ScopeId, operands: [Register; 2]) -> bool {

@@ -245,7 +245,7 @@ fn each_fault_has_its_place_and_its_words() {
         let errors = faults(text);
         assert!(
             errors.contains(&format!("cell.toml:{expected}")),
-            "{text}\n--- expected {expected}, told\n{errors}"
+            "{text}\n--- expected {expected}, got\n{errors}"
         );
     }
 }

@@ -4,7 +4,7 @@ mod tool;
 
 use std::path::Path;
 
-use tool::{rpi, said};
+use tool::{printed, rpi};
 
 /// A run that ends at rest leaves nothing to brake.
 #[test]
@@ -12,9 +12,9 @@ fn examples_end_at_rest() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     for name in ["first", "blending", "lifting", "assembly", "tending"] {
         let program = examples.join(format!("{name}/{name}.rpi"));
-        let output = rpi(&["run", program.to_str().unwrap(), "--json"]);
-        assert_eq!(output.status.code(), Some(0), "{name}: {}", said(&output));
-        let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let run = rpi(&["run", program.to_str().unwrap(), "--json"]);
+        assert_eq!(run.status.code(), Some(0), "{name}: {}", printed(&run));
+        let outcome: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
         for command in outcome["commands"].as_array().unwrap() {
             assert_eq!(
                 command["braked"],
@@ -41,13 +41,10 @@ tel
     std::fs::write(&program, text).unwrap();
     let cell = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nenforce = [\"velocity\"]\n";
     std::fs::write(folder.path().join("cell.toml"), cell).unwrap();
-    let output = rpi(&["run", program.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
-    let printed = said(&output);
-    assert!(printed.contains("FAULT at arm.joints"), "{printed}");
-    assert!(
-        printed.contains("the device refuses its set-point"),
-        "{printed}"
-    );
-    assert!(printed.contains("velocity at axis 0"), "{printed}");
+    let run = rpi(&["run", program.to_str().unwrap()]);
+    assert_eq!(run.status.code(), Some(3), "{}", printed(&run));
+    let text = printed(&run);
+    assert!(text.contains("FAULT at arm.joints"), "{text}");
+    assert!(text.contains("the device refuses its set-point"), "{text}");
+    assert!(text.contains("velocity at axis 0"), "{text}");
 }

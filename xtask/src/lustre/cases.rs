@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use rpi_diag::{Code, CodeGroup};
 use serde_json::Value;
 
 use super::options::{Expectation, Options};
@@ -218,7 +219,9 @@ fn check_trace(trace: &Trace, path: &str, tools: &Tools) -> Verdict {
     }
     let ended = tools.run("rpi", &args);
     match failure(&ended) {
-        Some(Verdict::Rejected(why)) if trace.has_undefined() && why.starts_with("RPI5") => {
+        Some(Verdict::Rejected(why))
+            if trace.has_undefined() && group(&why) == Some(CodeGroup::Initialisation) =>
+        {
             Verdict::Pass("rejected as expected: the trace reads an undefined value".to_owned())
         }
         Some(fate) => fate,
@@ -280,13 +283,18 @@ fn flattened_name(name: &str) -> String {
         .collect()
 }
 
+/// Group of the code at the start of a message; `None` if there is none.
+fn group(message: &str) -> Option<CodeGroup> {
+    Code::parse(message.get(..7)?).map(Code::group)
+}
+
 /// Verdict on a run that failed; `None` for a successful run.
 fn failure(ended: &ToolOutput) -> Option<Verdict> {
     let why = first_error(&ended.err);
     match ended.status {
         Some(0) => None,
         Some(3) => Some(Verdict::Fault(why)),
-        Some(1 | 2) if why.starts_with("RPI0") => Some(Verdict::NotParsed(why)),
+        Some(1 | 2) if group(&why) == Some(CodeGroup::Syntax) => Some(Verdict::NotParsed(why)),
         Some(1 | 2) => Some(Verdict::Rejected(why)),
         _ => Some(Verdict::Crashed(why)),
     }

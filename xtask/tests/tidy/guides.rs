@@ -13,6 +13,7 @@ const NO_FILES: &[&str] = &[
     "crates/rpi-diag/pages/RPI4007.md",
     "fuzz/targets/target/corpus",
     "fuzz/targets/target/found",
+    "target/book",
     "tests/fuzz/ENTRY",
 ];
 

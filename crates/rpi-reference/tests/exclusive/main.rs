@@ -48,7 +48,7 @@ fn input(text: &str) -> Input {
 }
 
 /// Returns the result of the compiler for the command of a program.
-fn said(made: &GeneratedProgram) -> Verdict {
+fn output(made: &GeneratedProgram) -> Verdict {
     let text = made.command();
     let compiled = compile(&input(&text)).expect("it is text");
     let other = |f: &&rpi_diag::Diagnostic| {
@@ -119,7 +119,7 @@ fn look_at(seed: u64, counts: &mut Counts) {
     let text = made.node();
     let program = check_typed(&input(&text)).expect("it is text");
     let program = program.unwrap_or_else(|f| panic!("{f:?}\n{text}"));
-    let (meets, said) = (meets(&program, seed), said(&made));
+    let (meets, output) = (meets(&program, seed), output(&made));
     let description = || format!("RPI_SEED={seed} RPI_PROGRAMS=1\n{}", made.command());
     assert!(
         !(meets && made.is_exclusive),
@@ -127,16 +127,16 @@ fn look_at(seed: u64, counts: &mut Counts) {
         description()
     );
     assert!(
-        !(meets && said == Verdict::Exclusive),
+        !(meets && output == Verdict::Exclusive),
         "wrongly proved: {}",
         description()
     );
     assert!(
-        !(made.is_exclusive && said == Verdict::Together),
+        !(made.is_exclusive && output == Verdict::Together),
         "wrongly rejected: {}",
         description()
     );
-    if said == Verdict::Open && std::env::var("RPI_TELL").is_ok() {
+    if output == Verdict::Open && std::env::var("RPI_TELL").is_ok() {
         println!("open, meets {meets}: {}", description());
     }
     let row = match (made.is_exclusive, meets) {
@@ -144,7 +144,7 @@ fn look_at(seed: u64, counts: &mut Counts) {
         (_, true) => &mut counts.meeting,
         _ => &mut counts.others,
     };
-    row[said as usize] += 1;
+    row[output as usize] += 1;
 }
 
 /// Returns the diagnostics of a program in `tests/exclusive`.

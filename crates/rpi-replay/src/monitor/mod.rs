@@ -209,9 +209,9 @@ mod tests {
     use rpi_diag::{Code, Span};
     use rpi_image::Scalar;
 
-    struct Given(Vec<Option<Vec<u64>>>);
+    struct FixedExports(Vec<Option<Vec<u64>>>);
 
-    impl ExportValues for Given {
+    impl ExportValues for FixedExports {
         fn words(&self, export: usize) -> Option<&[u64]> {
             self.0[export].as_deref()
         }
@@ -249,7 +249,7 @@ mod tests {
         })
     }
 
-    fn look(watch: &mut ClaimMonitor, cycle: u64, flows: &Given) -> Vec<Diagnostic> {
+    fn look(watch: &mut ClaimMonitor, cycle: u64, flows: &FixedExports) -> Vec<Diagnostic> {
         let broken = watch.evaluate(flows);
         broken.iter().map(|b| watch.diagnostic(b, cycle)).collect()
     }
@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn the_first_cycle_is_told_with_values_and_those_before() {
         let mut watch = watch();
-        let cycle = |g, x| Given(vec![Some(vec![g]), Some(vec![1]), Some(vec![x])]);
+        let cycle = |g, x| FixedExports(vec![Some(vec![g]), Some(vec![1]), Some(vec![x])]);
         assert_eq!(look(&mut watch, 0, &cycle(1, 5)), []);
         let found = look(&mut watch, 1, &cycle(0, 6));
         assert_eq!(codes(&found), [Code::RPI9014]);
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn nothing_is_owed_once_an_assumption_is_broken() {
         let mut watch = watch();
-        let cycle = |g, a| Given(vec![Some(vec![g]), Some(vec![a]), None]);
+        let cycle = |g, a| FixedExports(vec![Some(vec![g]), Some(vec![a]), None]);
         assert_eq!(codes(&look(&mut watch, 0, &cycle(0, 0))), [Code::RPI9013]);
         assert_eq!(look(&mut watch, 1, &cycle(0, 1)), []);
     }
@@ -290,7 +290,10 @@ mod tests {
     #[test]
     fn an_absent_claim_is_not_broken() {
         let mut watch = watch();
-        assert_eq!(look(&mut watch, 0, &Given(vec![None, None, None])), []);
+        assert_eq!(
+            look(&mut watch, 0, &FixedExports(vec![None, None, None])),
+            []
+        );
         assert!(watch.stats().all(|(_, tally)| tally.evaluated == 0));
     }
 }

@@ -132,11 +132,11 @@ impl<'a> Replay<'a> {
         self.tally.report.cycles = number;
         // The cycles of a trace count from 1.
         let elapsed = self.period_ns.saturating_mul(number - 1).cast_signed();
-        let moment = CycleContext {
+        let context = CycleContext {
             net_ns: self.start_ns.saturating_add(elapsed),
             ..CycleContext::default()
         };
-        self.machine.read(&mut self.bank, &moment);
+        self.machine.read(&mut self.bank, &context);
         for k in 0..self.plan.latched.len() {
             self.process_node(self.plan.latched[k]);
         }

@@ -169,12 +169,12 @@ impl CycleLoop {
     }
 
     /// Records everything since the last recorded tick.
-    fn record(&mut self, moment: (u64, i64), ticked: bool) {
+    fn record(&mut self, context: (u64, i64), ticked: bool) {
         let (Some(tick_log), Some(probe)) = (&mut self.tick_log, &self.watcher.probe) else {
             return;
         };
         if let Some(exchange) = self.executive.plant().buffer() {
-            tick_log.put(moment, ticked, exchange, probe.stage());
+            tick_log.put(context, ticked, exchange, probe.stage());
             exchange.clear();
         }
     }

@@ -358,14 +358,14 @@ impl<'u> PresenceInference<'u> {
         let [condition, yes, no] = operands[..] else {
             return None;
         };
-        let TypedKind::Present(asked) = self.unit.expr(condition).kind else {
+        let TypedKind::Present(tested) = self.unit.expr(condition).kind else {
             return None;
         };
         let flow = |id: ExprId| match self.unit.expr(id).kind {
             TypedKind::Flow(flow) => Some(flow),
             _ => None,
         };
-        let same = flow(asked).is_some() && flow(asked) == flow(yes);
+        let same = flow(tested).is_some() && flow(tested) == flow(yes);
         let [whole, yes, no] = [id, yes, no].map(|id| self.unit.expr(id).span);
         let before = Span {
             end: yes.start,

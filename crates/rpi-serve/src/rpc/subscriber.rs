@@ -106,8 +106,8 @@ pub(super) fn task(status: &TaskStatus) -> Value {
         "late": status.late,
         "missed": status.missed_in_motion,
     });
-    if let Some(trouble) = &status.trouble {
-        object["trouble"] = json!(trouble);
+    if let Some(error) = &status.error {
+        object["trouble"] = json!(error);
     }
     object
 }

@@ -142,7 +142,7 @@ impl TaskCore for TaskCoreAdapter<'_> {
         let names = indices.iter().map(|index| self.image(*index).name.clone());
         let names = names.collect::<Vec<_>>().join(" and ");
         if let Some(record) = self.record() {
-            record.status.trouble = Some(format!("cannot start {names}: {why}"));
+            record.status.error = Some(format!("cannot start {names}: {why}"));
             record.changed = true;
         }
     }

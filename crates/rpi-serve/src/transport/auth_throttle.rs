@@ -65,13 +65,13 @@ impl AuthThrottle {
         if all.len() >= MAX_ENTRIES && !all.contains_key(&(peer, why)) {
             return None;
         }
-        let stranger = all.entry((peer, why)).or_insert(ThrottleEntry {
+        let client = all.entry((peer, why)).or_insert(ThrottleEntry {
             times: 0,
             latest: Instant::now(),
             waiting: 0,
         });
-        (stranger.times, stranger.latest) = (stranger.times + 1, Instant::now());
-        let (times, what) = (stranger.times, why.description());
+        (client.times, client.latest) = (client.times + 1, Instant::now());
+        let (times, what) = (client.times, why.description());
         // Powers of ten: repeated requests cannot flood the log, and their number stays visible.
         match times {
             1 => Some(format!("{what}, from {peer}")),
@@ -85,19 +85,19 @@ impl AuthThrottle {
     /// Reserves a delayed answer to a wrong token; `None` if the peer has too many.
     pub(super) fn reserve_delay(&self, peer: Peer) -> Option<DelayedAnswer> {
         let mut all = self.lock();
-        let stranger = all.get_mut(&(peer, RejectReason::WrongToken))?;
-        if stranger.waiting >= MAX_DELAYED {
+        let client = all.get_mut(&(peer, RejectReason::WrongToken))?;
+        if client.waiting >= MAX_DELAYED {
             return None;
         }
-        stranger.waiting += 1;
+        client.waiting += 1;
         Some(DelayedAnswer(self.clone(), peer))
     }
 }
 
 impl Drop for DelayedAnswer {
     fn drop(&mut self) {
-        if let Some(stranger) = self.0.lock().get_mut(&(self.1, RejectReason::WrongToken)) {
-            stranger.waiting -= 1;
+        if let Some(client) = self.0.lock().get_mut(&(self.1, RejectReason::WrongToken)) {
+            client.waiting -= 1;
         }
     }
 }

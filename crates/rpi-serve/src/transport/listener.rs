@@ -230,14 +230,14 @@ const TLS_REQUIRED: &str = "this port speaks TLS only: https:// or wss://";
 const HANDSHAKE: u8 = 22;
 
 /// Returns whether the client starts a TLS handshake. No byte is taken from the stream.
-fn starts_tls(stream: &TcpStream, patience: Duration) -> io::Result<bool> {
+fn starts_tls(stream: &TcpStream, timeout: Duration) -> io::Result<bool> {
     let begin = Instant::now();
     let mut first = [0];
     loop {
         match stream.peek(&mut first) {
             Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(_) => return Ok(first[0] == HANDSHAKE),
-            Err(e) if is_timeout(&e) && begin.elapsed() < patience => {}
+            Err(e) if is_timeout(&e) && begin.elapsed() < timeout => {}
             Err(e) => return Err(e),
         }
     }

@@ -12,7 +12,7 @@ use crate::state::{ApiError, NewDevice, Reply, SharedState};
 type Form = BTreeMap<String, String>;
 
 /// Runs a net for one cycle and returns its exports as XML.
-pub(crate) fn eval(shared: &SharedState, form: &Form, patience: Duration) -> Response {
+pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Response {
     let Some(net) = form.get("dionet") else {
         return Response::error(400, "expected a form with dionet=...");
     };
@@ -23,7 +23,7 @@ pub(crate) fn eval(shared: &SharedState, form: &Form, patience: Duration) -> Res
         Box::new(move |values| drop(sender.send(Ok(values)))),
         Box::new(move |result| drop(result.map_err(|why| failed.send(Err(why))))),
     );
-    match answer.recv_timeout(patience) {
+    match answer.recv_timeout(timeout) {
         Ok(Ok(values)) => {
             let mut xml = XmlWriter::new("eval");
             for (key, value) in &values {
@@ -40,7 +40,7 @@ pub(crate) fn eval(shared: &SharedState, form: &Form, patience: Duration) -> Res
 pub(crate) fn device(
     (shared, peer): (&SharedState, Peer),
     form: &Form,
-    patience: Duration,
+    timeout: Duration,
 ) -> Response {
     let name = form.get("name").map_or("", String::as_str);
     let (reply, answer) = reply_channel();
@@ -55,7 +55,7 @@ pub(crate) fn device(
         };
         shared.lock().add_device(&new, reply);
     }
-    match answer.recv_timeout(patience) {
+    match answer.recv_timeout(timeout) {
         Ok(Ok(_)) => Response::text("done\n".to_owned()),
         Ok(Err(why)) => Response::error(400, &why.to_string()),
         Err(_) => Response::error(503, "timeout: no answer from the cycle"),

@@ -75,8 +75,8 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
         ]
     );
     assert!(ask("Authorization: Bearer open sesame").starts_with("HTTP/1.1 200"));
-    let stranger = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
-    assert!(ask(stranger).starts_with("HTTP/1.1 403"));
+    let client = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
+    assert!(ask(client).starts_with("HTTP/1.1 403"));
 }
 
 /// Wrong tokens are answered with a delay and use only a few connections; a correct token is accepted meanwhile.
@@ -111,7 +111,7 @@ fn guessing_a_token_is_slow_and_holds_nobody_up() {
         .iter()
         .any(|warning| warning.contains("10 times"))
     {
-        assert!(begin.elapsed() < PATIENCE, "they are not told");
+        assert!(begin.elapsed() < PATIENCE, "there is no warning");
     }
     assert!(ask(token).starts_with("HTTP/1.1 200"));
     assert!(begin.elapsed() < limits.wrong_token_delay, "it had to wait");

@@ -232,6 +232,6 @@ task Once () let Long(); tel
         }
         assert!(begin.elapsed() < PATIENCE, "{status}");
     };
-    let trouble = status["trouble"].as_str().unwrap();
-    assert!(trouble.contains("memory quota is exhausted"), "{trouble}");
+    let error = status["trouble"].as_str().unwrap();
+    assert!(error.contains("memory quota is exhausted"), "{error}");
 }

@@ -140,10 +140,10 @@ fn a_unix_socket_takes_a_message_per_line() {
     assert_eq!(answer["result"]["inputs"][0]["key"], "gain");
     assert_eq!(answer["result"]["state"], "ready");
     stream.write_all(&vec![b' '; 1 << 16]).unwrap();
-    let complaint: Value = serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap();
-    assert_eq!(complaint["error"]["code"], -32600, "{complaint}");
+    let error_line: Value = serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap();
+    assert_eq!(error_line["error"]["code"], -32600, "{error_line}");
     assert_eq!(
-        complaint["error"]["message"],
+        error_line["error"]["message"],
         "a message has at most 4096 bytes"
     );
     assert!(answers.next().is_none_or(|line| line.is_err()));
@@ -297,7 +297,7 @@ fn a_task_branches_by_result() {
             let params = &update["params"];
             (params["command"] == *winner && params["state"] == "terminated").then_some(())
         });
-        client.wait("the loser is unloaded, and told", |text| {
+        client.wait("the loser is unloaded, and reported", |text| {
             let update: Value = serde_json::from_str(text).ok()?;
             let params = &update["params"];
             (params["command"] == *loser && params["state"] == "unloaded").then_some(())

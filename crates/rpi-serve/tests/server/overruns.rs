@@ -1,5 +1,5 @@
-//! Commands whose cycles take too long: they are counted with their location in the program, and ended if their policy
-//! says so.
+//! Commands whose cycles take too long are counted with their location in the program, and ended if their policy is
+//! to end them.
 
 use std::fmt::Write as _;
 use std::fs::File;

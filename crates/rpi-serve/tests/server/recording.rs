@@ -69,7 +69,7 @@ fn a_full_disk_is_told_at_once_and_stops_nothing() {
     }
     let warning = "RECORDING STOPPED: no storage space";
     assert_eq!(warnings, [warning]);
-    assert!(server.warnings().is_empty(), "it is told once");
+    assert!(server.warnings().is_empty(), "there is one warning");
     let log = get(server.address(), "/log");
     assert!(log.contains(warning), "{log}");
     let page = get(server.address(), "/nets");

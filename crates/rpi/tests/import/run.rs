@@ -87,7 +87,7 @@ pub(crate) fn compare_nets(
 }
 
 fn run(net: &AnalysedNet, cell: &str, period_ns: u64) -> Result<Vec<CycleBehaviour>, String> {
-    let image = lower_for_execution(net, period_ns)?;
+    let image = lower_for_execution(net, period_ns).map_err(|e| e.to_string())?;
     let mut bank = RecordingBank::new(cell, period_ns);
     let mut machine = Instance::load(image, &mut bank).map_err(|faults| format!("{faults:?}"))?;
     let mut all = Vec::new();

@@ -9,7 +9,7 @@ pub(crate) fn rpi(arguments: &[&str]) -> Output {
 }
 
 /// Returns everything that the tool has printed.
-pub(crate) fn said(output: &Output) -> String {
+pub(crate) fn printed(output: &Output) -> String {
     let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
     format!("{out}{err}")
 }

@@ -93,8 +93,8 @@ pub(super) fn check(
             _ => continue,
         };
         let node = net.node(port.node);
-        let said = range(node, holds).or_else(|| range_in_ticks(net, node, holds));
-        let Some((number, range)) = said else {
+        let output = range(node, holds).or_else(|| range_in_ticks(net, node, holds));
+        let Some((number, range)) = output else {
             continue;
         };
         let range = Bounds {

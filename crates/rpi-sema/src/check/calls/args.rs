@@ -234,12 +234,12 @@ pub(crate) fn report_unknown_args<'a>(
     let names: Vec<&Name> = names.collect();
     let decl = cx.checker.program.decl(id);
     let named = given.iter().filter_map(|arg| arg.name);
-    let strangers = named.filter(|name| !names.contains(&&name.name));
-    let strangers: Vec<Diagnostic> = strangers
+    let clients = named.filter(|name| !names.contains(&&name.name));
+    let clients: Vec<Diagnostic> = clients
         .map(|name| unknown_arg(&decl.name, decl.span, &names, name, given))
         .collect();
-    let any = !strangers.is_empty();
-    strangers
+    let any = !clients.is_empty();
+    clients
         .into_iter()
         .for_each(|diagnostic| report::report_diagnostic(cx, diagnostic));
     any
