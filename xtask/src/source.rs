@@ -87,6 +87,9 @@ pub struct Function<'a> {
     pub line: usize,
     /// Number of lines from `fn` to the closing brace, inclusive.
     pub lines: usize,
+    /// Number of those lines from the opening brace on: what a reader must follow. A signature of several lines has
+    /// parameters with long names, which make it easier to read.
+    pub body_lines: usize,
 }
 
 /// Returns the functions with bodies in a formatted text, including nested ones, in the order of their lines.
@@ -98,11 +101,14 @@ pub fn functions(text: &str) -> Vec<Function<'_>> {
         .filter_map(|(at, line)| Some((at, function_name(line)?)));
     starts
         .filter_map(|(at, name)| {
-            let lines = body_end_line(&lines[at..])? + 1;
+            let end = body_end_line(&lines[at..])?;
+            let mut own = lines[at..=at + end].iter();
+            let signature = own.position(|line| line.ends_with('{')).unwrap_or(0);
             Some(Function {
                 name,
                 line: at + 1,
-                lines,
+                lines: end + 1,
+                body_lines: end + 1 - signature,
             })
         })
         .collect()

@@ -14,16 +14,16 @@ const METHODS: usize = 40;
 const FIELDS: usize = 20;
 /// Maximum number of lines of a function.
 const FUNCTION_LINES: usize = 60;
-/// Maximum of the median number of lines of a function.
+/// Maximum of the median number of lines of a function's body.
 const MEDIAN: usize = 8;
-/// Maximum of the 95th percentile of the number of lines of a function.
-const PERCENTILE_95: usize = 28;
+/// Maximum of the 95th percentile of the number of lines of a function's body.
+const PERCENTILE_95: usize = 29;
 
 #[test]
 fn functions_are_short() {
     let mut lengths: Vec<usize> = Vec::new();
     for file in source_files() {
-        lengths.extend(functions(file.without_tests()).iter().map(|f| f.lines));
+        lengths.extend(functions(file.without_tests()).iter().map(|f| f.body_lines));
     }
     lengths.sort_unstable();
     let (median, high) = (
@@ -39,11 +39,11 @@ fn functions_are_short() {
     assert_none("functions that are too long", &long);
     assert!(
         median <= MEDIAN,
-        "half of all functions have {median} lines or more"
+        "half of all bodies have {median} lines or more"
     );
     assert!(
         high <= PERCENTILE_95,
-        "one function of twenty has {high} lines or more"
+        "one body of twenty has {high} lines or more"
     );
 }
 
