@@ -25,7 +25,7 @@ pub enum InverseKinematics {
 pub struct ArmModel {
     /// Name in `cell.toml`.
     pub id: &'static str,
-    /// Display name.
+    /// Name of the arm for people, as its maker writes it.
     pub display_name: &'static str,
     /// Source of lengths and limits.
     pub source: &'static str,

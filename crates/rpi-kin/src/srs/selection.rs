@@ -212,6 +212,7 @@ impl<'a> Search<'a> {
     fn candidates(&self, ranges: &[Range; 7]) -> [f64; MAX_LIMIT_ARM_ANGLES] {
         let inner = ranges.map(|range| range.shrunk(LIMIT_MARGIN));
         let mut angles = limit_arm_angles(self.reach, &self.circle, &inner);
+        // Unused entries are NaN. `abs` makes their distance a positive NaN, which `total_cmp` orders last.
         angles.sort_unstable_by(|one, other| self.distance(*one).total_cmp(&self.distance(*other)));
         angles
     }
@@ -226,6 +227,8 @@ impl<'a> Search<'a> {
             return None;
         }
         let moved = wrap(arm_angle - self.nearest.arm_angle);
+        // The kept sine and cosine are used unchanged: computed again from the angle they would differ in the last
+        // bits.
         let elbow = if moved == 0.0 {
             self.kept_arm_angle
         } else {
