@@ -66,7 +66,7 @@ impl ArmAngle {
         let Some(slot) = self.moves.get_mut(self.count) else {
             return false;
         };
-        if !(to > from) {
+        if to <= from || to.is_nan() {
             return false;
         }
         *slot = Move {

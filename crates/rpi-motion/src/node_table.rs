@@ -68,7 +68,7 @@ impl NodeTable {
         self.error = None;
         (self.path, self.requested) = (JointPath::new(arm, path, start), requested);
         let length = path.length();
-        if !(length > 0.0) {
+        if length <= 0.0 || length.is_nan() {
             return Err(PathError {
                 s: 0.0,
                 kind: PathErrorKind::NoLength,
@@ -165,13 +165,14 @@ impl NodeTable {
             curvature: self.path().curvature(centre),
             ..Node::default()
         };
-        for axis in 0..arm.axes() {
-            let [a, b, c, d, e] = [q[0][axis], q[1][axis], q[2][axis], q[3][axis], q[4][axis]];
-            // Central differences over five points.
-            node.first[axis] = (a - 8.0 * b + 8.0 * d - e) / (12.0 * h);
-            node.second[axis] = (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / (12.0 * h * h);
-            node.third[axis] = (-a + 2.0 * b - 2.0 * d + e) / (2.0 * h * h * h);
-        }
+        let [a, b, c, d, e, _] = &self.window.joints;
+        // Central differences over five points.
+        node.first = core::array::from_fn(|k| (a[k] - 8.0 * b[k] + 8.0 * d[k] - e[k]) / (12.0 * h));
+        node.second = core::array::from_fn(|k| {
+            (-a[k] + 16.0 * b[k] - 30.0 * c[k] + 16.0 * d[k] - e[k]) / (12.0 * h * h)
+        });
+        node.third =
+            core::array::from_fn(|k| (-a[k] + 2.0 * b[k] - 2.0 * d[k] + e[k]) / (2.0 * h * h * h));
         if let Path::Joints(line) = self.path() {
             node.first = *line.direction();
             node.second = [0.0; MAX_AXES];

@@ -72,7 +72,7 @@ impl Verifier<'_> {
     #[must_use]
     pub fn accepts(&self, brake: &HeldBrake, samples: &mut usize) -> bool {
         let end = brake.end();
-        if !(end <= self.table.known_end() + END_TOLERANCE) {
+        if end > self.table.known_end() + END_TOLERANCE || end.is_nan() {
             return false;
         }
         let total: f64 = brake.phases().map(|phase| phase.duration).sum();

@@ -110,7 +110,8 @@ fn follow(
     let allowed = curvature
         .map(|k| {
             let sideways = (requested.acceleration / k.value.max(1e-9)).sqrt();
-            sideways.min((requested.jerk / k.slope.hypot(k.value * k.value).max(1e-9)).cbrt())
+            let turning = libm::hypot(k.slope, k.value * k.value).max(1e-9);
+            sideways.min(libm::cbrt(requested.jerk / turning))
         })
         .fold(requested.speed, f64::min);
     let mut followed = Followed {
@@ -128,8 +129,8 @@ fn follow(
         let [a, b, c, d] = last;
         let shares = [
             (d - c).norm() / PERIOD / requested.speed,
-            (d - c * 2.0 + b).norm() / PERIOD.powi(2) / requested.acceleration,
-            (d - (c - b) * 3.0 - a).norm() / PERIOD.powi(3) / requested.jerk,
+            (d - c * 2.0 + b).norm() / (PERIOD * PERIOD) / requested.acceleration,
+            (d - (c - b) * 3.0 - a).norm() / (PERIOD * PERIOD * PERIOD) / requested.jerk,
         ];
         for (worst, share) in followed.worst.iter_mut().zip(shares) {
             *worst = worst.max(share);

@@ -11,6 +11,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("rpi-prims", &["rpi-device", "rpi-image", "rpi-kin"]),
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
     ("rpi-kin", &[]),
+    ("rpi-motion", &["rpi-kin"]),
     ("rpi-sim", &["rpi-device", "rpi-image", "rpi-kin"]),
     ("rpi-words", &[]),
     ("rpi-diag", &["rpi-words"]),
@@ -208,6 +209,7 @@ const NO_STD: &[&str] = &[
     "rpi-device",
     "rpi-image",
     "rpi-kin",
+    "rpi-motion",
     "rpi-prims",
 ];
 

@@ -10,7 +10,10 @@ mod watch;
 use random::{KINDS, Kind, Random};
 use rpi_kin::{ArmModel, Pose, models};
 use rpi_motion::{Arm, Controls, MotionCore, Path, check_path};
+use rpi_testkit::no_alloc;
 use watch::{PERIOD, Watch};
+
+rpi_testkit::trap_allocations!();
 
 pub(crate) const ARMS: [&ArmModel; 4] = [
     &models::kuka_lbr::LWR_4_PLUS,
@@ -70,8 +73,7 @@ fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
         let Some((path, requested)) = motion(model, &arm, &watch, &mut random, counts) else {
             return;
         };
-        core.begin(path, &watch.state(), requested)
-            .expect("the check accepted it");
+        no_alloc(|| core.begin(path, &watch.state(), requested)).expect("the check accepted it");
         counts.takeovers += 1;
         let cycles = match () {
             () if number + 1 == CHAIN => 60_000,
@@ -110,9 +112,8 @@ fn run(
     counts: &mut Counts,
 ) -> bool {
     for _ in 0..cycles {
-        let at = core
-            .next_set_point(Controls::default())
-            .expect("the path was checked");
+        let at =
+            no_alloc(|| core.next_set_point(Controls::default())).expect("the path was checked");
         watch.push(arm, &at.joints);
         if at.on_path
             && let Path::Tool(path) = path
