@@ -35,19 +35,17 @@ pub fn check_path(
         slowest: (f64::INFINITY, 0.0),
         nodes: 1,
     };
-    loop {
+    let mut is_growing = true;
+    while is_growing {
         let newest = *table.newest();
         if newest.most.velocity < report.slowest.0 {
             report.slowest = (newest.most.velocity, newest.s);
         }
-        let made = table.extend(arm, 1, newest.s - 1e-9);
+        is_growing = table.extend(arm, 1, newest.s - 1e-9) > 0;
         if let Some(error) = table.error() {
             return Err(error);
         }
-        if made == 0 {
-            break;
-        }
-        report.nodes += 1;
+        report.nodes += usize::from(is_growing);
     }
     let hint = table.newest().joints;
     report.end = table.joints_at(arm, path.length(), &hint)?;

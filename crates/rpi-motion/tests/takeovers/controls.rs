@@ -6,6 +6,21 @@ use crate::{ARMS, number};
 use rpi_kin::{ArmModel, Pose};
 use rpi_motion::{Arm, Controls, MotionCore, Path, check_path};
 
+/// Random controls, and the cycle until which they hold.
+fn changed(cycle: usize, random: &mut Random) -> (usize, Controls) {
+    // Every few cycles: as if most plans came too late.
+    let often = random.unit() < 0.5;
+    let until = cycle + 1 + random.below(if often { 4 } else { 300 });
+    // Undisturbed after 10 s, so that each motion ends.
+    let calm = cycle > 10_000;
+    let share = random.between(-0.1, 1.1).clamp(0.0, 1.0);
+    let controls = Controls {
+        speed_share: if calm { 1.0 } else { share },
+        paused: !calm && random.unit() < 0.3,
+    };
+    (until, controls)
+}
+
 /// One motion from rest under random controls. Returns false if this try makes no motion.
 fn disturbed(model: &'static ArmModel, random: &mut Random) -> bool {
     let arm = Arm::new(model, Pose::identity(), &[]);
@@ -30,19 +45,7 @@ fn disturbed(model: &'static ArmModel, random: &mut Random) -> bool {
     let (mut until, mut last) = (0, 0.0);
     for cycle in 0..200_000 {
         if cycle >= until {
-            // Every few cycles: as if most plans came too late.
-            let often = random.unit() < 0.5;
-            until = cycle + 1 + random.below(if often { 4 } else { 300 });
-            // Undisturbed after 10 s, so that each motion ends.
-            let calm = cycle > 10_000;
-            controls = Controls {
-                speed_share: if calm {
-                    1.0
-                } else {
-                    random.between(-0.1, 1.1).clamp(0.0, 1.0)
-                },
-                paused: !calm && random.unit() < 0.3,
-            };
+            (until, controls) = changed(cycle, random);
         }
         let at = core.next_set_point(controls).expect("the path was checked");
         watch.push(&arm, &at.joints);

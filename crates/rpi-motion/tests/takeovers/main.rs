@@ -131,7 +131,7 @@ fn run(
 
 #[test]
 fn takeovers_at_random_moments_keep_every_limit() {
-    let (chains, first) = (number("RPI_TAKEOVERS", 4), number("RPI_SEED", 1));
+    let (chains, first) = (number("RPI_TAKEOVERS", 50), number("RPI_SEED", 1));
     for model in ARMS {
         let mut counts = Counts::default();
         (first..first + chains).for_each(|seed| chain(model, seed, &mut counts));
