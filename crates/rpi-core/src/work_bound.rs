@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 
 /// Number of fragments kept as candidates for the place of an overrun. Bounds the search.
 const MAX_CANDIDATES: usize = 16;
-/// Assumed work of a device for a set-point or a function call: about one inverse kinematics.
+/// Assumed work of a device for a set-point: about one inverse kinematics.
 const DEVICE_WORK: u64 = 500;
 /// Number of slots that are copied or filled in the time of one elementary operation.
 const SLOTS_PER_OPERATION: u64 = 4;
@@ -133,6 +133,10 @@ fn overhead(image: &Image, step: &Step) -> u64 {
                 u64::from(f.state.len).div_ceil(SLOTS_PER_OPERATION) + 1
             })
         }
-        Step::Actuate { .. } | Step::Call { .. } => DEVICE_WORK,
+        Step::Actuate { .. } => DEVICE_WORK,
+        Step::Call { function } => {
+            let function = image.functions.get(function as usize);
+            function.map_or(DEVICE_WORK, |f| u64::from(f.work))
+        }
     }
 }

@@ -9,7 +9,7 @@ use motion;
 
 command MoveToC (arm: Arm; b, c: Pose)
 let
-  way = Line<<to: c, speed: 250[mm/s]>>(from: arm.pose);
+  way = Line<<speed: 250[mm/s]>>(arm, c);
   arm.tcp = way.pose
 
   fragment PastB when takeover

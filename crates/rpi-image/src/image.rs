@@ -250,6 +250,8 @@ pub struct DeviceFunction {
     pub results: Vec<SlotRange>,
     /// Boolean slot that receives the presence of the result. If it is [`TRUE`], a missing result becomes not-a-number.
     pub present: u32,
+    /// Bound of the device's work for a call, in elementary operations (a real addition is 1).
+    pub work: u32,
 }
 
 /// Flow set from outside between cycles.

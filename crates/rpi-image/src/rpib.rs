@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 
 const MAGIC: [u8; 4] = *b"RPIB";
 /// Version of the format. Any change of a table below needs a new version.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// Length of magic number, version and checksum, in bytes.
 const HEADER_LEN: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
@@ -129,7 +129,7 @@ encode_struct!(SensorPort {
     value: Signal
 });
 encode_struct!(ActuatorPort { port: DevicePort, inputs: Vec<SlotRange>, responses: Vec<(DeviceResponse, u32)> });
-encode_struct!(DeviceFunction { port: DevicePort, arguments: Vec<SlotRange>, results: Vec<SlotRange>, present: u32 });
+encode_struct!(DeviceFunction { port: DevicePort, arguments: Vec<SlotRange>, results: Vec<SlotRange>, present: u32, work: u32 });
 encode_struct!(InputPort { key: String, value: Signal, last_updated: Option<Signal> });
 encode_struct!(Export {
     key: String,

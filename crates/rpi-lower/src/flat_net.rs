@@ -98,6 +98,8 @@ pub(crate) struct Function {
     pub(crate) port: DevicePort,
     /// The last word of the operation receives whether there was a result.
     pub(crate) may_fail: bool,
+    /// Bound of the work of a call, in elementary operations.
+    pub(crate) work: u32,
 }
 
 /// A flat net.

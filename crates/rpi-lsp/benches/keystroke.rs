@@ -51,7 +51,7 @@ fn command(k: usize) -> String {
     let used = k - 1;
     format!(
         "\n--| Command {k}.\ncommand Go_{k} (arm: Arm; there: Pose)\nlet\n  \
-         way = Line<<to: there, speed: 250[mm/s]>>(from: arm.pose);\n  arm.tcp = way.pose;\n  \
+         way = Line<<speed: 250[mm/s]>>(arm, there);\n  arm.tcp = way.pose;\n  \
          speed = controller_{used}(target: way.travelled, seen: distance(way.start, arm.pose));\n  \
          export speed;\n  finish at_end when way.done;\n  fail arm_error when arm.error;\ntel\n"
     )

@@ -1,9 +1,10 @@
 //! Check of a whole path before anything moves.
 
 use crate::node_table::NodeTable;
-use crate::path::Path;
-use crate::path_error::PathError;
+use crate::path::{Path, ToolPath};
+use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
+use rpi_kin::InverseKinematicsError;
 use rpi_kin::state_to_rest::Bounds;
 
 /// What a check of a path found.
@@ -15,6 +16,74 @@ pub struct PathReport {
     pub slowest: (f64, f64),
     /// Number of nodes that were needed.
     pub nodes: usize,
+}
+
+/// Places that [`scan_path`] looks at first.
+const SCANNED: u32 = 16;
+
+/// Halvings with which it narrows the place of an error.
+const HALVINGS: u32 = 12;
+
+/// Looks at a few places of a path before anything moves: whether the inverse kinematics has a solution there, and
+/// whether the end of a joint line lies within the ranges. For the cycle: at most 28 inverses, about 50 µs. A change of
+/// configuration, a singularity, or a gap between the places is found only by [`check_path`], or on the way.
+///
+/// # Errors
+/// The first place that the arm cannot pass, as far as this shows it.
+pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError> {
+    let tool = match path {
+        Path::Joints(line) => {
+            return check_ranges(arm, &line.joints(line.length()), start, line.length());
+        }
+        Path::Tool(tool) => tool,
+    };
+    let angle = arm.arm_angle(start).unwrap_or(0.0);
+    let (mut good, mut hint) = (0.0, *start);
+    for number in 1..=SCANNED {
+        let s = tool.length() * f64::from(number) / f64::from(SCANNED);
+        match arm.inverse(&tool.pose(s), &hint, angle) {
+            Ok((joints, _)) => (good, hint) = (s, joints),
+            Err(error) => return Err(narrowed(arm, tool, start, (good, hint), (s, error))),
+        }
+    }
+    Ok(())
+}
+
+/// The place of an error between a place that can be reached and one that cannot.
+fn narrowed(
+    arm: &Arm,
+    tool: &ToolPath,
+    start: &Joints,
+    (mut good, mut hint): (f64, Joints),
+    (mut bad, mut error): (f64, InverseKinematicsError),
+) -> PathError {
+    let angle = arm.arm_angle(start).unwrap_or(0.0);
+    for _ in 0..HALVINGS {
+        let s = (good + bad) / 2.0;
+        match arm.inverse(&tool.pose(s), &hint, angle) {
+            Ok((joints, _)) => (good, hint) = (s, joints),
+            Err(other) => (bad, error) = (s, other),
+        }
+    }
+    PathError {
+        s: bad,
+        kind: PathErrorKind::NoInverse(error),
+    }
+}
+
+/// Whether all axes end within their ranges, or no farther out than they start; the error names the first that does not.
+fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<(), PathError> {
+    for (axis, limits) in arm.limits().iter().enumerate() {
+        let range = limits.position;
+        let (lower, upper) = (range.lower.min(start[axis]), range.upper.max(start[axis]));
+        if !(lower..=upper).contains(&end[axis]) {
+            return Err(PathError {
+                s: length,
+                kind: PathErrorKind::OutOfRange { axis },
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Follows a path from its start to its end: reach, ranges, configuration and singular places. `start` are joints at

@@ -40,7 +40,7 @@ pub mod verify;
 mod window;
 
 pub use arm::{Arm, JointState};
-pub use check::{PathReport, check_path};
+pub use check::{PathReport, check_path, scan_path};
 pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
 pub use path::Path;
 pub use path_error::{PathError, PathErrorKind};

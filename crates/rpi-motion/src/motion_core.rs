@@ -178,6 +178,41 @@ impl MotionCore {
         self.set_point(self.cycle as f64 * self.period)
     }
 
+    /// Begins to hold the joints `at`, in place of the present motion, from the state of the arm as commanded: each
+    /// axis goes there on its own, with all its limits. The motion is done once they rest there.
+    ///
+    /// # Errors
+    /// [`MotionError::NotFinite`] if a number is not finite. The present motion then goes on.
+    pub fn begin_hold(&mut self, at: &Joints, state: &JointState) -> Result<(), MotionError> {
+        if !(state.is_finite() && at.iter().all(|joint| joint.is_finite())) {
+            return Err(MotionError::NotFinite);
+        }
+        self.table.begin_hold(&self.arm, at);
+        self.ranges = allowed_ranges(&self.arm, &state.position);
+        self.hint = *at;
+        self.cycle = 0;
+        self.planner = Planner::default();
+        self.held = HeldBrake::standing(0.0, 0.0);
+        let residual = entry::standing(&self.arm, self.table.first_node(), state, 0.0);
+        self.residual = residual.ok_or(MotionError::NotFinite)?;
+        self.attempt = ATTEMPTS.len();
+        Ok(())
+    }
+
+    /// Sets the period of the set-points (s) of the next motion. Call it before [`MotionCore::begin`].
+    pub fn set_period(&mut self, period: f64) {
+        self.period = period;
+    }
+
+    /// Returns the set-point `elapsed` seconds after the last one under the held brake: without a new plan. For an arm
+    /// that stops on its own, in steps shorter than a period. `elapsed` may be negative, down to one period.
+    ///
+    /// # Errors
+    /// As [`MotionCore::next_set_point`].
+    pub fn braking_set_point(&mut self, elapsed: f64) -> Result<SetPoint, MotionError> {
+        self.set_point(self.cycle as f64 * self.period + elapsed)
+    }
+
     /// Returns why the path cannot be followed to its end, once this is known.
     #[must_use]
     pub fn path_error(&self) -> Option<PathError> {

@@ -80,6 +80,15 @@ impl NodeTable {
         Ok(())
     }
 
+    /// Begins a path without length: the joints `at`.
+    pub fn begin_hold(&mut self, arm: &Arm, at: &Joints) {
+        (self.oldest, self.next) = (0, 0);
+        self.error = None;
+        self.path = JointPath::still(Path::joint_line(at, at, arm.axes()));
+        self.window = Window::still(at);
+        self.emit(arm);
+    }
+
     /// Returns the path.
     #[must_use]
     pub fn path(&self) -> &Path {

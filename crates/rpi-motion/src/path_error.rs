@@ -21,6 +21,11 @@ pub enum PathErrorKind {
         /// The axis, from 0.
         axis: usize,
     },
+    /// The path ends with the axis outside its range.
+    OutOfRange {
+        /// The axis, from 0.
+        axis: usize,
+    },
     /// The path is too near to a singularity, or the range of the elbow makes a kink: the derivatives of the joints
     /// cannot be resolved.
     Unresolved,
@@ -47,6 +52,9 @@ impl core::fmt::Display for PathError {
                 "axis {} would change the configuration {at:.4} m from the start of the path",
                 axis + 1
             ),
+            PathErrorKind::OutOfRange { axis } => {
+                write!(f, "the path ends with axis {} outside its range", axis + 1)
+            }
             PathErrorKind::Unresolved => write!(
                 f,
                 "the path comes too near to a singularity {at:.4} m from its start"

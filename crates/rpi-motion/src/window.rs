@@ -50,6 +50,15 @@ impl Window {
         Ok(window)
     }
 
+    /// The window of a path without length.
+    pub(crate) fn still(at: &Joints) -> Self {
+        Self {
+            joints: [*at; 6],
+            spacing: 1.0,
+            ..Self::default()
+        }
+    }
+
     /// Returns the path parameter of the last joints.
     pub(crate) fn end(&self) -> f64 {
         self.centre + 3.0 * self.spacing

@@ -267,7 +267,7 @@ impl DeviceBank for SimBank {
     }
 
     fn call(&mut self, port: PortId, arguments: &[u64], result: &mut [u64]) -> bool {
-        self.at(port)
+        self.at_mut(port)
             .is_some_and(|(device, slot)| device.call(slot, arguments, result))
     }
 

@@ -35,7 +35,7 @@ pub(crate) trait Device: Send {
     /// See [`rpi_device::DeviceBank::write`].
     fn write(&mut self, slot: PortIndex, value: &[u64]);
     /// See [`rpi_device::DeviceBank::call`].
-    fn call(&self, slot: PortIndex, arguments: &[u64], result: &mut [u64]) -> bool {
+    fn call(&mut self, slot: PortIndex, arguments: &[u64], result: &mut [u64]) -> bool {
         let _ = (slot, arguments, result);
         false
     }
@@ -92,6 +92,8 @@ pub(crate) enum PortValue {
     One(Scalar),
     /// A real for each axis.
     PerAxis,
+    /// A real for each axis and this number of further slots, of any type: the out-ports of a primitive.
+    PerAxisAnd(u32),
     /// A value for each terminal, or for the first terminals.
     PerTerminal(Scalar),
     /// A fixed number of reals: the concatenated in-ports or out-ports of a primitive.
@@ -111,6 +113,7 @@ impl PortValue {
         match self {
             Self::One(scalar) => ty == Type::Scalar(scalar),
             Self::PerAxis => real(ty) && ty.slots() as usize == size,
+            Self::PerAxisAnd(more) => real(ty) && ty.slots() as usize == size + more as usize,
             Self::PerTerminal(scalar) => {
                 matches!(ty, Type::Array(own, count) if own == scalar && count as usize <= size)
             }
@@ -147,6 +150,7 @@ impl PortSpec {
         let carries = match self.value {
             PortValue::One(scalar) => scalar.name().to_owned(),
             PortValue::PerAxis => "real^n".to_owned(),
+            PortValue::PerAxisAnd(more) => format!("real^(n+{more})"),
             PortValue::PerTerminal(scalar) => format!("{}^n", scalar.name()),
             PortValue::Reals(cells) => format!("real^{cells}"),
         };

@@ -50,6 +50,38 @@ impl ErrorCode {
     /// The whole arm brakes because another joint was stopped or received no set-point.
     pub const BRAKING: Self = Self(14);
 
+    /// The path of a motion leaves the reach of the arm.
+    pub const PATH_OUT_OF_REACH: Self = Self(15);
+    /// The path of a motion needs an axis outside its range.
+    pub const PATH_OUT_OF_RANGE: Self = Self(16);
+    /// The arm would have to change its configuration on the path of a motion.
+    pub const PATH_CONFIGURATION: Self = Self(17);
+    /// The path of a motion comes too near to a singularity.
+    pub const PATH_SINGULAR: Self = Self(18);
+    /// The three points of an arc lie on a line.
+    pub const COLINEAR: Self = Self(19);
+    /// A bound of a motion is not positive.
+    pub const NOT_POSITIVE: Self = Self(20);
+    /// No inverse kinematics is known for the arm.
+    pub const NO_INVERSE: Self = Self(21);
+    /// The motion is not the arm's present one.
+    pub const SUPERSEDED: Self = Self(22);
+    /// There is no corner at the via pose of a motion.
+    pub const NO_CORNER: Self = Self(23);
+
+    /// True for a code whose report carries a place on the path of the tool and the length of the path, in m.
+    #[must_use]
+    pub const fn is_on_path(self) -> bool {
+        matches!(
+            self,
+            Self::PATH_OUT_OF_REACH
+                | Self::PATH_OUT_OF_RANGE
+                | Self::PATH_CONFIGURATION
+                | Self::PATH_SINGULAR
+                | Self::NO_INVERSE
+        )
+    }
+
     /// True for a failure of the device itself, independent of the set-point.
     #[must_use]
     pub const fn is_failure(self) -> bool {
@@ -145,5 +177,50 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::BRAKING,
         "braking",
         "the arm brakes as a whole: another of its joints was stopped or left alone",
+    ),
+    line(
+        ErrorCode::PATH_OUT_OF_REACH,
+        "path-out-of-reach",
+        "the path leaves the reach of the arm; nothing moves, or the arm stops on the path before that place",
+    ),
+    line(
+        ErrorCode::PATH_OUT_OF_RANGE,
+        "path-out-of-range",
+        "on the path, an axis would leave its range; choose another arm angle, orientation or starting position",
+    ),
+    line(
+        ErrorCode::PATH_CONFIGURATION,
+        "path-configuration",
+        "on the path, the arm would have to change its configuration; begin in the other one, or move by joints",
+    ),
+    line(
+        ErrorCode::PATH_SINGULAR,
+        "path-singular",
+        "the path comes too near to a singularity of the arm; move it away, or move by joints there",
+    ),
+    line(
+        ErrorCode::COLINEAR,
+        "colinear",
+        "start, via point and end of the arc lie on a line, or two of them are the same",
+    ),
+    line(
+        ErrorCode::NOT_POSITIVE,
+        "not-positive",
+        "the speed, acceleration or jerk of the motion is not positive",
+    ),
+    line(
+        ErrorCode::NO_INVERSE,
+        "no-inverse",
+        "no inverse kinematics is known for this arm: it moves by joints only",
+    ),
+    line(
+        ErrorCode::SUPERSEDED,
+        "superseded",
+        "another motion of the arm has begun, or this one was left out for a cycle",
+    ),
+    line(
+        ErrorCode::NO_CORNER,
+        "no-corner",
+        "no corner fits at the via pose: the zone is not positive, the path turns back, or the tool turns too far beside it",
     ),
 ];

@@ -200,7 +200,7 @@ fn one_big(motions: usize) -> String {
 
 /// Returns the same motions as separate commands of a task.
 fn many_small(motions: usize) -> String {
-    let mut text = "use motion;\ncommand Move (arm: Arm; to: Pose = pose(400[mm], 0[mm], 450[mm], 0[deg], 180[deg], 0[deg]))\nlet\n  way = Line(from: arm.pose, to: to);\n  arm.tcp = way.pose;\n  finish done when way.done;\n  fail arm_error when arm.error;\ntel\n\ntask All (arm: Arm)\nlet\n".to_owned();
+    let mut text = "use motion;\ncommand Move (arm: Arm; to: Pose = pose(400[mm], 0[mm], 450[mm], 0[deg], 180[deg], 0[deg]))\nlet\n  way = Line(arm, to);\n  arm.tcp = way.pose;\n  finish done when way.done;\n  fail arm_error when arm.error;\ntel\n\ntask All (arm: Arm)\nlet\n".to_owned();
     for k in 0..motions {
         text += &format!("  Move(arm, {});\n", place(k));
     }

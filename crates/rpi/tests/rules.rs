@@ -50,7 +50,7 @@ command Fault (arm: Arm)
 let
   n = 0 -> pre n + 1;
   ahead = pose(100[mm], 0[mm], 0[mm], 0[deg], 0[deg], 0[deg]);
-  way = Line(from: arm.pose, to: arm.pose * ahead);
+  way = Line(arm, arm.pose * ahead);
   arm.tcp = way.pose;
   share = 10 div (50 - n);
   export share;

@@ -11,7 +11,7 @@ use motion;
 --| Goes there.
 command Go (arm: Arm; there: Pose)
 let
-  way = Line<<to: there>>(from: arm.pose);
+  way = Line(arm, there);
   arm.tcp = way.pose;
   finish at_end when way.done;
 tel

@@ -12,7 +12,10 @@ const EDGES: &[(&str, &[&str])] = &[
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
     ("rpi-kin", &[]),
     ("rpi-motion", &["rpi-kin"]),
-    ("rpi-sim", &["rpi-device", "rpi-image", "rpi-kin"]),
+    (
+        "rpi-sim",
+        &["rpi-device", "rpi-image", "rpi-kin", "rpi-motion"],
+    ),
     ("rpi-words", &[]),
     ("rpi-diag", &["rpi-words"]),
     ("rpi-syntax", &["rpi-diag"]),

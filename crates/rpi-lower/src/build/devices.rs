@@ -71,6 +71,7 @@ pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
     builder.flat.tables.functions.push(flat_net::Function {
         port,
         may_fail: maybe,
+        work: builder.desc(id).work,
     });
     builder
         .flat

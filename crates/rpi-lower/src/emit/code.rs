@@ -152,6 +152,7 @@ impl Writer<'_> {
             present: found
                 .first()
                 .map_or(TRUE, |s| self.layouts.slot(Register(*s))),
+            work: table.work,
         };
         self.image.functions.push(function);
         let function = index(self.image.functions.len() - 1);

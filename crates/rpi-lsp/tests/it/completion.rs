@@ -28,7 +28,7 @@ fn offers(marked: &str, expected: &[&str]) {
 const HEAD: &str = "use motion;\n\
     type Phase = enum { Idle, Busy };\n\
     type Pair = struct { left: real; right: real };\n\
-    command Go (arm: Arm; there: Pose)\nlet\n  way = Line<<to: there>>(from: arm.pose);\n\
+    command Go (arm: Arm; there: Pose)\nlet\n  way = Line(arm, there);\n\
     \x20 fragment F when way.done\n  let inside = 1.0; tel\n";
 
 fn in_body(line: &str) -> String {

@@ -14,7 +14,7 @@ const work: Pose = pose(450[mm], 0[mm], 400[mm], 0[deg], 0[deg], 0[deg]);
 command Go (arm: Arm; there: Pose)
 let
   --| The way there.
-  way = Line<<to: there, speed: 250[mm/s]>>(from: arm.pose);
+  way = Line<<speed: 250[mm/s]>>(arm, there);
   arm.tcp = way.pose;
   fragment Late when way.done
   let slow = way.travelled / 2.0; tel

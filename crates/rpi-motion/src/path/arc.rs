@@ -136,6 +136,12 @@ impl Arc {
         self.length
     }
 
+    /// Returns the length of the way of the tool, m: that of the path parameter, or shorter where the turning decides it.
+    #[must_use]
+    pub fn way(&self) -> f64 {
+        self.radius * self.rate * self.length
+    }
+
     /// Returns the radius, m.
     #[must_use]
     pub fn radius(&self) -> f64 {

@@ -43,6 +43,12 @@ impl Line {
         self.length
     }
 
+    /// Returns the length of the way of the tool, m: that of the path parameter, or shorter where the turning decides it.
+    #[must_use]
+    pub fn way(&self) -> f64 {
+        libm::sqrt(self.direction.norm_squared()) * self.length
+    }
+
     /// Returns the way per unit of the path parameter: a unit vector where the way decides the length, else shorter.
     #[must_use]
     pub fn direction(&self) -> Vector3<f64> {

@@ -75,6 +75,16 @@ impl Piece {
         }
     }
 
+    /// Returns the length of the way of the tool, m.
+    #[must_use]
+    pub fn way(&self) -> f64 {
+        match self {
+            Piece::Line(line) => line.way(),
+            Piece::Arc(arc) => arc.way(),
+            Piece::Corner(corner) => corner.length(),
+        }
+    }
+
     fn pose(&self, s: f64) -> Pose {
         match self {
             Piece::Line(line) => line.pose(s),
@@ -128,6 +138,10 @@ impl ToolPath {
         self.length
     }
 
+    fn pieces(&self) -> impl Iterator<Item = &Piece> {
+        self.pieces.iter().flatten()
+    }
+
     fn piece_at(&self, s: f64) -> Option<(&Piece, f64)> {
         let behind = self.starts[..self.count].partition_point(|start| *start <= s);
         let k = behind.saturating_sub(1);
@@ -166,6 +180,15 @@ impl Path {
     pub fn length(&self) -> f64 {
         match self {
             Path::Tool(path) => path.length(),
+            Path::Joints(line) => line.length(),
+        }
+    }
+
+    /// Returns the length of the way of the tool, m; for a joint line, the way of the axis that moves farthest, rad.
+    #[must_use]
+    pub fn way(&self) -> f64 {
+        match self {
+            Path::Tool(path) => path.pieces().map(Piece::way).sum(),
             Path::Joints(line) => line.length(),
         }
     }

@@ -71,6 +71,7 @@ const FAMILIES: &[&[Prim]] = &[
     rpi_ops::int::ALL,
     rpi_ops::machine_int::ALL,
     rpi_ops::logic::ALL,
+    rpi_ops::motion::ALL,
     rpi_ops::profile::ALL,
     rpi_ops::state_to_rest::ALL,
     rpi_ops::real::ALL,

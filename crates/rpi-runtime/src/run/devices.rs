@@ -111,6 +111,7 @@ fn count_problem(troubles: &mut Vec<DeviceProblem>, report: &Report) {
         None if troubles.len() < MAX_PROBLEMS => troubles.push(DeviceProblem {
             what,
             is_refusal: !report.code.is_failure(),
+            is_on_path: report.code.is_on_path(),
             axis: report.axis,
             times: 1,
             first: report.time,

@@ -193,6 +193,9 @@ pub struct DeviceProblem {
     /// True if a set-point was refused; false if the device failed.
     #[serde(skip)]
     pub is_refusal: bool,
+    /// True if `value` is a place on a path and `limit` the length of the path, in m.
+    #[serde(skip)]
+    pub is_on_path: bool,
     /// Index of the axis, from 0; `None` if the problem concerns the whole device.
     pub axis: Option<usize>,
     /// Number of occurrences.

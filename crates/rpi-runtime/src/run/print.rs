@@ -214,7 +214,13 @@ impl fmt::Display for DeviceProblem {
             1 => write!(f, ", at {:.3} s", self.first)?,
             times => write!(f, ", {times} times, first at {:.3} s", self.first)?,
         }
-        if self.limit != 0.0 {
+        if self.is_on_path {
+            write!(
+                f,
+                ": {:.4} m along a path of {:.4} m",
+                self.value, self.limit
+            )?;
+        } else if self.limit != 0.0 {
             write!(
                 f,
                 ": {:.4} where {:.4} is the limit",

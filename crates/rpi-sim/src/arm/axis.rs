@@ -80,6 +80,12 @@ impl Axis {
         self.driven = self.commanded.position;
     }
 
+    /// Moves to a position (rad) in one tick (s) while the arm brakes on a path.
+    pub(super) fn brake_to(&mut self, position: f64, tick: f64) {
+        self.commanded = self.commanded.after_set_point(position, tick);
+        self.driven = position;
+    }
+
     /// Moves the measured position towards the drive by the fraction `share` of the difference, in one tick (s).
     pub(super) fn measure(&mut self, share: f64, tick: f64) {
         let from = self.measured.position;

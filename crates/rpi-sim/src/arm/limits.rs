@@ -100,7 +100,7 @@ pub(super) fn check_set_point(
     } else {
         ErrorCode::DISCONTINUITY
     };
-    let beyond = beyond_range(target, limits);
+    let beyond = beyond_range(before.position, target, limits);
     let magnitudes = [
         (enforced.velocity, too_fast, after.velocity, limits.velocity),
         (
@@ -121,14 +121,20 @@ pub(super) fn check_set_point(
     }
 }
 
-fn beyond_range(target: f64, limits: &AxisLimits) -> Option<Violation> {
-    let outer = limits.position.shrunk(-POSITION_TOLERANCE);
-    let limit = if target > limits.position.upper {
-        limits.position.upper
+/// The violation of the range by a set-point. An axis outside its range may stay there or move back, but not farther out:
+/// else an arm that braked beyond its range could never be moved again.
+fn beyond_range(before: f64, target: f64, limits: &AxisLimits) -> Option<Violation> {
+    let range = limits.position;
+    let outer = range.shrunk(-POSITION_TOLERANCE);
+    let limit = if target > range.upper {
+        range.upper
     } else {
-        limits.position.lower
+        range.lower
     };
-    (!outer.contains(target)).then_some(Violation {
+    let farther_out = target > range.upper && target > before
+        || target < range.lower && target < before
+        || target.is_nan();
+    (!outer.contains(target) && farther_out).then_some(Violation {
         code: ErrorCode::POSITION,
         value: target,
         limit,

@@ -9,7 +9,9 @@ mod brake;
 mod faults;
 mod kinematics;
 pub mod limits;
+mod motion;
 mod parameters;
+mod path_fault;
 mod port;
 mod port_table;
 mod report_log;
@@ -25,6 +27,7 @@ use axis::Axis;
 use brake::Brake;
 use faults::{FaultEffects, FaultState};
 use kinematics::ArmKinematics;
+use motion::Motion;
 use parameters::Parameters;
 use report_log::ReportLog;
 use rpi_kin::Pose;
@@ -35,6 +38,8 @@ use sensing::Sensing;
 pub struct Arm {
     kinematics: ArmKinematics,
     axes: Vec<Axis>,
+    /// Motion along a path, planned by the arm.
+    motion: Box<Motion>,
     enforced: EnforcedLimits,
     /// Length of a tick, in s.
     tick: f64,
@@ -70,6 +75,7 @@ impl Arm {
             .collect();
         let mut arm = Self {
             kinematics: ArmKinematics::new(spec),
+            motion: Box::new(Motion::new(spec.model, spec.tool, &spec.limits, tick)),
             enforced: spec.enforced,
             tick,
             time: 0.0,

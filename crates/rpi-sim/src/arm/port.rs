@@ -104,11 +104,9 @@ impl Arm {
 
     /// Error code of the arm, of one of its axes, or of the last pose set-point.
     pub(super) fn any_code(&self) -> ErrorCode {
-        if self.code() == ErrorCode::OK {
-            self.pose_code
-        } else {
-            self.code()
-        }
+        let codes = [self.code(), self.pose_code, self.motion.error()];
+        let first = codes.into_iter().find(|code| *code != ErrorCode::OK);
+        first.unwrap_or(ErrorCode::OK)
     }
 
     /// The requested control strategy: 10 position, 20 Cartesian impedance, 30 joint impedance.
@@ -149,7 +147,7 @@ fn quantity_of(code: ErrorCode) -> Option<Quantity> {
     }
 }
 
-fn inverse_error_code(why: InverseKinematicsError) -> ErrorCode {
+pub(super) fn inverse_error_code(why: InverseKinematicsError) -> ErrorCode {
     match why {
         InverseKinematicsError::OutOfReach => ErrorCode::OUT_OF_REACH,
         InverseKinematicsError::OutOfLimits | InverseKinematicsError::NoClosedForm => {
@@ -255,8 +253,11 @@ impl Device for Arm {
         }
     }
 
-    fn call(&self, slot: PortIndex, arguments: &[u64], result: &mut [u64]) -> bool {
+    fn call(&mut self, slot: PortIndex, arguments: &[u64], result: &mut [u64]) -> bool {
         match port_row(slot).map(|line| &line.action) {
+            Some(PortAction::Plan(kind)) => {
+                self.call_motion(*kind, arguments, &mut SlotWriter::new(result))
+            }
             Some(PortAction::Call(function)) => {
                 function(self, arguments, &mut SlotWriter::new(result))
             }
@@ -276,6 +277,7 @@ impl Device for Arm {
         if let Some(axis) = self.axes.get_mut(resource as usize) {
             axis.clear_rejection();
             self.pose_code = ErrorCode::OK;
+            self.motion.clear_error();
             self.set_point_ticks = ticks.max(1);
         }
     }

@@ -3,6 +3,7 @@
 //! The first part has the names used by the primitives of the reference system, the second part those of the device
 //! type `Arm` of `.rpi`.
 
+use super::motion::{PathKind, RESULT_SLOTS};
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{PortSpec, PortValue, SlotWriter, pose_from};
 use rpi_device::PortKind;
@@ -24,6 +25,8 @@ pub(super) enum PortAction {
     Parameter(Parameter),
     /// Computes a function; false if there is no result.
     Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
+    /// Plans a motion along a path, cycle by cycle.
+    Plan(PathKind),
 }
 
 /// Object that a set-point moves.
@@ -111,6 +114,18 @@ const fn function(
             indexed: false,
         },
         action: PortAction::Call(act),
+    }
+}
+
+const fn motion(name: &'static str, kind: PathKind) -> PortRow {
+    PortRow {
+        spec: PortSpec {
+            name,
+            kind: PortKind::Function,
+            value: PortValue::PerAxisAnd(RESULT_SLOTS),
+            indexed: false,
+        },
+        action: PortAction::Plan(kind),
     }
 }
 
@@ -232,6 +247,10 @@ pub(super) const PORTS: &[PortRow] = &[
         PortValue::Reals(7),
         velocity_kinematics,
     ),
+    motion("move_line", PathKind::Line),
+    motion("move_arc", PathKind::Arc),
+    motion("move_corner", PathKind::Corner),
+    motion("move_joints", PathKind::Joints),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),

@@ -45,8 +45,11 @@ impl Arm {
 
     fn take_set_points(&mut self) {
         self.brake = None;
+        self.motion.end_braking();
         self.axes.iter_mut().for_each(Axis::apply_set_point);
         self.ticks_left = self.set_point_ticks;
+        self.motion
+            .set_accepted_period(self.tick * f64::from(self.set_point_ticks));
     }
 
     fn report_missing_set_points(&mut self) {
@@ -77,6 +80,10 @@ impl Arm {
         if self.brake.is_none() && self.is_moving() {
             let states = self.axes.iter().map(|axis| (axis.commanded, &axis.limits));
             self.brake = Some(Brake::new(states));
+            if self.ticks_left == 0 {
+                let commanded = self.commanded(|state| state.position);
+                self.motion.begin_braking(&commanded, self.time);
+            }
             self.ticks_left = 0;
         }
     }
@@ -85,13 +92,21 @@ impl Arm {
         let Some(brake) = self.brake.as_mut() else {
             return;
         };
-        for (axis, velocity) in self.axes.iter_mut().zip(brake.advance(self.tick)) {
-            axis.move_braking(velocity, self.tick);
-        }
-        let over = brake.is_finished(self.tick);
+        let tick = self.tick;
+        self.motion.set_accepted_period(tick);
+        let over = if let Some(joints) = self.motion.advance_brake(tick) {
+            let axes = self.axes.iter_mut().zip(joints);
+            axes.for_each(|(axis, joint)| axis.brake_to(joint, tick));
+            self.motion.brake_is_finished()
+        } else {
+            let axes = self.axes.iter_mut().zip(brake.advance(tick));
+            axes.for_each(|(axis, velocity)| axis.move_braking(velocity, tick));
+            brake.is_finished(tick)
+        };
         self.report_range_violations();
         if over {
             self.brake = None;
+            self.motion.end_braking();
             self.axes.iter_mut().for_each(Axis::apply_set_point);
         }
     }

@@ -138,8 +138,8 @@ const KINDS: &[StatementKind] = &[
         ],
         message: "a motion is a fragment that computes the set-point of the arm",
         label: "keyword of another language",
-        help: "`use motion;`, then `way = Line<<to: p, speed: 250[mm/s]>>(from: arm.pose);` and `arm.tcp = way.pose;`",
-        step_help: "a task runs commands: `MoveTo(arm, p);`; the command holds the motion: `way = Line<<to: p>>(from: arm.pose);`",
+        help: "`use motion;`, then `way = Line<<speed: 250[mm/s]>>(arm, p);` and `arm.tcp = way.pose;`",
+        step_help: "a task runs commands: `MoveTo(arm, p);`; the command holds the motion: `way = Line(arm, p);`",
         extent: Extent::Phrase,
     },
     StatementKind {

@@ -6,6 +6,7 @@ pub(super) mod guarded;
 pub(super) mod int;
 pub(super) mod logic;
 pub(super) mod machine_int;
+pub(super) mod motion;
 pub(super) mod per_type;
 pub(super) mod profile;
 pub(super) mod real;

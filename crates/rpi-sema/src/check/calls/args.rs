@@ -359,7 +359,10 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
     let mut parts = cx.unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         let fixed = match &expr.kind {
-            TypedKind::Flow(flow) => cx.unit.flow(*flow).role == FlowRole::Param,
+            // Devices are the same in all cycles, those given to a fragment, too.
+            TypedKind::Flow(flow) => {
+                cx.unit.flow(*flow).role == FlowRole::Param || matches!(expr.ty, Ty::Device(_))
+            }
             TypedKind::Sensor { .. }
             | TypedKind::When { .. }
             | TypedKind::Merge { .. }

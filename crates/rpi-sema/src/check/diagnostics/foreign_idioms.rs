@@ -95,7 +95,7 @@ const CALL_FORMS: &[(&[&str], &str)] = &[
             "ptp", "lin", "circ", "movej", "movel", "movec", "movep", "move", "moveto", "moveabsj",
             "move_to", "goto",
         ],
-        "use a motion fragment: `use motion;`, then `way = Line<<to: p>>(from: arm.pose);` and `arm.tcp = way.pose;`",
+        "use a motion fragment: `use motion;`, then `way = Line(arm, p);` and `arm.tcp = way.pose;`",
     ),
     (
         &["moving_average", "movmean"],
@@ -124,7 +124,7 @@ pub(crate) fn step_help(name: &str) -> Option<&'static str> {
     }
     if starts(&["mov", "ptp", "lin", "circ"]) {
         return Some(
-            "write a motion in a command: `command MoveTo (arm: Arm; to: Pose) let way = Line<<to: to>>(from: arm.pose); ... tel`",
+            "write a motion in a command: `command MoveTo (arm: Arm; to: Pose) let way = Line(arm, to); ... tel`",
         );
     }
     if starts(&["print", "log", "msg", "tpwrite"]) {

@@ -1,4 +1,4 @@
-//! Inference of array sizes: a size without a static argument follows from the types of the arguments.
+//! Inference of array sizes: a size without a static argument follows from the types of the arguments, arrays or devices.
 
 use crate::check::bodies::body::Body;
 use crate::check::calls::args::CallArgument;
@@ -9,10 +9,12 @@ use crate::check::signatures::static_params::static_params;
 use crate::check::signatures::unit;
 use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
-use crate::ty::Ty;
+use crate::ty::{DeviceTy, Ty};
 use rpi_image::Value;
 use rpi_syntax::Name;
-use rpi_syntax::ast::{ExprKind, Ident, Signature, Type, TypeKind, VarDecl};
+use rpi_syntax::ast::{
+    ExprKind, Ident, NamedType, Signature, StaticValue, Type, TypeKind, VarDecl,
+};
 
 /// Binds the size parameters without an argument that follow from the type of an argument, before defaults are
 /// added. Returns false if a size depends on an argument whose type is not known yet.
@@ -95,6 +97,22 @@ fn is_named(arg: &CallArgument<'_>, name: &Name) -> bool {
     arg.name.is_some_and(|given: &Ident| given.name == *name)
 }
 
+/// Returns the size `n` of a port type `D<<n>>`, given the device passed for it.
+fn size_of_device(named: &NamedType, device: &DeviceTy, name: &Name) -> InferredSize {
+    let mut args = named.statics.iter().zip(&device.sizes);
+    let found = args.find(|(arg, _)| {
+        let value = match &arg.value {
+            StaticValue::Expr(value) => value.as_name(),
+            _ => None,
+        };
+        arg.name.is_none() && value == Some(name)
+    });
+    match found {
+        Some((_, Some(size))) => InferredSize::Size(*size),
+        _ => InferredSize::Undetermined,
+    }
+}
+
 /// Returns the size `n` of a port type `T^n`, `T^n^3` or `T^n?`, given the type of its argument.
 fn size_from_type(mut declared: &Type, mut found: &Ty, name: &Name) -> InferredSize {
     loop {
@@ -105,6 +123,9 @@ fn size_from_type(mut declared: &Type, mut found: &Ty, name: &Name) -> InferredS
                     return InferredSize::Size(*size);
                 }
                 (declared, found) = (&array.element, element);
+            }
+            (TypeKind::Named(named), Ty::Device(device)) => {
+                return size_of_device(named, device, name);
             }
             (TypeKind::Array(_), Ty::Unknown) => return InferredSize::Pending,
             _ => return InferredSize::Undetermined,

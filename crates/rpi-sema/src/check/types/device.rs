@@ -55,9 +55,23 @@ fn device_type_instance<'a>(
         name: decl.name.name.clone(),
         ports,
         frames,
+        sizes: sizes(decl, statics),
     }));
     checker.types.insert(key, Lazy::Done(Some(ty.clone())));
     ty
+}
+
+/// Returns the values of the static parameters that are sizes.
+fn sizes(decl: &DeviceDecl, statics: &StaticBindings) -> Vec<Option<u32>> {
+    let params = static_params::static_params(&decl.statics).into_iter();
+    let sizes = params.map(|param| match statics.get(&param.name().name)? {
+        StaticBinding::Value(value) => {
+            let size = value.leaves.first()?.as_int()?;
+            u32::try_from(size).ok()
+        }
+        _ => None,
+    });
+    sizes.collect()
 }
 
 /// Returns the ports of a device declaration. Ports with the same actuator number belong to one actuator.

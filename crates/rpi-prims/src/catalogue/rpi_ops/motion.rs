@@ -1,0 +1,94 @@
+//! Motions of an arm along paths, planned by the arm: the device functions `move_line`, `move_arc`,
+//! `move_corner`, `move_joints`.
+
+use crate::aggregates::Array;
+use crate::catalogue::devices::function;
+use crate::macros::interface;
+use crate::operand::Text;
+use crate::registry::Prim;
+use crate::value_types::Pose;
+use rpi_image::ShapeRule;
+
+pub(in crate::catalogue) const ALL: &[Prim] = &[MOVE_LINE, MOVE_ARC, MOVE_CORNER, MOVE_JOINTS];
+
+/// Work of a cycle in elementary operations: the bounded planning of the motion core, about 200 µs.
+macro_rules! motion {
+    (
+        $(#[doc = $doc:expr])+
+        $id:ident = $name:literal, $port:literal;
+        in { $( $target:ident : $ty:ty );+ }
+        $( param $axes:ident; )?
+        shape $shape:expr
+    ) => {
+        interface! {
+            $(#[doc = $doc])+
+            ///
+            /// With `inMotion` 0 a motion begins, from the arm's position, velocity and acceleration as commanded;
+            /// pass `outMotion` back in the next cycles. The other in-ports are then read once, except `inOverride`
+            /// (share of the speed, 0 to 1) and `inPaused` (comes to rest on the path). What the arm brought along and
+            /// the path does not have decays within the limits of all axes; `outOnPath` is true afterwards. `outDone`
+            /// is true from the cycle after the last set-point. `outError` is the error code of the motion once the
+            /// arm rests; 0 if there is none.
+            $id = $name;
+            in {
+                inMotion: i64;
+                $( $target: $ty; )+
+                inSpeed: f64 = Speed(Real(0.25));
+                inAcceleration: f64 = Acceleration(Real(0.5));
+                inJerk: f64 = Jerk(Real(5.0));
+                inOverride: f64 = Override(Real(1.0));
+                inPaused: bool = Paused(Bool(false))
+            }
+            param { Robot: Text = Str("") $(; $axes: i64 = Int(7))? }
+            out {
+                outMotion: i64;
+                outJoints: Array<f64>;
+                outPose: Pose;
+                outTravelled: f64;
+                outProgress: f64;
+                outSpeed: f64;
+                outOnPath: bool;
+                outDone: bool;
+                outError: i64
+            }
+            shape $shape;
+            presence strict work 80000;
+            role function("Robot", &[$port])
+        }
+    };
+}
+
+motion! {
+    /// Straight line of the tool from where it is to `inTo`, with even turning, in the base frame of the arm. Units are
+    /// m and s. `Axes` is the number of axes of the arm.
+    MOVE_LINE = "Rpi::MoveLine", "move_line";
+    in { inTo: Pose }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Circular arc of the tool from where it is through the position of `inVia` to `inTo`, with even turning, in the
+    /// base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
+    MOVE_ARC = "Rpi::MoveArc", "move_arc";
+    in { inVia: Pose; inTo: Pose }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Straight line of the tool from where it is to `inVia` and on to `inTo`, round the corner within `inZone` of it, in
+    /// the base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
+    MOVE_CORNER = "Rpi::MoveCorner", "move_corner";
+    in { inVia: Pose; inTo: Pose; inZone: f64 }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Straight line in joint space to `inTo`: all axes arrive together. Speed, acceleration and jerk are those of the
+    /// axis that moves farthest, in rad (m for a linear axis) and s.
+    MOVE_JOINTS = "Rpi::MoveJoints", "move_joints";
+    in { inTo: Array<f64> }
+    shape ShapeRule::SameAsInput(1)
+}

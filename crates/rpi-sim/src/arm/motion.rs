@@ -1,0 +1,435 @@
+//! Motions of the arm along paths: the device functions `move_line`, `move_arc`, `move_corner` and
+//! `move_joints`.
+//!
+//! A call with the motion number 0 begins a motion from the arm's state as commanded, and returns a new number; the
+//! caller passes it back in each of the next cycles. The set-point of the call is that of the end of the period.
+
+use super::Arm;
+use super::kinematics::PerAxis;
+use super::path_fault::PathFault;
+use crate::device::{SlotWriter, pose_from};
+use crate::error_code::ErrorCode;
+use rpi_kin::state_to_rest::Bounds;
+use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
+use rpi_motion::PathError;
+use rpi_motion::path::{Arc, Piece, ToolPath};
+use rpi_motion::stop_margin::stopping_distances;
+use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint, scan_path};
+
+/// Kind of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PathKind {
+    /// A straight line of the tool.
+    Line,
+    /// An arc of the tool through a point.
+    Arc,
+    /// Two straight lines of the tool, with the corner between them within a zone.
+    Corner,
+    /// A straight line in joint space.
+    Joints,
+}
+
+/// A set-point of a motion other than its joints: travelled, progress, speed, on the path, done, error.
+pub(super) const STATUS_SLOTS: u32 = 6;
+
+/// Slots of the result beside the joints: number of the motion, pose, status.
+pub(super) const RESULT_SLOTS: u32 = 1 + 7 + STATUS_SLOTS;
+
+/// Shortest way (m, or rad) of a motion along a path; a shorter one only holds its end.
+const SHORTEST_WAY: f64 = 1e-7;
+
+/// Periods after its computation in which a set-point may be the arm's present one.
+const PRESENT_PERIODS: f64 = 2.5;
+
+/// The motion core of an arm, and its present motion.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    core: MotionCore,
+    arm: rpi_motion::Arm,
+    /// Number of the present motion, from 1; 0 before the first one.
+    number: i64,
+    /// Simulated time at which the last set-point was computed, s.
+    computed: f64,
+    /// Period of its set-points, s.
+    period: f64,
+    /// Period of the last set-points that the arm accepted, s.
+    accepted_period: f64,
+    /// The last two set-points, the newest first.
+    last: [PerAxis; 2],
+    /// Length of the way, m, or rad on a joint line.
+    way: f64,
+    /// Why the motion cannot be made: it comes to rest.
+    rejected: Option<ErrorCode>,
+    /// The error as told to the program: once the arm rests.
+    error: ErrorCode,
+    /// The last set-point was the end of the motion.
+    at_end: bool,
+    /// Set while the arm brakes on its own, on the path of the motion.
+    brake: Option<PathBrake>,
+}
+
+/// A stop of the arm on the path of its motion.
+#[derive(Clone, Copy, Debug)]
+struct PathBrake {
+    /// Time since the newest set-point of the motion, s.
+    elapsed: f64,
+    /// Ticks at rest.
+    rested: u32,
+}
+
+/// Arguments of a call.
+struct Request<'a> {
+    motion: i64,
+    target: &'a [u64],
+    requested: Bounds,
+    controls: Controls,
+}
+
+impl<'a> Request<'a> {
+    /// Splits arguments: number of the motion, target, speed, acceleration, jerk, override, pause.
+    fn from_slots(slots: &'a [u64]) -> Option<Self> {
+        let (motion, rest) = slots.split_first()?;
+        let (target, rest) = rest.split_last_chunk::<5>()?;
+        let [speed, acceleration, jerk, share] = [0, 1, 2, 3].map(|k| f64::from_bits(rest[k]));
+        Some(Self {
+            motion: motion.cast_signed(),
+            target,
+            requested: Bounds {
+                speed,
+                acceleration,
+                jerk,
+            },
+            controls: Controls {
+                speed_share: if share >= 0.0 { share.min(1.0) } else { 0.0 },
+                paused: rest[4] != 0,
+            },
+        })
+    }
+}
+
+impl Motion {
+    pub(super) fn new(
+        model: &'static ArmModel,
+        tool: Pose,
+        limits: &[AxisLimits],
+        tick: f64,
+    ) -> Self {
+        let arm = rpi_motion::Arm::new(model, tool, limits);
+        Self {
+            core: MotionCore::new(arm, tick),
+            arm,
+            number: 0,
+            computed: f64::NEG_INFINITY,
+            period: tick,
+            accepted_period: tick,
+            last: [[f64::NAN; MAX_AXES]; 2],
+            way: 0.0,
+            rejected: None,
+            error: ErrorCode::OK,
+            at_end: false,
+            brake: None,
+        }
+    }
+
+    /// Error of the present motion.
+    pub(super) fn error(&self) -> ErrorCode {
+        self.error
+    }
+
+    /// Forgets the error of the last motion: another command begins.
+    pub(super) fn clear_error(&mut self) {
+        self.error = ErrorCode::OK;
+    }
+
+    /// Called when the arm has accepted set-points with this period, s.
+    pub(super) fn set_accepted_period(&mut self, period: f64) {
+        self.accepted_period = period;
+    }
+
+    /// Whether the next set-point is due at a time, s: no cycle was left out.
+    fn is_due(&self, time: f64) -> bool {
+        let due = self.computed + self.period;
+        self.number > 0 && (time - due).abs() < self.period / 2.0
+    }
+
+    /// Begins to brake on the path if the arm, at `commanded` at a time (s), follows this motion.
+    pub(super) fn begin_braking(&mut self, commanded: &PerAxis, time: f64) {
+        let recent = self.number > 0 && time - self.computed < PRESENT_PERIODS * self.period;
+        let elapsed = match self
+            .last
+            .map(|set_point| same_joints(commanded, &set_point))
+        {
+            [true, _] => Some(0.0),
+            // The newest set-point was dropped.
+            [_, true] => Some(-self.period),
+            _ => None,
+        };
+        self.brake = elapsed
+            .filter(|_| recent)
+            .map(|elapsed| PathBrake { elapsed, rested: 0 });
+    }
+
+    /// Advances the time of braking by a tick (s). Returns the positions of the axes; `None` if the arm does not brake
+    /// on a path.
+    pub(super) fn advance_brake(&mut self, tick: f64) -> Option<PerAxis> {
+        let brake = self.brake.as_mut()?;
+        brake.elapsed += tick;
+        let at = self.core.braking_set_point(brake.elapsed).ok()?;
+        brake.rested = if rests(&at) { brake.rested + 1 } else { 0 };
+        Some(at.joints)
+    }
+
+    /// True if the arm has been at rest for two ticks after braking on a path: only then are the first and second
+    /// differences of its positions zero.
+    pub(super) fn brake_is_finished(&self) -> bool {
+        self.brake.is_some_and(|brake| brake.rested > 2)
+    }
+
+    pub(super) fn end_braking(&mut self) {
+        self.brake = None;
+    }
+
+    fn path(&self, kind: PathKind, from: &PerAxis, target: &[u64]) -> Result<Path, ErrorCode> {
+        let start = self.arm.forward(from);
+        let path = match kind {
+            PathKind::Line => Path::line(&start, &pose_from(target)),
+            PathKind::Arc => {
+                let (via, to) = target.split_at(target.len() / 2);
+                let via = pose_from(via).translation.vector;
+                let arc = Arc::via(&start, &via, &pose_from(to));
+                let arc = arc.map_err(|_| ErrorCode::COLINEAR)?;
+                Path::Tool(ToolPath::new(Piece::Arc(arc)))
+            }
+            PathKind::Corner => corner(&start, target)?,
+            PathKind::Joints => {
+                let mut to = PerAxis::default();
+                let slots = to.iter_mut().zip(target).take(self.arm.axes());
+                slots.for_each(|(slot, bits)| *slot = f64::from_bits(*bits));
+                Path::joint_line(from, &to, self.arm.axes())
+            }
+        };
+        match path.length().is_finite() {
+            true => Ok(path),
+            false => Err(ErrorCode::NOT_A_NUMBER),
+        }
+    }
+
+    /// Begins a motion from the state of the arm, or prepares to come to rest and returns why there is none.
+    fn begin(
+        &mut self,
+        kind: PathKind,
+        request: &Request<'_>,
+        state: &JointState,
+        followed: bool,
+    ) -> Result<(), PathFault> {
+        self.number += 1;
+        self.error = ErrorCode::OK;
+        self.at_end = false;
+        self.rejected = None;
+        self.way = 0.0;
+        let started = self.start_path(kind, request, state);
+        if let Err(fault) = started {
+            self.rejected = Some(fault.violation.code);
+            // The arm goes on along the path that it is on, and comes to rest there.
+            if !followed {
+                self.hold(state);
+            }
+        }
+        started
+    }
+
+    fn start_path(
+        &mut self,
+        kind: PathKind,
+        request: &Request<'_>,
+        state: &JointState,
+    ) -> Result<(), PathFault> {
+        let from = &state.position;
+        let path = self.path(kind, from, request.target)?;
+        if !request.requested.are_positive() {
+            return Err(ErrorCode::NOT_POSITIVE.into());
+        }
+        scan_path(&self.arm, &path, from).map_err(|error| self.fault(&error, &path))?;
+        self.core.set_period(self.period);
+        if path.length() < SHORTEST_WAY {
+            return self.hold_end(&path, state);
+        }
+        self.way = path.way();
+        let begun = self.core.begin(path, state, request.requested);
+        begun.map_err(|error| match error {
+            MotionError::Path(error) => {
+                // The core has forgotten the path that it was on.
+                self.hold(state);
+                self.fault(&error, &path)
+            }
+            MotionError::NotFinite => ErrorCode::NOT_A_NUMBER.into(),
+        })
+    }
+
+    /// Holds the end of a path that has no length.
+    fn hold_end(&mut self, path: &Path, state: &JointState) -> Result<(), PathFault> {
+        let end = match path {
+            Path::Joints(line) => line.joints(line.length()),
+            Path::Tool(tool) => {
+                let (pose, near) = (tool.pose(tool.length()), &state.position);
+                let arm_angle = self.arm.arm_angle(near).unwrap_or(0.0);
+                let found = self.arm.inverse(&pose, near, arm_angle);
+                found.map_err(PathFault::from)?.0
+            }
+        };
+        let begun = self.core.begin_hold(&end, state);
+        begun.map_err(|_| ErrorCode::NOT_A_NUMBER.into())
+    }
+
+    fn fault(&self, error: &PathError, path: &Path) -> PathFault {
+        PathFault::new(error, path, self.arm.limits())
+    }
+
+    /// Stops each axis on its own, as soon as its limits allow.
+    fn hold(&mut self, state: &JointState) {
+        let mut at = state.position;
+        for (axis, limits) in self.arm.limits().iter().enumerate() {
+            let (velocity, acceleration) = (state.velocity[axis], state.acceleration[axis]);
+            let (below, above) = stopping_distances(velocity, acceleration, limits);
+            at[axis] += above - below;
+        }
+        self.core.set_period(self.period);
+        // A state that is not finite has no way to rest; the next set-point is then rejected.
+        let _ = self.core.begin_hold(&at, state);
+    }
+
+    fn next(&mut self, controls: Controls) -> Option<SetPoint> {
+        let controls = Controls {
+            paused: controls.paused || self.rejected.is_some(),
+            ..controls
+        };
+        let at = self.core.next_set_point(controls).ok()?;
+        self.last = [at.joints, self.last[0]];
+        Some(at)
+    }
+
+    /// Notices that the path cannot be followed to its end. Returns what is new.
+    fn check_path(&mut self) -> Option<PathFault> {
+        let error = self.core.path_error().filter(|_| self.rejected.is_none())?;
+        let fault = self.fault(&error, self.core.path());
+        self.rejected = Some(fault.violation.code);
+        Some(fault)
+    }
+}
+
+impl Arm {
+    /// Calls a function that moves the arm along a path. False if the arguments do not fit.
+    pub(super) fn call_motion(
+        &mut self,
+        kind: PathKind,
+        arguments: &[u64],
+        out: &mut SlotWriter<'_>,
+    ) -> bool {
+        let Some(request) = Request::from_slots(arguments) else {
+            return false;
+        };
+        if request.motion == 0 {
+            self.begin_motion(kind, &request);
+        } else if request.motion != self.motion.number || !self.motion.is_due(self.time) {
+            put_error(request.motion, self.axes(), ErrorCode::SUPERSEDED, out);
+            return true;
+        }
+        self.put_motion(&request, out);
+        true
+    }
+
+    fn begin_motion(&mut self, kind: PathKind, request: &Request<'_>) {
+        let state = self.commanded_state();
+        let period = self.tick * f64::from(self.set_point_ticks);
+        let followed = self.motion.period == period
+            && self.motion.is_due(self.time)
+            && same_joints(&state.position, &self.motion.last[0]);
+        self.motion.period = period;
+        if let Err(PathFault { axis, violation }) =
+            self.motion.begin(kind, request, &state, followed)
+        {
+            self.report(axis, violation);
+        }
+    }
+
+    fn commanded_state(&self) -> JointState {
+        JointState::from_differences(
+            self.commanded(|state| state.position),
+            self.commanded(|state| state.velocity),
+            self.commanded(|state| state.acceleration),
+            self.motion.accepted_period,
+        )
+    }
+
+    /// Computes the next set-point and writes the result of the call.
+    fn put_motion(&mut self, request: &Request<'_>, out: &mut SlotWriter<'_>) {
+        let number = self.motion.number;
+        self.motion.computed = self.time;
+        let Some(at) = self.motion.next(request.controls) else {
+            self.motion.error = ErrorCode::NOT_A_NUMBER;
+            return put_error(number, self.axes(), ErrorCode::NOT_A_NUMBER, out);
+        };
+        if let Some(PathFault { axis, violation }) = self.motion.check_path() {
+            self.report(axis, violation);
+        }
+        let motion = &mut self.motion;
+        if let Some(code) = motion.rejected.filter(|_| rests(&at)) {
+            motion.error = code;
+        }
+        let done = core::mem::replace(&mut motion.at_end, at.done) && at.done;
+        let length = motion.core.path().length();
+        let progress = if length > 0.0 {
+            (at.path.s / length).min(1.0)
+        } else {
+            1.0
+        };
+        let speed = if length > 0.0 {
+            at.path.velocity * motion.way / length
+        } else {
+            0.0
+        };
+        let (way, error) = (motion.way, motion.error);
+        out.put_bits(number.cast_unsigned());
+        out.put_reals(at.joints.into_iter().take(self.axes()));
+        out.put_pose(&self.forward(&at.joints[..self.axes()]));
+        out.put_reals([progress * way, progress, speed]);
+        out.put_bits(u64::from(at.on_path && error == ErrorCode::OK));
+        out.put_bits(u64::from(done && error == ErrorCode::OK));
+        out.put_bits(error.0.cast_unsigned());
+    }
+}
+
+/// Writes the result of a call that gives no set-point.
+fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut SlotWriter<'_>) {
+    out.put_bits(number.cast_unsigned());
+    out.put_reals(core::iter::repeat_n(f64::NAN, axes + 7));
+    out.put_reals([0.0; 3]);
+    out.put_bits(0);
+    out.put_bits(0);
+    out.put_bits(error.0.cast_unsigned());
+}
+
+/// The path over a via pose to another one, with a zone in m.
+fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
+    let (via, rest) = target.split_at(target.len() / 2);
+    let (via, to) = (pose_from(via), pose_from(rest));
+    let zone = rest.last().map_or(f64::NAN, |bits| f64::from_bits(*bits));
+    if (via.translation.vector - start.translation.vector).norm() < SHORTEST_WAY {
+        return Ok(Path::line(start, &to));
+    }
+    let path = ToolPath::polyline(&[*start, via, to], &[zone]);
+    path.map(Path::Tool).map_err(|_| ErrorCode::NO_CORNER)
+}
+
+/// Whether the arm rests: on its path, and without a residual.
+fn rests(at: &SetPoint) -> bool {
+    at.on_path && at.path.velocity == 0.0 && at.path.acceleration == 0.0
+}
+
+/// Whether two positions are the same set-point.
+fn same_joints(one: &PerAxis, other: &PerAxis) -> bool {
+    /// Difference by which a pose and its inverse may differ, rad.
+    const ROUNDING: f64 = 1e-9;
+    let mut axes = one.iter().zip(other);
+    axes.all(|(one, other)| (one - other).abs() < ROUNDING)
+}
