@@ -83,7 +83,7 @@ fn measure_shape(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Re
         return Ok(());
     };
     let note = format!(
-        "1 000 {:.1}, 10 000 {:.1} ms; then {:.1} x; {} findings",
+        "1 000 {:.1}, 10 000 {:.1} ms; then {:.1} x; {} diagnostics",
         small.ms,
         middle.ms,
         large.ms / middle.ms,

@@ -3,6 +3,7 @@
 //! Both sides measure the processor time of their own thread. Batches alternate, so that disturbances affect both, and
 //! the best batch of each counts.
 
+use crate::BenchError;
 use crate::clock::timed;
 use crate::image_compare::lower_net;
 use rpi_core::{CycleContext, Instance};
@@ -33,10 +34,12 @@ impl InterpretedNet {
     ///
     /// # Errors
     /// Returns the reason why the net cannot run.
-    pub fn new(net: &Net) -> Result<InterpretedNet, String> {
+    pub fn new(net: &Net) -> Result<InterpretedNet, BenchError> {
         let image = lower_net(net, &LowerOptions::running(1_000_000))?;
         let loaded = Instance::load(image, &mut NoDevices);
-        let machine = loaded.map_err(|f| f.first().map_or(String::new(), ToString::to_string))?;
+        let machine = loaded.map_err(|errors| {
+            BenchError::new(errors.first().map_or(String::new(), ToString::to_string))
+        })?;
         let mut ours = InterpretedNet { machine, cycle: 0 };
         ours.batch(WARM_UP_CYCLES);
         Ok(ours)
@@ -80,18 +83,18 @@ impl CompiledNet {
     ///
     /// # Errors
     /// Returns the reason for a failure, including a missing compiler.
-    pub fn new(net: &Net, dir: &Path) -> Result<CompiledNet, String> {
+    pub fn new(net: &Net, dir: &Path) -> Result<CompiledNet, BenchError> {
         let program = compile(net, dir)?;
         let child = Command::new(program)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn();
-        let mut child = child.map_err(|e| e.to_string())?;
-        let (ask, answer) = (child.stdin.take(), child.stdout.take());
+        let mut child = child.map_err(BenchError::from_cause)?;
+        let (requests, replies) = (child.stdin.take(), child.stdout.take());
         let mut gcc = CompiledNet {
             child,
-            requests: ask,
-            replies: BufReader::new(answer.ok_or("no pipe")?),
+            requests,
+            replies: BufReader::new(replies.ok_or_else(|| BenchError::new("no pipe"))?),
             last: (0, 0),
         };
         gcc.batch(WARM_UP_CYCLES)?;
@@ -102,17 +105,20 @@ impl CompiledNet {
     ///
     /// # Errors
     /// The process does not answer.
-    pub fn batch(&mut self, cycles: u64) -> Result<f64, String> {
-        let ask = self.requests.as_mut().ok_or("no pipe")?;
-        writeln!(ask, "{cycles}").map_err(|e| e.to_string())?;
+    pub fn batch(&mut self, cycles: u64) -> Result<f64, BenchError> {
+        let requests = self
+            .requests
+            .as_mut()
+            .ok_or_else(|| BenchError::new("no pipe"))?;
+        writeln!(requests, "{cycles}").map_err(BenchError::from_cause)?;
         let mut line = String::new();
         let read = self.replies.read_line(&mut line);
-        read.map_err(|e| e.to_string())?;
+        read.map_err(BenchError::from_cause)?;
         let mut words = line.split_whitespace();
         let ns = words.next().and_then(|w| w.parse().ok());
         let y = words.next().and_then(|w| u64::from_str_radix(w, 16).ok());
         let (Some(ns), Some(y)) = (ns, y) else {
-            return Err(format!("unexpected output: {line}"));
+            return Err(BenchError::new(format!("unexpected output: {line}")));
         };
         self.last = (self.last.0 + cycles, y);
         Ok(ns)
@@ -137,20 +143,20 @@ impl Drop for CompiledNet {
 ///
 /// # Errors
 /// Returns the first operation without a C form, or the reason why the net has no schedule.
-pub fn c_text(net: &Net) -> Result<String, String> {
+pub fn c_text(net: &Net) -> Result<String, BenchError> {
     let options = LowerOptions::running(1_000_000);
-    let analysis = analyse(net.clone(), |_| false).map_err(|v| v.to_string())?;
-    let plan = Plan::from_analysis(&analysis).ok_or("dependency cycle")?;
-    emit_c(&analysis.net, &plan, &options).map_err(|f| {
-        f.first()
-            .map_or(String::new(), |diagnostic| diagnostic.message.clone())
+    let analysis = analyse(net.clone(), |_| false).map_err(BenchError::from_cause)?;
+    let plan = Plan::from_analysis(&analysis).ok_or_else(|| BenchError::new("dependency cycle"))?;
+    emit_c(&analysis.net, &plan, &options).map_err(|diagnostics| {
+        let first = diagnostics.first();
+        BenchError::new(first.map_or(String::new(), |diagnostic| diagnostic.message.clone()))
     })
 }
 
 /// Compiles a net with gcc. Returns the path of the program.
-fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, String> {
+fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
     let (source, binary) = (dir.join("net.c"), dir.join("net"));
-    std::fs::write(&source, c_text(net)? + C_MAIN).map_err(|e| e.to_string())?;
+    std::fs::write(&source, c_text(net)? + C_MAIN).map_err(BenchError::from_cause)?;
     let flags = [
         "-O2",
         "-std=c99",
@@ -164,10 +170,10 @@ fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, String> {
         .arg(&source)
         .arg("-lm")
         .output();
-    let compiled = compiled.map_err(|e| format!("cc: {e}"))?;
+    let compiled = compiled.map_err(|e| BenchError::new(format!("cc: {e}")))?;
     match compiled.status.success() {
         true => Ok(binary),
-        false => Err(String::from_utf8_lossy(&compiled.stderr).into_owned()),
+        false => Err(BenchError::new(String::from_utf8_lossy(&compiled.stderr))),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Comparison of two images of the same net, observed and optimised, which must behave alike.
 
+use crate::BenchError;
 use crate::fake_devices::FakeDevices;
 use rpi_core::{CycleContext, Instance, Verdict};
 use rpi_image::Image;
@@ -12,13 +13,13 @@ use rpi_net::passes::analyse;
 ///
 /// # Errors
 /// Returns the first difference with its cycle, or the reason why the net could not be run.
-pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), String> {
+pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), BenchError> {
     let mut plain = Runner::new(net, &LowerOptions::observed(period_ns))?;
     let mut fast = Runner::new(net, &LowerOptions::running(period_ns))?;
     for cycle in 0..cycles {
         let (a, b) = (plain.cycle(cycle), fast.cycle(cycle));
         a.compare(&b)
-            .map_err(|what| format!("cycle {cycle}: {what}"))?;
+            .map_err(|error| BenchError::new(format!("cycle {cycle}: {error}")))?;
         if a.verdict.is_some() {
             return Ok(());
         }
@@ -30,10 +31,10 @@ pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), String> {
 ///
 /// # Errors
 /// Returns the reason why the net could not be lowered.
-pub fn lower_net(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
-    let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
-    let plan = Plan::from_analysis(&analysis).ok_or("dependency cycle")?;
-    lower(&analysis.net, &plan, options)
+pub fn lower_net(net: &Net, options: &LowerOptions<'_>) -> Result<Image, BenchError> {
+    let analysis = analyse(net.clone(), options.may_be_absent).map_err(BenchError::from_cause)?;
+    let plan = Plan::from_analysis(&analysis).ok_or_else(|| BenchError::new("dependency cycle"))?;
+    lower(&analysis.net, &plan, options).map_err(BenchError::from_cause)
 }
 
 /// A machine with a device bank of its own.
@@ -58,13 +59,13 @@ impl Runner {
     ///
     /// # Errors
     /// Returns the reason why the net could not be loaded.
-    pub fn new(net: &Net, options: &LowerOptions<'_>) -> Result<Runner, String> {
+    pub fn new(net: &Net, options: &LowerOptions<'_>) -> Result<Runner, BenchError> {
         let image = lower_net(net, options)?;
         let mut bank = FakeDevices::new();
         let machine = Instance::load(image, &mut bank);
         let machine = machine.map_err(|faults| {
             let text: Vec<String> = faults.iter().map(ToString::to_string).collect();
-            text.join("; ")
+            BenchError::new(text.join("; "))
         })?;
         Ok(Runner { machine, bank })
     }
@@ -72,7 +73,7 @@ impl Runner {
     /// Runs one cycle. `cancel`, `takeover` and `predecessor` vary with the number of the cycle.
     pub fn cycle(&mut self, cycle: u64) -> CycleOutputs {
         let since = cycle * self.machine.image().period_ns;
-        let moment = CycleContext {
+        let context = CycleContext {
             net_ns: since.cast_signed(),
             wall_ns: since.cast_signed() + 17,
             cancel: cycle > 60,
@@ -81,7 +82,7 @@ impl Runner {
         };
         let (machine, bank) = (&mut self.machine, &mut self.bank);
         bank.advance();
-        machine.read(bank, &moment);
+        machine.read(bank, &context);
         machine.evaluate(bank);
         machine.commit();
         machine.hand_over(bank);
@@ -106,7 +107,7 @@ impl CycleOutputs {
     ///
     /// # Errors
     /// Returns a description of the first difference.
-    pub fn compare(&self, other: &CycleOutputs) -> Result<(), String> {
+    pub fn compare(&self, other: &CycleOutputs) -> Result<(), BenchError> {
         let ends = |l: &CycleOutputs| {
             l.verdict.map(|v| match v {
                 Verdict::Fault(fault) => format!("fault {:?}", fault.code),
@@ -114,15 +115,21 @@ impl CycleOutputs {
             })
         };
         if ends(self) != ends(other) {
-            return Err(format!("ends {:?} or {:?}", self.verdict, other.verdict));
+            return Err(BenchError::new(format!(
+                "ends {:?} or {:?}",
+                self.verdict, other.verdict
+            )));
         }
         for (a, b) in self.exports.iter().zip(&other.exports) {
             if a != b {
-                return Err(format!("export {}: {:x?} or {:x?}", a.0, a.1, b.1));
+                return Err(BenchError::new(format!(
+                    "export {}: {:x?} or {:x?}",
+                    a.0, a.1, b.1
+                )));
             }
         }
         let same = self.set_point_hash == other.set_point_hash;
         same.then_some(())
-            .ok_or_else(|| "set-points differ".to_owned())
+            .ok_or_else(|| BenchError::new("set-points differ"))
     }
 }

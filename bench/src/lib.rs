@@ -3,6 +3,7 @@
 //!
 //! Only tests and benchmarks depend on this crate.
 
+mod bench_error;
 pub mod clock;
 pub mod fake_devices;
 pub mod gcc_reference;
@@ -13,5 +14,6 @@ pub mod program;
 pub mod rng;
 pub mod table;
 
+pub use bench_error::BenchError;
 pub use fake_devices::FakeDevices;
 pub use net_builder::NetBuilder;

@@ -63,15 +63,15 @@ impl NetBuilder {
         params: &[(&str, Value)],
     ) -> PortRef {
         let desc = prim.desc();
-        let given = |name: &str| params.iter().find(|p| p.0 == name).map(|p| p.1.clone());
+        let param = |name: &str| params.iter().find(|p| p.0 == name).map(|p| p.1.clone());
         let params: Vec<Value> = desc
             .params
             .iter()
-            .map(|p| given(p.name).unwrap_or_else(|| default_param(p)))
+            .map(|p| param(p.name).unwrap_or_else(|| default_param(p)))
             .collect();
-        let wired = |k: usize| inputs.get(k).cloned();
+        let connected = |k: usize| inputs.get(k).cloned();
         let inputs: Inputs = (0..desc.inputs.len())
-            .map(|k| wired(k).unwrap_or_else(|| default_input(&desc.inputs[k])))
+            .map(|k| connected(k).unwrap_or_else(|| default_input(&desc.inputs[k])))
             .collect();
         let types: Vec<Option<Type>> = inputs.iter().map(|i| self.ty(i)).collect();
         let args = ShapeArgs {
@@ -96,12 +96,12 @@ impl NetBuilder {
     /// Adds a delay that is present from its first cycle on, to be connected later. `None` if no such delay exists for
     /// the type.
     pub fn total_delay(&mut self, fragment: FragmentId, scalar: Scalar) -> Option<PortRef> {
-        let fits = |p: &rpi_prims::Prim| {
+        let is_total_delay = |p: &rpi_prims::Prim| {
             p.desc.role == Role::Delay
                 && p.desc.outputs[0].presence == Presence::IfAll
                 && p.desc.outputs[0].ty == PortType::Scalar(scalar)
         };
-        let prim = rpi_prims::registry().iter().find(|p| fits(p))?;
+        let prim = rpi_prims::registry().iter().find(|p| is_total_delay(p))?;
         Some(self.add(fragment, prim.desc.name, &[]))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! libFuzzer needs coverage counters from the compiler. The flags below request them from LLVM on any toolchain, so
 //! that neither a nightly toolchain nor cargo-fuzz is needed (the targets work with both). The limits of time and
-//! memory per input are defined by the entries (`crates/rpi-fuzz/src/budget.rs`), which measure the input alone and not
+//! memory per input are defined by the entries (`fuzz/src/budget.rs`), which measure the input alone and not
 //! other load on the machine.
 
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
         [entry, flag, seconds] if flag == "--seconds" => (entry, seconds.as_str()),
         _ => return Err("usage: cargo xtask fuzz ENTRY [--seconds N]".to_owned()),
     };
-    let folder = root().join("fuzz");
+    let folder = root().join("fuzz/targets");
     let corpus = folder.join("target/corpus").join(entry);
     let words = folder.join("target/words");
     write_seeds(entry, &corpus, &words)?;
@@ -89,7 +89,8 @@ fn tool_command(name: &str, flags: &[&str]) -> Command {
     run
 }
 
-fn root() -> PathBuf {
+/// Returns the root of the workspace.
+pub(crate) fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
 }
@@ -115,10 +116,10 @@ fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
 
 /// Target triple of the host.
 fn host() -> Result<String, String> {
-    let told = Command::new("rustc").arg("-vV").output();
-    let told = told.map_err(|error| format!("rustc: {error}"))?.stdout;
-    let told = String::from_utf8_lossy(&told).into_owned();
-    let host = told.lines().find_map(|line| line.strip_prefix("host: "));
+    let version = Command::new("rustc").arg("-vV").output();
+    let version = version.map_err(|error| format!("rustc: {error}"))?.stdout;
+    let version = String::from_utf8_lossy(&version).into_owned();
+    let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned)
         .ok_or("rustc does not report a host".to_owned())
 }

@@ -1,5 +1,8 @@
 //! Maintenance tasks of the repository: `cargo xtask TASK`.
 
+mod bless;
+mod book;
+mod draw;
 mod fuzz;
 mod lustre;
 
@@ -17,6 +20,21 @@ const TASKS: &[Task] = &[
         "gen",
         "write the files generated from the project's tables",
         generate,
+    ),
+    (
+        "book",
+        "build the book with mdBook (installed if necessary) and check the links of its pages",
+        book::book,
+    ),
+    (
+        "draw",
+        "draw doc comments and diagnostics at random, to judge them: [--seed N] [--comments N] [--diagnostics N]",
+        draw::draw,
+    ),
+    (
+        "bless",
+        "rewrite the expected outputs of tests: [FILTER]",
+        bless::bless,
     ),
     (
         "fuzz",
@@ -69,10 +87,7 @@ fn main() -> ExitCode {
 }
 
 fn generate(_: &[String]) -> Result<(), String> {
-    for file in rpi_house::generated()
-        .iter()
-        .filter(|file| !file.is_current())
-    {
+    for file in xtask::generated().iter().filter(|file| !file.is_current()) {
         file.write()
             .map_err(|error| format!("{}: {error}", file.path))?;
         println!("{}", file.path);

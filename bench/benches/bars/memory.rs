@@ -29,7 +29,7 @@ pub(crate) fn rows(table: &mut Table) {
             + size_of_val(&*image.steps)
             + size_of_val(&*image.commit)
             + size_of_val(&*image.init)
-            + size_of_val(&*image.origins);
+            + size_of_val(&*image.debug.origins);
         let bytes = touched as f64 / net.nodes.len() as f64;
         table.add_row(
             "memory, running",

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from ._goal import Session
 
 
-#: What whoever waits for an answer is told when the connection ends.
+#: Message of the error that pending calls get when the connection ends.
 GONE = "the control core is gone"
 
 
 class RpiError(Exception):
-    """What was asked for could not be done.
+    """The server rejected a request.
 
     ``code`` is one of the server's (see its manual), ``reasons`` has every reason where there are several.
     """

@@ -11,13 +11,13 @@ from ._core import GONE, RpiError
 if TYPE_CHECKING:
     from ._core import Core
 
-_Told = TypeVar("_Told", "Ending", "Overruns", "Step")
+_Record = TypeVar("_Record", "Ending", "Overruns", "Step")
 
 
 @dataclass(frozen=True)
 class Ending:
     """How a command has ended: ``cause`` (``result``, ``fault``, ``aborted``, ...), the name of its result, its error number
-    (0 for none), the number of its cycles, whether it had been asked to end, whether it left something moving, whether another took over;
+    (0 for none), the number of its cycles, whether it had been cancelled, whether it left something moving, whether another took over;
     ``why`` it ended so, in which ``place`` of the program and ``at`` which line and column of the text (``3:21``), where that was not its own doing;
     the devices that ``braked`` on their own; by how much its first set-points did not join those of whoever went before
     (``jump``: which actuator and quantity, value and limit), where they did not."""
@@ -47,10 +47,10 @@ class Overruns:
     fragment: str = ""
 
 
-def _as(kind: type[_Told], told: dict[str, Any]) -> _Told:
-    """From what the server tells; a newer one may tell more."""
+def _as(kind: type[_Record], update: dict[str, Any]) -> _Record:
+    """Reads a record from an update of the server. Unknown keys, which a newer server may send, are ignored."""
     known = {entry.name for entry in fields(kind)}
-    return kind(**{key: value for key, value in told.items() if key in known})
+    return kind(**{key: value for key, value in update.items() if key in known})
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Session:
         """Loads a command of a program (``language="rpi"``) or a net (``"rpinet"``); periods in s, 0 for the server's tick.
 
         ``on_overrun`` is what becomes of it if its cycles take too long: ``"count"``, ``"abort:N/M"`` (it ends at the Nth of M
-        cycles) or ``"stop:N/M"`` (everything does); as the server has it unless said.
+        cycles) or ``"stop:N/M"`` (everything does); the default of the server unless given.
         """
         params: dict[str, Any] = {"session": self.name, "text": text, "language": language, "period": period}
         if command is not None:
@@ -161,23 +161,23 @@ class Goal:
     async def overruns(self) -> Overruns:
         """Its cycles that took too long."""
         described = await self._core.call("command.describe", command=self.name)
-        told = described.get("overruns", {})
-        return _as(Overruns, {key: value for key, value in told.items() if value is not None})
+        overruns = described.get("overruns", {})
+        return _as(Overruns, {key: value for key, value in overruns.items() if value is not None})
 
     async def unload(self) -> None:
         """Lets go of it."""
         await self._core.call("command.unload", command=self.name)
 
     async def feedback(self) -> AsyncIterator[Feedback]:
-        """How it is now, and then what it tells until it has ended; whoever comes after that gets what it told last."""
+        """Yields the current state, and then each update until the command has ended; after the end, the last update."""
         news: asyncio.Queue[Feedback | None] = asyncio.Queue()
         news.put_nowait(self._latest)
         if self._ending.done():
             news.put_nowait(None)
         self._readers.append(news)
         try:
-            while (told := await news.get()) is not None:
-                yield told
+            while (update := await news.get()) is not None:
+                yield update
         finally:
             self._readers.remove(news)
 
@@ -222,7 +222,7 @@ def _unloaded() -> RpiError:
 
 @dataclass(frozen=True)
 class Step:
-    """How a ``command`` of a task has ended, as :class:`Ending` tells it; ``handled`` if a branch of the task was for its error."""
+    """How a ``command`` of a task has ended, as in :class:`Ending`; ``handled`` if a branch of the task handles its error."""
 
     command: str
     cause: str
@@ -239,11 +239,11 @@ class Step:
 
 @dataclass(frozen=True)
 class TaskEnd:
-    """How a task has ended: ``state`` (``done``, ``failed``, ``cancelled``), what could not be started, and its latest commands
-    that have ended."""
+    """How a task has ended: ``state`` (``done``, ``failed``, ``cancelled``), the ``start_error`` with the commands that could not be started and
+    the reason, and its latest ended commands."""
 
     state: str
-    trouble: str | None
+    start_error: str | None
     steps: list[Step]
 
     @property
@@ -266,7 +266,7 @@ class Task:
         await self._core.call("task.start", task=self.name)
 
     async def preempt(self) -> None:
-        """Asks it to end: nothing follows, and what runs is asked to end."""
+        """Cancels the task: no further command starts, and running ones are cancelled."""
         await self._core.call("task.cancel", task=self.name)
 
     async def unload(self) -> None:

@@ -70,10 +70,10 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             first, second = [await session.load(COUNT, command="Count") for _ in range(2)]
             await second.follow(first, ["done"])
             await first.start()
-            told = [feedback async for feedback in second.feedback()]
+            updates = [feedback async for feedback in second.feedback()]
             ending = await second.result()
             self.assertEqual((ending.result, ending.error, ending.cycles), ("done", 0, 300))
-            self.assertEqual(told[-1].values["n"], "300")
+            self.assertEqual(updates[-1].values["n"], "300")
             self.assertEqual((await first.result()).result, "done")
 
     async def test_inputs_and_abort(self) -> None:
@@ -114,7 +114,7 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             end = await asyncio.wait_for(task.result(), 10)
             self.assertEqual((end.state, [result for _, result in end.commands]), ("done", ["over"] * 3))
 
-    async def test_an_unloaded_task_is_told(self) -> None:
+    async def test_an_unloaded_task_is_updates(self) -> None:
         async with await connect(self.path) as core:
             task = await (await core.open_session("test")).load_task(COUNT + "task All let Count(); tel")
             waiting = asyncio.create_task(task.result())
@@ -128,8 +128,8 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             goal = await (await core.open_session("test")).load(COUNT)
 
             async def last() -> str:
-                told = [feedback async for feedback in goal.feedback()]
-                return f"{told[-1].state} {told[-1].values['n']}"
+                updates = [feedback async for feedback in goal.feedback()]
+                return f"{updates[-1].state} {updates[-1].values['n']}"
 
             readers = [asyncio.create_task(last()) for _ in range(2)]
             await goal.start()
@@ -167,7 +167,7 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             ending = await asyncio.wait_for(goal.result(), 10)
             self.assertEqual((ending.result, ending.cancelled), ("stopped", True))
 
-    async def test_a_lost_server_is_told(self) -> None:
+    async def test_a_lost_server_is_updates(self) -> None:
         core = await connect(f"ws://127.0.0.1:{self.port}")
         goal = await (await core.open_session("test")).load(COUNT)
         self.server.kill()
@@ -204,7 +204,7 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             await goal.start()
             self.assertEqual((await goal.result()).cycles, 300)
 
-    async def test_every_reason_is_told(self) -> None:
+    async def test_every_reason_is_updates(self) -> None:
         async with await connect(self.path) as core:
             session = await core.open_session("test")
             with self.assertRaises(RpiError) as caught:

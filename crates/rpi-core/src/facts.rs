@@ -1,22 +1,10 @@
 //! Evaluation of facts about commands for the conditions of rules.
 
 use crate::command::{Cause, Command, Ending};
+use crate::command_table::Entry;
 use crate::condition::{Fact, Truth};
-use crate::ids::CommandId;
 use crate::lifecycle::CommandState;
-use crate::table::{Core, Entry};
 use rpi_image::{Scalar, Type};
-
-impl Core {
-    /// Knowledge about a fact: its present value and its possible later values. A scheduled command that is not marked
-    /// as live counts as one that never runs.
-    pub(crate) fn fact_truth(&self, id: CommandId, fact: Fact) -> Truth {
-        match self.find(id).and_then(|place| self.entries[place].as_ref()) {
-            Some(entry) => entry.fact_truth(fact),
-            None => Truth::UNKNOWN_FOREVER,
-        }
-    }
-}
 
 impl Entry {
     pub(crate) fn fact_truth(&self, fact: Fact) -> Truth {

@@ -2,7 +2,7 @@
 
 use crate::load::{LoadError, verify_image};
 use crate::ports::Ports;
-use crate::program::{Op, Program, copy_slots};
+use crate::program::{ExecutableStep, Program, copy_slots};
 use crate::work_bound::WorkBound;
 use rpi_device::{DeviceBank, Discontinuity};
 use rpi_image::CommandFlow;
@@ -152,18 +152,18 @@ impl Instance {
     }
 
     /// Phase 1: latches the sensors and the flows that the core provides.
-    pub fn read(&mut self, bank: &mut dyn DeviceBank, moment: &CycleContext) {
+    pub fn read(&mut self, bank: &mut dyn DeviceBank, context: &CycleContext) {
         self.clock = CycleTime {
             cycle_index: self.cycle,
-            net_ns: moment.net_ns,
-            wall_ns: moment.wall_ns,
+            net_ns: context.net_ns,
+            wall_ns: context.wall_ns,
             ..self.clock
         };
         let mut cx = prim_context(&mut self.slots, self.clock, bank, self.fault);
         self.ports.read_sensors(&self.image, &mut cx);
         self.fault = cx.fault;
         for flow in &self.image.flows {
-            let bits = flow_bits(flow.kind, self.clock, moment);
+            let bits = flow_bits(flow.kind, self.clock, context);
             self.slots[flow.value.start as usize] = bits.unwrap_or(0);
             if flow.value.present != TRUE {
                 self.slots[flow.value.present as usize] = u64::from(bits.is_some());
@@ -199,11 +199,13 @@ impl Instance {
         let mut pc = 0;
         while let Some(op) = self.commit.ops.get(pc) {
             pc = match *op {
-                Op::Copy { words } => {
+                ExecutableStep::Copy { words } => {
                     copy_slots(&mut self.slots, &self.image.code[words.range()]);
                     pc + 1
                 }
-                Op::Skip { guards, to } => self.commit.next_step(&self.slots, guards, to),
+                ExecutableStep::Skip { guards, to } => {
+                    self.commit.next_step(&self.slots, guards, to)
+                }
                 _ => pc + 1,
             };
         }
@@ -258,14 +260,16 @@ impl Instance {
         }
         match &self.image.end {
             CommandEnd::Results(results) => {
-                let asks = |fail: bool| {
+                let requested = |fail: bool| {
                     results.iter().enumerate().position(|(k, r)| {
                         let may = r.kind != CommandEndKind::Yield || covered.get(k) == Some(&true);
                         (r.kind == CommandEndKind::Fail) == fail && may && self.is_true(r.condition)
                     })
                 };
                 // A `fail` takes precedence over other results of the same cycle, wherever it is in the text.
-                asks(true).or_else(|| asks(false)).map(Verdict::Result)
+                requested(true)
+                    .or_else(|| requested(false))
+                    .map(Verdict::Result)
             }
             CommandEnd::Ports { terminate, fail } => {
                 let ends = terminate.is_some_and(|s| self.is_true(s));
@@ -343,11 +347,11 @@ impl Instance {
             return false;
         };
         let (target, updated) = (input.value, input.last_updated);
-        let fits = self.force(target, Some(value));
-        if let Some(updated) = updated.filter(|_| fits) {
+        let is_set = self.force(target, Some(value));
+        if let Some(updated) = updated.filter(|_| is_set) {
             self.force(updated, Some(&[net_ns.cast_unsigned()]));
         }
-        fits
+        is_set
     }
 
     /// Marks an input as never set. An input that may be absent becomes absent.
@@ -388,17 +392,17 @@ fn step(
     cx: &mut Context<'_>,
 ) -> usize {
     match steps.ops[pc] {
-        Op::Run { code, words } => code(cx, &image.code[words.range()]),
-        Op::Copy { words } => copy_slots(cx.slots, &image.code[words.range()]),
-        Op::Skip { guards, to } => return steps.next_step(cx.slots, guards, to),
-        Op::Reset { unless, fragment } if cx.slots[unless as usize] == 0 => {
+        ExecutableStep::Run { code, words } => code(cx, &image.code[words.range()]),
+        ExecutableStep::Copy { words } => copy_slots(cx.slots, &image.code[words.range()]),
+        ExecutableStep::Skip { guards, to } => return steps.next_step(cx.slots, guards, to),
+        ExecutableStep::Reset { unless, fragment } if cx.slots[unless as usize] == 0 => {
             let index = fragment as usize;
             let init = &image.init[init[index].range()];
             restore(cx.slots, image.fragments[index].state, init);
         }
-        Op::Reset { .. } => {}
-        Op::Actuate { actuator } => ports.actuate(image, actuator as usize, cx),
-        Op::Call { function } => ports.call(image, function as usize, cx),
+        ExecutableStep::Reset { .. } => {}
+        ExecutableStep::Actuate { actuator } => ports.actuate(image, actuator as usize, cx),
+        ExecutableStep::Call { function } => ports.call(image, function as usize, cx),
     }
     pc + 1
 }
@@ -429,16 +433,16 @@ fn elapsed_ticks(clock: CycleTime) -> i64 {
         .cast_signed()
 }
 
-fn flow_bits(flow: CommandFlow, clock: CycleTime, moment: &CycleContext) -> Option<u64> {
+fn flow_bits(flow: CommandFlow, clock: CycleTime, context: &CycleContext) -> Option<u64> {
     Some(match flow {
-        CommandFlow::Cancel => u64::from(moment.cancel),
-        CommandFlow::Takeover => u64::from(moment.takeover),
+        CommandFlow::Cancel => u64::from(context.cancel),
+        CommandFlow::Takeover => u64::from(context.takeover),
         CommandFlow::Time => clock.seconds(elapsed_ticks(clock)).to_bits(),
         CommandFlow::Elapsed => elapsed_ticks(clock).cast_unsigned(),
         CommandFlow::PeriodTicks => clock.period_ticks,
         CommandFlow::Period => clock.dt.to_bits(),
         CommandFlow::NetTime => clock.net_ns.cast_unsigned(),
         CommandFlow::WallTime => clock.wall_ns.cast_unsigned(),
-        CommandFlow::Predecessor => return moment.predecessor.map(i64::cast_unsigned),
+        CommandFlow::Predecessor => return context.predecessor.map(i64::cast_unsigned),
     })
 }

@@ -22,9 +22,12 @@ extern crate alloc;
 
 mod command;
 mod command_set;
+mod command_table;
 mod condition;
 mod continuity;
+mod control_core;
 mod decision;
+mod error;
 mod facts;
 mod ids;
 mod instance;
@@ -37,14 +40,17 @@ mod program;
 mod resources;
 mod rule;
 mod rule_codec;
-mod scheduling;
-mod table;
+mod rule_table;
+mod schedule;
+mod takeover;
 mod tick;
 mod work_bound;
 
 pub use command::{AbortReason, Cause, Command, Ending};
 pub use condition::{Condition, Fact};
 pub use continuity::Continuity;
+pub use control_core::Core;
+pub use error::CommandError;
 pub use ids::{CommandId, IdAllocator, RuleId};
 pub use instance::{CycleContext, Instance, Verdict};
 pub use lifecycle::{CommandEvent, CommandState, Transition};
@@ -54,5 +60,4 @@ pub use overrun::{
     CommandOverrunPolicy, Overrun, OverrunStats, OverrunThreshold, ParseOverrunPolicyError,
 };
 pub use rule::Rule;
-pub use table::{CommandError, Core};
 pub use tick::CycleObserver;

@@ -120,7 +120,7 @@ impl CommandState {
         }
     }
 
-    /// True while the command takes part in cycles.
+    /// True while the command is evaluated in cycles.
     #[must_use]
     pub const fn is_running(self) -> bool {
         matches!(self, CommandState::Running | CommandState::Cancelling)

@@ -33,19 +33,12 @@ impl fmt::Display for LoadError {
             LoadError::InvalidImage(error) => write!(f, "invalid image: {error}"),
             LoadError::UnknownDevice(device) => write!(f, "the cell has no device `{device}`"),
             LoadError::UnknownPort { port, kind, error } => {
-                let reason = match error {
-                    // Reported as `LoadFault::Device`, so this arm is not reached.
-                    ResolveError::UnknownDevice => "the cell has no such device",
-                    ResolveError::UnknownPort => "the device has no such port",
-                    ResolveError::IndexOutOfRange => "the index is out of range",
-                    ResolveError::WrongType => "the device's port has another kind, type or size",
-                };
                 let kind = match kind {
                     PortKind::Sensor => "sensor",
                     PortKind::Actuator => "actuator",
                     PortKind::Function => "function",
                 };
-                write!(f, "{kind} {port}: {reason}")
+                write!(f, "{kind} {port}: {error}")
             }
         }
     }

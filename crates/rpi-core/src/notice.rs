@@ -1,8 +1,8 @@
 //! Notices: a bounded log of events in the core.
 
 use crate::command::Ending;
+use crate::error::CommandError;
 use crate::ids::{CommandId, RuleId};
-use crate::table::CommandError;
 
 use rpi_device::Discontinuity;
 

@@ -7,8 +7,8 @@ use core::fmt;
 use core::str::FromStr;
 
 use crate::command::{AbortReason, Command};
+use crate::control_core::Core;
 use crate::ids::CommandId;
-use crate::table::Core;
 use rpi_device::DeviceBank;
 
 /// Reaction to overruns of a command. Overruns are counted in any case.

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 
 /// An executable step.
 #[derive(Clone, Copy)]
-pub(crate) enum Op {
+pub(crate) enum ExecutableStep {
     /// Runs a row of calls of the same primitive.
     Run { code: RunFn, words: SlotRange },
     /// Copies single slots: pairs (from, to).
@@ -37,7 +37,7 @@ pub(crate) struct Guard {
 
 /// An executable list of steps.
 pub(crate) struct Program {
-    pub(crate) ops: Box<[Op]>,
+    pub(crate) ops: Box<[ExecutableStep]>,
     pub(crate) guards: Box<[Guard]>,
 }
 
@@ -78,7 +78,7 @@ impl Program {
                 let inside = at as u32 + 1;
                 guards.push(Guard { cell, inside });
                 let len = end - place;
-                self.ops[at] = Op::Skip {
+                self.ops[at] = ExecutableStep::Skip {
                     guards: SlotRange { start: place, len },
                     to,
                 };
@@ -99,7 +99,7 @@ fn chain_from(steps: &[Step], chained: &[bool], pc: usize) -> Vec<(usize, u32, u
 }
 
 /// Translates steps one to one; the guards of skips are added later.
-fn resolve_steps(image: &Image, steps: &[Step]) -> Box<[Op]> {
+fn resolve_steps(image: &Image, steps: &[Step]) -> Box<[ExecutableStep]> {
     let code = |prim: u16, form: Form| -> RunFn {
         let name = image
             .prims_used
@@ -119,20 +119,20 @@ fn resolve_steps(image: &Image, steps: &[Step]) -> Box<[Op]> {
             form,
             start: at,
             len,
-        } => Op::Run {
+        } => ExecutableStep::Run {
             code: code(prim, form),
             words: SlotRange { start: at, len },
         },
-        Step::Copy { at, len } => Op::Copy {
+        Step::Copy { at, len } => ExecutableStep::Copy {
             words: SlotRange { start: at, len },
         },
-        Step::Skip { target: to, .. } => Op::Skip {
+        Step::Skip { target: to, .. } => ExecutableStep::Skip {
             guards: SlotRange::default(),
             to,
         },
-        Step::Reset { unless, fragment } => Op::Reset { unless, fragment },
-        Step::Actuate { actuator } => Op::Actuate { actuator },
-        Step::Call { function } => Op::Call { function },
+        Step::Reset { unless, fragment } => ExecutableStep::Reset { unless, fragment },
+        Step::Actuate { actuator } => ExecutableStep::Actuate { actuator },
+        Step::Call { function } => ExecutableStep::Call { function },
     };
     steps.iter().map(op).collect()
 }

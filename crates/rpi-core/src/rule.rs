@@ -1,10 +1,8 @@
 //! Rules: when a condition is true, stop, cancel and start commands, all between the same two cycles.
 
-use crate::command_set::CommandSet;
 use crate::condition::{Condition, Fact};
-use crate::ids::{CommandId, RuleId};
+use crate::ids::CommandId;
 
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// A rule, built outside the cycle. It fires once.
@@ -147,16 +145,4 @@ impl Rule {
             .mentioned_commands()
             .chain(self.stop.iter().copied())
     }
-}
-
-/// A rule in the table.
-pub(crate) struct PendingRule {
-    pub(crate) id: RuleId,
-    pub(crate) rule: Box<Rule>,
-    /// The commands in the condition and in the stop set.
-    pub(crate) mentioned: CommandSet,
-    /// The condition is true in the decision of this tick.
-    pub(crate) is_firing: bool,
-    /// The rule may still fire.
-    pub(crate) may_fire: bool,
 }

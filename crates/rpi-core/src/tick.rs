@@ -1,12 +1,15 @@
 //! One tick of the control core.
 
 use crate::command::{AbortReason, Command};
+use crate::command_table::Entry;
 use crate::continuity::Continuity;
+use crate::control_core::Core;
+use crate::decision::Decision;
 use crate::ids::CommandId;
 use crate::instance::CycleContext;
 use crate::lifecycle::CommandState;
 use crate::notice::Notice;
-use crate::table::{Core, Entry};
+use crate::schedule::Schedule;
 use rpi_device::DeviceBank;
 
 /// Observer of commands at the end of each of their cycles, for recording, publishing and statistics.
@@ -33,13 +36,13 @@ impl Core {
         self.latch_inputs(bank, wall_ns);
         // Phase by phase over all commands, not command by command: all sensors are latched before the first set-point
         // is sent, so that no command sees effects of another one in the same tick.
-        for_each_due(&mut self.entries, now, |c| {
+        for_each_due(&mut self.schedule, now, |c| {
             c.instance.read(bank, &c.context)
         });
         self.evaluate(bank, watch);
-        for_each_due(&mut self.entries, now, |c| c.instance.commit());
-        for_each_due(&mut self.entries, now, |c| c.hand_over(bank));
-        for_each_due(&mut self.entries, now, Command::latch_exports);
+        for_each_due(&mut self.schedule, now, |c| c.instance.commit());
+        for_each_due(&mut self.schedule, now, |c| c.hand_over(bank));
+        for_each_due(&mut self.schedule, now, Command::latch_exports);
         self.notify_observer(watch);
         self.decide(bank);
         self.tick += 1;
@@ -47,16 +50,13 @@ impl Core {
 
     /// Sets the core's inputs for each command that is due. Requests that arrive later take effect in the next cycle.
     fn latch_inputs(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64) {
-        for place in 0..self.entries.len() {
-            if !self.entries[place]
-                .as_ref()
-                .is_some_and(|e| is_due(e, self.tick))
-            {
+        for place in 0..self.schedule.commands.len() {
+            let entry = self.schedule.commands.get(place);
+            if !entry.is_some_and(|e| is_due(e, self.tick)) {
                 continue;
             }
-            let covered = self.latch_takeover(place, bank);
-            let entry = self.entries[place].as_mut();
-            let Some(entry) = entry else {
+            let covered = self.schedule.latch_takeover(place, bank);
+            let Some(entry) = self.schedule.commands.get_mut(place) else {
                 continue;
             };
             let (cycle, command) = (entry.command.instance.cycle(), &mut entry.command);
@@ -80,7 +80,7 @@ impl Core {
 
     /// Evaluates every command that is due, in the order of the table.
     fn evaluate(&mut self, bank: &mut dyn DeviceBank, watch: &mut dyn CycleObserver) {
-        for (place, entry) in self.entries.iter_mut().enumerate() {
+        for (place, entry) in self.schedule.commands.entries.iter_mut().enumerate() {
             let Some(entry) = entry.as_mut().filter(|e| is_due(e, self.tick)) else {
                 continue;
             };
@@ -90,10 +90,11 @@ impl Core {
         watch.evaluation_starts(None);
     }
 
+    /// Shows the observer each command that has run a cycle in this tick.
     fn notify_observer(&self, watch: &mut dyn CycleObserver) {
-        for (place, entry) in self.entries.iter().enumerate() {
+        for (place, entry) in self.schedule.commands.entries.iter().enumerate() {
             if let Some(entry) = entry.as_ref().filter(|e| is_due(e, self.tick)) {
-                watch.cycle_finished(self.id(place), &entry.command);
+                watch.cycle_finished(entry.id(place), &entry.command);
             }
         }
     }
@@ -102,34 +103,42 @@ impl Core {
     fn decide(&mut self, bank: &mut dyn DeviceBank) {
         let now = self.tick;
         let mut stop = false;
-        for place in 0..self.entries.len() {
-            let command = self.id(place);
-            let entry = self.entries[place].as_mut();
+        let mut decision = Decision::new(&mut self.schedule, bank, now);
+        for place in 0..decision.schedule.commands.len() {
+            let entry = decision.schedule.commands.get_mut(place);
             let Some(entry) = entry.filter(|e| is_due(e, now)) else {
                 continue;
             };
+            let command = entry.id(place);
             entry.due += entry.period_ticks;
             if let Some(jump) = entry.command.instance.take_discontinuity() {
-                self.notices.push(Notice::Discontinuity {
+                decision.schedule.notices.push(Notice::Discontinuity {
                     command,
                     discontinuity: jump,
                 });
                 stop |= entry.command.continuity == Continuity::AbortAll;
             }
             if let Some(ending) = entry.command.ending_now() {
-                self.end_command(place, ending);
+                decision.end_command(place, ending);
             }
         }
         match stop {
-            true => self.abort_all(AbortReason::Discontinuity, bank),
-            false => self.fire_all(now + 1, bank),
+            true => decision.abort_all(AbortReason::Discontinuity),
+            false => decision.fire_all(now + 1),
         }
+        decision.conclude();
     }
 }
 
 /// Runs one phase of the cycle for each command that is due.
-fn for_each_due(entries: &mut [Option<Entry>], tick: u64, mut phase: impl FnMut(&mut Command)) {
-    for entry in entries.iter_mut().flatten().filter(|e| is_due(e, tick)) {
+fn for_each_due(schedule: &mut Schedule, tick: u64, mut phase: impl FnMut(&mut Command)) {
+    for entry in schedule
+        .commands
+        .entries
+        .iter_mut()
+        .flatten()
+        .filter(|e| is_due(e, tick))
+    {
         phase(&mut entry.command);
     }
 }

@@ -66,6 +66,19 @@ pub enum ResolveError {
     WrongType,
 }
 
+impl core::fmt::Display for ResolveError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            ResolveError::UnknownDevice => "the cell has no such device",
+            ResolveError::UnknownPort => "the device has no such port",
+            ResolveError::IndexOutOfRange => "the index is out of range",
+            ResolveError::WrongType => "the device's port has another kind, type or size",
+        })
+    }
+}
+
+impl core::error::Error for ResolveError {}
+
 /// Reasons of a device to reject a set-point, as bits: several can apply.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Rejection(pub u32);
@@ -175,7 +188,7 @@ pub trait DeviceBank {
     fn stop(&mut self, resource: u32);
 }
 
-/// Cell without devices.
+/// Device bank of a cell without devices: every port name is unknown.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct NoDevices;
 

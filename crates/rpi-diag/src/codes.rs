@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-/// Severity of a diagnostic.
+/// Severity of a diagnostic: an error prevents an image, a warning does not.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub enum Severity {
     /// The program is rejected.
@@ -26,6 +26,31 @@ impl Severity {
             Severity::Note => "note",
         }
     }
+}
+
+/// Group of diagnostic codes: the stage or the subject of the check that reports them.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
+pub enum CodeGroup {
+    /// Tokens and grammar.
+    Syntax,
+    /// Names and declarations.
+    Names,
+    /// Types and units.
+    Types,
+    /// Presence and activation.
+    Presence,
+    /// Causality.
+    Causality,
+    /// Initialisation.
+    Initialisation,
+    /// Resources and takeover.
+    Resources,
+    /// Budgets.
+    Budgets,
+    /// Tasks.
+    Tasks,
+    /// Run time and tools.
+    RunTime,
 }
 
 macro_rules! codes {
@@ -167,6 +192,7 @@ codes! {
     RPI9001 Error "test assertion failed";
     RPI9002 Error "assertion never evaluated";
     RPI9003 Error "fault during a test";
+    RPI9004 Warning "test without an assertion";
     RPI9011 Error "run-time fault";
     RPI9012 Warning "assertion violated";
     RPI9013 Warning "assumption violated";
@@ -197,6 +223,35 @@ impl Code {
     /// Returns the title: a short description that all diagnostics of this code share.
     pub fn title(self) -> &'static str {
         self.row().title
+    }
+
+    /// Returns the group of the code, which its first digit gives.
+    pub fn group(self) -> CodeGroup {
+        match self.as_str().as_bytes().get(3) {
+            Some(b'0') => CodeGroup::Syntax,
+            Some(b'1') => CodeGroup::Names,
+            Some(b'2') => CodeGroup::Types,
+            Some(b'3') => CodeGroup::Presence,
+            Some(b'4') => CodeGroup::Causality,
+            Some(b'5') => CodeGroup::Initialisation,
+            Some(b'6') => CodeGroup::Resources,
+            Some(b'7') => CodeGroup::Budgets,
+            Some(b'8') => CodeGroup::Tasks,
+            _ => CodeGroup::RunTime,
+        }
+    }
+
+    /// Returns whether the code is about the value of a size or a constant, which a sample may stand for.
+    pub fn may_depend_on_values(self) -> bool {
+        matches!(
+            self,
+            Code::RPI1011 | Code::RPI2009 | Code::RPI2010 | Code::RPI2012
+        )
+    }
+
+    /// Returns whether the code is about a part of the program that only another tool supplies or supports.
+    pub fn is_external(self) -> bool {
+        matches!(self, Code::RPI0017 | Code::RPI1012)
     }
 
     /// Returns whether the code is about unused or unreachable text, which editors show faded.

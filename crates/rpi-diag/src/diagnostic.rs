@@ -17,6 +17,17 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// Possible fixes, the best first.
     pub fixes: Vec<Fix>,
+    /// What the diagnostic is about, if one diagnostic for all its uses is enough. Not part of the output.
+    pub subject: Option<Subject>,
+}
+
+/// What a diagnostic is about, where one diagnostic is enough for the whole program.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Subject {
+    /// Global name of a kind without a declaration, such as `type Celsius`. The diagnostic shows some of its uses.
+    UndefinedName(String),
+    /// Construct that is not supported.
+    Construct(String),
 }
 
 /// Source location with a text.
@@ -77,7 +88,7 @@ impl Edit {
     }
 }
 
-/// Confidence in a fix.
+/// Confidence in a fix: tools apply sure fixes without a question, and offer the others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {
     /// Certainly what the author meant; a tool may apply it without asking.
@@ -96,7 +107,21 @@ impl Diagnostic {
             help: Vec::new(),
             notes: Vec::new(),
             fixes: Vec::new(),
+            subject: None,
         }
+    }
+
+    /// Marks the diagnostic as one about a subject. Of several about one subject only the first is reported
+    /// ([`merge_by_subject`](crate::suppression::merge_by_subject)).
+    #[must_use]
+    pub fn about(mut self, subject: Subject) -> Diagnostic {
+        self.subject = Some(subject);
+        self
+    }
+
+    /// Keeps only the fixes for which `is_right` returns true; it may adapt them.
+    pub fn keep_fixes(&mut self, is_right: impl FnMut(&mut Fix) -> bool) {
+        self.fixes.retain_mut(is_right);
     }
 
     /// Creates an internal compiler error (RPI9901) at the source location being compiled.
@@ -130,6 +155,7 @@ impl Diagnostic {
         let mut diagnostic = self.primary(span, text);
         diagnostic.labels.rotate_right(1);
         diagnostic.fixes.clear();
+        diagnostic.subject = None;
         diagnostic
     }
 

@@ -1,5 +1,6 @@
 //! Output formats of diagnostics.
 
+use std::fmt;
 use std::str::FromStr;
 
 use crate::{Diagnostic, SourceMap, Style, github, json, render, sarif};
@@ -35,17 +36,29 @@ impl Format {
     }
 }
 
-impl FromStr for Format {
-    type Err = String;
+/// Unknown name of an output format.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FormatError(String);
 
-    fn from_str(name: &str) -> Result<Format, String> {
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for FormatError {}
+
+impl FromStr for Format {
+    type Err = FormatError;
+
+    fn from_str(name: &str) -> Result<Format, FormatError> {
         let found = NAMES.iter().find(|(known, _)| *known == name);
         found.map(|(_, format)| *format).ok_or_else(|| {
             let names: Vec<&str> = Format::names().collect();
-            format!(
+            FormatError(format!(
                 "unknown format: {name} (expected one of {})",
                 names.join(", ")
-            )
+            ))
         })
     }
 }

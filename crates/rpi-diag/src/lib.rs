@@ -1,18 +1,19 @@
-//! Diagnostics: the table of codes, their explanation pages, and rendering.
+//! Diagnostics: the table of codes, their explanation pages, suppression of consequences, and rendering.
 //!
 //! Every stage of the compiler reports a problem as a [`Diagnostic`]: a code, a message, labelled locations and, where one
-//! exists, a fix. This crate declares codes and renders diagnostics; it must not depend on their meaning. The message
-//! is written in the code that performs the check.
+//! exists, a fix. This crate declares codes, removes diagnostics that only follow from others, and renders the rest; it must
+//! not depend on the checks. The message is written in the code that performs the check.
 //!
 //! | file | idea |
 //! |---|---|
 //! | `span.rs` | locations in source texts |
 //! | `codes.rs` | the table of codes |
-//! | `finding.rs` | a diagnostic |
+//! | `diagnostic.rs` | a diagnostic |
 //! | `format.rs` | output formats: `render.rs` (for people), `json.rs`, `sarif.rs`, `github.rs` |
-//! | `snippet.rs`, `apart.rs`, `texts.rs`, `footer.rs` | parts of the output for people |
+//! | `snippet.rs`, `overlap.rs`, `source_code.rs`, `footer.rs` | parts of the output for people |
 //! | `style.rs` | capabilities of the terminal |
 //! | `apply.rs` | applying fixes to texts |
+//! | `suppression.rs` | removal of diagnostics that follow from others |
 
 mod abbreviate;
 mod apply;
@@ -30,11 +31,12 @@ mod source_code;
 mod span;
 mod stderr;
 mod style;
+pub mod suppression;
 
 pub use apply::{apply, sure_edits, sure_fixes};
-pub use codes::{Code, Severity};
-pub use diagnostic::{Applicability, Diagnostic, Edit, Fix, Label};
-pub use format::{Format, render_as};
+pub use codes::{Code, CodeGroup, Severity};
+pub use diagnostic::{Applicability, Diagnostic, Edit, Fix, Label, Subject};
+pub use format::{Format, FormatError, render_as};
 pub use render::render;
 pub use rpi_words::{suggest, times, with_noun};
 pub use span::{FileId, LineCol, SourceMap, Span};

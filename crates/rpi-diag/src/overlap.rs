@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-/// Label prepared for drawing.
+/// Label of a diagnostic, prepared for drawing: its range of text and its words.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Mark {
     /// Marked range, in addresses of `Texts`.
@@ -64,7 +64,7 @@ fn merge_equal_ranges(marks: Vec<Mark>) -> Vec<Mark> {
 
 /// Returns whether a label already contains a text.
 fn contains_text(label: &str, text: &str) -> bool {
-    label.split("; ").any(|said| said == text) || label == text
+    label.split("; ").any(|output| output == text) || label == text
 }
 
 /// Returns the longest non-blank part of a range that no range inside it covers, or the whole range if there is none.
@@ -104,9 +104,9 @@ mod tests {
     use super::*;
 
     fn drawn(text: &'static str, ranges: &[(Range<usize>, &str)]) -> Vec<(&'static str, String)> {
-        let marks = ranges.iter().map(|(range, said)| Mark {
+        let marks = ranges.iter().map(|(range, output)| Mark {
             range: range.clone(),
-            text: (*said).to_owned(),
+            text: (*output).to_owned(),
             primary: false,
         });
         let marks = separate_labels(marks.collect(), |range| &text[range]);

@@ -286,7 +286,10 @@ fn no_findings_say_nothing_to_people_and_an_empty_list_to_machines() {
 
 #[test]
 fn unknown_forms_are_refused_with_the_known_ones() {
-    let refusal = "xml".parse::<Format>().expect_err("no such form");
+    let refusal = "xml"
+        .parse::<Format>()
+        .expect_err("no such form")
+        .to_string();
     assert!(
         refusal.contains("human, short, json, sarif, github"),
         "{refusal}"

@@ -1,90 +1,43 @@
-// Search box: lists the names that contain the typed text, best match first. Also works for pages opened as files.
+// Search: ranks the declarations of the index by a typed text. Without access to the page, so that tests can run it.
 "use strict";
 
-(() => {
-  const box = document.getElementById("search");
-  const list = document.getElementById("found");
-  const up = document.body.dataset.up;
-  let chosen = -1;
+// Words of a text in lower case. A capital after a small letter starts a word, as in `LowPass`; digits are part of the word before them.
+const wordsOf = (text) =>
+  text
+    .replace(/(\p{Ll})(\p{Lu})/gu, "$1 $2")
+    .toLowerCase()
+    .split(/[^\p{L}\p{N}]+/u)
+    .filter(Boolean);
 
-  // Rank of a match, smaller is better: whole name, prefix, word, substring, module, description.
-  const rank = ([name, , module, , about], wanted) => {
-    const lower = name.toLowerCase();
-    if (lower === wanted) return 0;
-    if (lower.startsWith(wanted)) return 1;
-    if (lower.includes("_" + wanted)) return 2;
-    if (lower.includes(wanted)) return 3;
-    if (module.toLowerCase() === wanted) return 4;
-    return about.toLowerCase().includes(wanted) ? 5 : 9;
-  };
+// Rank of a declaration for the words of a query, smaller is better: first matches in the name, then the name of the module, then the
+// description. `NO_MATCH` if a word of the query occurs nowhere. A word of the query also matches the start of a longer word.
+const NO_MATCH = 9;
+const rankOf = ([name, , module, , summary, details = ""], wanted) => {
+  const joined = wanted.join("");
+  const nameWords = wordsOf(name);
+  const nameJoined = nameWords.join("");
+  if (nameJoined === joined) return 0;
+  if (nameJoined.startsWith(joined)) return 1;
+  const contains = (words) => wanted.every((part) => words.some((word) => word.startsWith(part)));
+  if (contains(nameWords)) return 2;
+  if (nameJoined.includes(joined)) return 3;
+  if (wordsOf(module).join("").startsWith(joined)) return 4;
+  // Adjacent words are worth more than the same words apart: "low pass" is not "a low value may pass".
+  const phrase = " " + wanted.join(" ");
+  const summaryWords = wordsOf(summary);
+  if ((" " + summaryWords.join(" ")).includes(phrase)) return 5;
+  const named = [...nameWords, ...wordsOf(module)];
+  if (contains([...named, ...summaryWords])) return 6;
+  const detailWords = wordsOf(details);
+  if ((" " + detailWords.join(" ")).includes(phrase)) return 7;
+  return contains([...named, ...summaryWords, ...detailWords]) ? 8 : NO_MATCH;
+};
 
-  const search = (wanted) => {
-    if (!wanted) return [];
-    const ranked = NAMES.map((row) => [rank(row, wanted), row]).filter(([r]) => r < 9);
-    ranked.sort((a, b) => a[0] - b[0] || a[1][0].length - b[1][0].length || (a[1][0] < b[1][0] ? -1 : 1));
-    return ranked.slice(0, 20).map(([, row]) => row);
-  };
-
-  const part = (parent, tag, text) => {
-    const made = document.createElement(tag);
-    made.textContent = text;
-    parent.append(made);
-    return made;
-  };
-
-  const show = () => {
-    const rows = search(box.value.trim().toLowerCase());
-    list.replaceChildren();
-    rows.forEach(([name, kind, module, href, about], k) => {
-      const item = document.createElement("li");
-      item.id = "found-" + k;
-      item.setAttribute("role", "option");
-      const link = part(item, "a", "");
-      link.href = up + href;
-      link.tabIndex = -1;
-      part(link, "b", name);
-      part(link, "i", kind + " of " + module);
-      part(link, "span", about.replaceAll("`", ""));
-      list.append(item);
-    });
-    if (box.value.trim() && !rows.length) part(list, "li", "no results");
-    chosen = -1;
-    open(Boolean(box.value.trim()));
-    choose(rows.length ? 0 : -1);
-  };
-
-  const open = (is) => {
-    list.hidden = !is;
-    box.setAttribute("aria-expanded", String(is));
-  };
-
-  const choose = (k) => {
-    const items = [...list.querySelectorAll("[role=option]")];
-    if (!items.length) return box.removeAttribute("aria-activedescendant");
-    chosen = (k + items.length) % items.length;
-    items.forEach((item, at) => item.setAttribute("aria-selected", String(at === chosen)));
-    box.setAttribute("aria-activedescendant", items[chosen].id);
-    items[chosen].scrollIntoView({ block: "nearest" });
-  };
-
-  box.addEventListener("input", show);
-  box.addEventListener("keydown", (event) => {
-    if (event.key === "ArrowDown") choose(chosen + 1);
-    else if (event.key === "ArrowUp") choose(chosen - 1);
-    else if (event.key === "Enter") list.querySelector("[aria-selected=true] a")?.click();
-    else if (event.key === "Escape") open(false);
-    else return;
-    event.preventDefault();
-  });
-  list.addEventListener("click", () => open(false));
-  document.addEventListener("click", (event) => {
-    if (!event.target.closest(".search")) open(false);
-  });
-  document.addEventListener("keydown", (event) => {
-    const writes = event.target.closest("input, textarea");
-    if (event.key !== "/" || writes || event.ctrlKey || event.metaKey) return;
-    event.preventDefault();
-    box.focus();
-    box.select();
-  });
-})();
+// At most 20 rows of the index, best match first; shorter names first among equals.
+const search = (names, text) => {
+  const wanted = wordsOf(text);
+  if (!wanted.length) return [];
+  const ranked = names.map((row) => [rankOf(row, wanted), row]).filter(([rank]) => rank < NO_MATCH);
+  ranked.sort((a, b) => a[0] - b[0] || a[1][0].length - b[1][0].length || (a[1][0] < b[1][0] ? -1 : 1));
+  return ranked.slice(0, 20).map(([, row]) => row);
+};

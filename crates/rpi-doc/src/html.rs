@@ -17,7 +17,7 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// Content of a page.
+/// Content of an HTML page of the reference, without the frame that all pages share.
 pub(crate) struct Page<'p> {
     /// Title of the page.
     pub(crate) title: &'p str,
@@ -46,11 +46,12 @@ impl Page<'_> {
              <meta name=\"color-scheme\" content=\"light dark\">\n<title>{whole}</title>\n\
              <link rel=\"stylesheet\" href=\"{up}style.css\">\n\
              <script defer src=\"{up}names.js\"></script>\n\
-             <script defer src=\"{up}search.js\"></script>\n</head>\n\
+             <script defer src=\"{up}search.js\"></script>\n\
+             <script defer src=\"{up}search-box.js\"></script>\n</head>\n\
              <body data-up=\"{up}\">\n<a class=\"skip\" href=\"#main\">Skip to content</a>\n\
              <header>\n<a class=\"project\" href=\"{up}index.html\">{project}</a>\n\
              <div class=\"search\" role=\"search\">\n\
-             <input id=\"search\" type=\"search\" placeholder=\"Search ( / )\" aria-label=\"Search names\" autocomplete=\"off\" role=\"combobox\" \
+             <input id=\"search\" type=\"search\" placeholder=\"Search ( / )\" aria-label=\"Search names and descriptions\" autocomplete=\"off\" role=\"combobox\" \
              aria-expanded=\"false\" aria-controls=\"found\">\n\
              <ul id=\"found\" role=\"listbox\" aria-label=\"Search results\" hidden></ul>\n</div>\n</header>\n\
              <div class=\"columns\">\n<nav aria-label=\"Contents\">\n{side}</nav>\n<main id=\"main\">\n{main}</main>\n</div>\n\

@@ -7,8 +7,8 @@
 //! | file | idea |
 //! |---|---|
 //! | `site.rs` | files of the site |
-//! | `places.rs` | links to declarations |
-//! | `module.rs`, `declaration.rs`, `parts.rs` | pages of modules, declarations, and their members |
+//! | `links.rs` | links to declarations |
+//! | `module.rs`, `declaration.rs`, `members.rs` | pages of modules, declarations, and their members |
 //! | `code.rs` | highlighted programs with links |
 //! | `markdown.rs` | doc comments |
 //! | `html.rs` | frame of every page |

@@ -44,6 +44,20 @@ pub(crate) fn summary(text: &str) -> String {
     parts.collect()
 }
 
+/// Returns the first sentence of a doc comment and the text after it, both without markup and without code blocks.
+pub(crate) fn plain_text(text: &str) -> (String, String) {
+    let mut in_code = false;
+    let prose = text.lines().map(str::trim).filter(|line| {
+        let is_fence = line.starts_with("```");
+        in_code ^= is_fence;
+        !in_code && !is_fence
+    });
+    let joined = prose.collect::<Vec<_>>().join(" ");
+    let plain = joined.replace("[`", "`").replace("`]", "`");
+    let (first, rest) = plain.split_at(first_sentence_len(&plain));
+    (first.trim().to_owned(), rest.trim().to_owned())
+}
+
 /// Returns the length in bytes of the first sentence. A sentence ends with a full stop outside of parentheses, followed
 /// by a space and an upper-case letter or a backquote.
 fn first_sentence_len(text: &str) -> usize {

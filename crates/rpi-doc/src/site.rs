@@ -8,13 +8,14 @@ use crate::code;
 use crate::declaration::PageContext;
 use crate::html::{Page, escape};
 use crate::links::{LinkMap, is_top};
-use crate::markdown::{summary, to_html};
+use crate::markdown::{plain_text, summary, to_html};
 use crate::module;
 
 const STYLE: &str = include_str!("../assets/style.css");
 const SEARCH: &str = include_str!("../assets/search.js");
+const SEARCH_BOX: &str = include_str!("../assets/search-box.js");
 
-/// Module to be documented.
+/// Checked module for which a page is generated.
 #[derive(Debug)]
 pub struct Module {
     /// Name, as used by `use`.
@@ -25,7 +26,7 @@ pub struct Module {
     pub inspected: Inspection,
 }
 
-/// Files of a reference.
+/// Generated reference: all files of the HTML pages.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Site {
     /// Name and content of each file, sorted by name. Folders are separated by `/`.
@@ -41,6 +42,7 @@ impl Site {
             ("index.html".to_owned(), shelf.index(about)),
             ("names.js".to_owned(), shelf.names()),
             ("search.js".to_owned(), SEARCH.to_owned()),
+            ("search-box.js".to_owned(), SEARCH_BOX.to_owned()),
             ("style.css".to_owned(), STYLE.to_owned()),
         ];
         for (module, page) in modules.iter().zip(&shelf.pages) {
@@ -52,7 +54,7 @@ impl Site {
     }
 }
 
-/// Modules with their pages.
+/// Generator of the pages: the modules, the names of their pages, and the targets of links.
 struct SiteBuilder<'m> {
     title: &'m str,
     modules: &'m [Module],
@@ -201,16 +203,18 @@ impl<'m> SiteBuilder<'m> {
         )
     }
 
-    /// Returns the search index as JavaScript: `[name, kind, module, link, summary]` for each declaration.
+    /// Returns the search index as JavaScript: `[name, kind, module, link, summary, details]` for each declaration. The
+    /// details are missing if the description has one sentence only.
     fn names(&self) -> String {
         let rows = self.declarations().into_iter().map(|name| {
-            let cells = [
+            let mut cells = vec![
                 name.name,
                 name.kind.to_owned(),
                 name.module,
                 name.href,
-                name.about,
+                name.summary,
             ];
+            cells.extend(Some(name.details).filter(|details| !details.is_empty()));
             let cells: Vec<String> = cells.iter().map(|cell| js_string(cell)).collect();
             format!("  [{}]", cells.join(", "))
         });
@@ -227,7 +231,7 @@ impl<'m> SiteBuilder<'m> {
                 .flat_map(|(_, found)| found)
             {
                 let def = seen.index().def(id);
-                let first = def.doc.as_deref().and_then(|doc| doc.lines().next());
+                let (summary, details) = plain_text(def.doc.as_deref().unwrap_or_default());
                 found.extend(
                     self.links
                         .href(seen, id)
@@ -237,7 +241,8 @@ impl<'m> SiteBuilder<'m> {
                             kind: def.kind.description(),
                             module: module.name.clone(),
                             href,
-                            about: first.unwrap_or_default().to_owned(),
+                            summary: summary.clone(),
+                            details: details.clone(),
                         }),
                 );
             }
@@ -246,13 +251,16 @@ impl<'m> SiteBuilder<'m> {
     }
 }
 
-/// Declaration in the index.
+/// Declaration in the search index.
 struct IndexEntry {
     name: String,
     kind: &'static str,
     module: String,
     href: String,
-    about: String,
+    /// First sentence of the description, without markup.
+    summary: String,
+    /// Other sentences of the description, without examples.
+    details: String,
 }
 
 /// Returns the page name of a module, limited to characters that are valid in file names on all systems.

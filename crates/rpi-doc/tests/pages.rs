@@ -65,7 +65,7 @@ fn a_page_is_what_it_was() {
         .find(|(is, should)| is != should);
     assert!(
         page == expected,
-        "RPI_BLESS=1 updates the file; first difference: {first:#?}"
+        "`cargo xtask bless doc` updates the file; first difference: {first:#?}"
     );
 }
 

@@ -5,19 +5,20 @@ use std::path::Path;
 
 use rpi_diag::{Diagnostic, Severity, SourceMap, Span};
 use rpi_image::Image;
-use rpi_lower::{LowerOptions, Plan};
-use rpi_net::passes::analyse;
-use rpi_net::{FragmentId, Net};
+use rpi_net::Net;
 use rpi_sema::elab::ClaimPolicy;
 use rpi_syntax::Dialect;
 
+use crate::analysed_net::AnalysedNet;
+use crate::analysis_summary::AnalysisSummary;
 use crate::coverage_points::{self, CoveragePoints};
 use crate::doctext;
 use crate::file_loader::DiskLoader;
 use crate::input::{Input, InputError, InputKind};
 use crate::modules::Modules;
-use crate::program::{self, AnalysisSummary};
+use crate::program;
 use crate::program_tests::Test;
+use crate::roots;
 use crate::task::Task;
 use crate::violation;
 
@@ -87,7 +88,7 @@ impl From<ClaimPolicy> for CompileOptions {
 #[derive(Debug)]
 pub enum Program {
     /// Commands as nets; only those without errors.
-    Nets(Vec<Net>),
+    Nets(Vec<AnalysedNet>),
     /// Command compiled earlier.
     Image(Box<Image>),
 }
@@ -106,28 +107,28 @@ pub fn compile(input: &Input) -> Result<Compiled, InputError> {
 /// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
 pub fn compile_with(
     input: &Input,
-    asked: impl Into<CompileOptions>,
+    options: impl Into<CompileOptions>,
 ) -> Result<Compiled, InputError> {
     match input.kind {
         InputKind::Rpib => image(input),
         InputKind::Rpinet => Ok(net(input, input.text()?)),
-        InputKind::Rpi | InputKind::Lustre => program(input, input.text()?, asked.into()),
+        InputKind::Rpi | InputKind::Lustre => program(input, input.text()?, options.into()),
     }
 }
 
-fn program(input: &Input, text: &str, asked: CompileOptions) -> Result<Compiled, InputError> {
+fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compiled, InputError> {
     let mut sources = SourceMap::new();
     let (name, path) = (input.stem(), display(&input.path));
     let mut text = program_text(input, &name, &path, text);
-    text.folder = text.folder.filter(|_| !asked.no_files);
+    text.folder = text.folder.filter(|_| !options.no_files);
     let mut modules = text.modules(&mut sources);
     // Falling back to the default machine would check budgets against the wrong speed.
     if let Some(why) = modules.machine_error.take() {
         return Err(why);
     }
-    modules.machine.period_ns = asked.period_ns.unwrap_or(modules.machine.period_ns);
+    modules.machine.period_ns = options.period_ns.unwrap_or(modules.machine.period_ns);
     let mode = Dialect::from_path(&path);
-    let (mut built, _) = program::build_modules(&modules, &sources, asked);
+    let (mut built, _) = roots::build_modules(&modules, &sources, options);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.diagnostics.extend(links);
     let mut diagnostics = built.diagnostics;
@@ -141,7 +142,7 @@ fn program(input: &Input, text: &str, asked: CompileOptions) -> Result<Compiled,
         summaries: built.summaries,
         tasks: built.tasks,
         unbound: built.unbound,
-        coverage_points: match asked.marks {
+        coverage_points: match options.marks {
             true => coverage_points::coverage_points(&modules),
             false => Vec::new(),
         },
@@ -160,7 +161,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
     let around = program_text(input, &name, &path, text);
     let mut sources = SourceMap::new();
     let modules = Modules::load_example(&example, &around, &DiskLoader, &mut sources);
-    let (built, _) = program::build_modules(&modules, &sources, ClaimPolicy::Report.into());
+    let (built, _) = roots::build_modules(&modules, &sources, ClaimPolicy::Report.into());
     Ok(Compiled {
         sources,
         diagnostics: built.diagnostics,
@@ -206,8 +207,8 @@ fn net(input: &Input, text: &str) -> Compiled {
     let mut sources = SourceMap::new();
     let file = sources.add(display(&input.path), text);
     let (net, mut diagnostics) = rpi_net::rpinet::parse(&input.stem(), file, text);
-    let mut told = Vec::new();
-    let net = net.and_then(|net| analyse_net(net, &mut diagnostics, &mut told));
+    let mut summaries = Vec::new();
+    let net = net.and_then(|net| analyse_net(net, &mut diagnostics, &mut summaries));
     Compiled {
         sources,
         diagnostics,
@@ -215,7 +216,7 @@ fn net(input: &Input, text: &str) -> Compiled {
         tasks: Vec::new(),
         unbound: Vec::new(),
         tests: Vec::new(),
-        summaries: told,
+        summaries,
         coverage_points: Vec::new(),
     }
 }
@@ -224,16 +225,16 @@ fn net(input: &Input, text: &str) -> Compiled {
 fn analyse_net(
     net: Net,
     diagnostics: &mut Vec<Diagnostic>,
-    told: &mut Vec<AnalysisSummary>,
-) -> Option<Net> {
+    summaries: &mut Vec<AnalysisSummary>,
+) -> Option<AnalysedNet> {
     match rpi_net::passes::analyse(net, |_| false) {
-        Ok(analysis) => {
-            diagnostics.extend(analysis.diagnostics);
-            told.push(AnalysisSummary {
+        Ok(mut analysis) => {
+            diagnostics.append(&mut analysis.diagnostics);
+            summaries.push(AnalysisSummary {
                 name: analysis.net.name.clone(),
-                lines: analysis.summary,
+                lines: std::mem::take(&mut analysis.summary),
             });
-            analysis.schedule.map(|_| analysis.net)
+            AnalysedNet::from_analysis(analysis)
         }
         Err(violation) => {
             diagnostics.push(violation::diagnostic(&violation, Span::NONE));
@@ -257,54 +258,10 @@ impl Compiled {
 
     /// Returns the commands that can be run.
     #[must_use]
-    pub fn nets(&self) -> &[Net] {
+    pub fn nets(&self) -> &[AnalysedNet] {
         match &self.program {
             Program::Nets(nets) => nets,
             Program::Image(_) => &[],
         }
     }
-}
-
-/// Lowers a checked net for execution: only the outputs of the command can be observed.
-///
-/// # Errors
-/// If the net has a dependency cycle or is too large.
-pub fn lower_for_execution(net: &Net, period_ns: u64) -> Result<Image, String> {
-    lower(net, &LowerOptions::running(period_ns))
-}
-
-/// Like [`lower_for_execution`], and also returns the work bound of a cycle in elementary operations. Of mutually exclusive
-/// fragments only the most expensive counts.
-///
-/// # Errors
-/// As [`lower_for_execution`].
-pub fn lower_with_work(net: &Net, period_ns: u64) -> Result<(Image, u64), String> {
-    lower_for_tick(net, period_ns, period_ns)
-}
-
-/// Like [`lower_with_work`] for a core whose tick, in ns, is shorter than the period.
-///
-/// # Errors
-/// As [`lower_for_execution`].
-pub fn lower_for_tick(net: &Net, period_ns: u64, tick_ns: u64) -> Result<(Image, u64), String> {
-    lower_with_work_bound(net, &LowerOptions::running(period_ns).with_tick(tick_ns))
-}
-
-/// Lowers a checked net for observation: every port can be observed.
-///
-/// # Errors
-/// If the net has a dependency cycle or is too large.
-pub fn lower_for_observation(net: &Net, period_ns: u64) -> Result<Image, String> {
-    lower(net, &LowerOptions::observed(period_ns))
-}
-
-pub(crate) fn lower(net: &Net, options: &LowerOptions<'_>) -> Result<Image, String> {
-    lower_with_work_bound(net, options).map(|(image, _)| image)
-}
-
-fn lower_with_work_bound(net: &Net, options: &LowerOptions<'_>) -> Result<(Image, u64), String> {
-    let analysis = analyse(net.clone(), options.may_be_absent).map_err(|v| v.to_string())?;
-    let plan = Plan::from_analysis(&analysis).ok_or("the net has a dependency cycle")?;
-    let image = rpi_lower::lower(&analysis.net, &plan, options)?;
-    Ok((image, analysis.work.bound(FragmentId::ROOT)))
 }

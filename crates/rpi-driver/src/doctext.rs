@@ -114,13 +114,13 @@ pub(crate) fn broken_links(
         return Vec::new();
     }
     let index = index();
-    let (mut diagnostics, mut patience) = (Vec::new(), SUGGESTION_BUDGET);
+    let (mut diagnostics, mut budget) = (Vec::new(), SUGGESTION_BUDGET);
     for line in doc_blocks(text, mode).into_iter().flatten() {
         for (range, name) in doc_links(&text[line.clone()]) {
             let offset = |at: usize| u32::try_from(line.start + at).unwrap_or(u32::MAX);
             let span = Span::new(file, offset(range.start), offset(range.end));
             if index.resolve_path(file, span.start, name).is_none() {
-                diagnostics.push(broken_link(&index, span, name, &mut patience));
+                diagnostics.push(broken_link(&index, span, name, &mut budget));
             }
         }
     }
@@ -131,14 +131,14 @@ pub(crate) fn broken_links(
 /// text with many broken links.
 const SUGGESTION_BUDGET: usize = 200_000;
 
-fn broken_link(index: &Index, span: Span, name: &str, patience: &mut usize) -> Diagnostic {
+fn broken_link(index: &Index, span: Span, name: &str, budget: &mut usize) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::RPI1201, format!("undefined name `{name}` in a link"))
         .primary(span, "not in scope here");
-    let visible = match *patience {
+    let visible = match *budget {
         0 => Vec::new(),
         _ => index.visible(span.file, span.start),
     };
-    *patience = patience.saturating_sub(visible.len());
+    *budget = budget.saturating_sub(visible.len());
     let names = visible.iter().map(|id| index.def(*id).name.as_str());
     match rpi_diag::suggest(name, names) {
         Some(near) => diagnostic

@@ -1,24 +1,40 @@
 //! Durations on the command line: `1ms`, `250us`, `0.5s`.
 
+use std::fmt;
+
 const UNITS: &[(&str, f64)] = &[("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", 1e9)];
+
+/// Text that is not a duration, with the reason.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct DurationError(String);
+
+impl fmt::Display for DurationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for DurationError {}
 
 /// Parses a positive duration, a number with a unit. Returns it in ns.
 ///
 /// # Errors
 /// If the unit is missing or unknown, or the number is invalid, not positive or longer than a year.
-pub fn parse_duration(text: &str) -> Result<u64, String> {
+pub fn parse_duration(text: &str) -> Result<u64, DurationError> {
     let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
     let (number, unit) = (&text[..text.len() - unit.len()], unit.trim());
     let factor = UNITS.iter().find(|(name, _)| *name == unit);
-    let (_, factor) = factor.ok_or("expected a number with one of the units ns, us, ms, s")?;
+    let no_unit = || DurationError("expected a number with one of the units ns, us, ms, s".into());
+    let (_, factor) = factor.ok_or_else(no_unit)?;
     let number: f64 = number
         .parse()
-        .map_err(|_| format!("`{number}` is not a number"))?;
+        .map_err(|_| DurationError(format!("`{number}` is not a number")))?;
     let nanos = (number * factor).round();
     if (1.0..=3.2e16).contains(&nanos) {
         Ok(nanos as u64)
     } else {
-        Err("expected a duration above 0 and below one year".to_owned())
+        let message = "expected a duration above 0 and below one year";
+        Err(DurationError(message.to_owned()))
     }
 }
 

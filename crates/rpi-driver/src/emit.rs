@@ -2,16 +2,16 @@
 
 use rpi_diag::{Diagnostic, SourceMap};
 use rpi_lower::LowerOptions;
-use rpi_net::Net;
 use rpi_net::lustre::NodeInterface;
-use rpi_net::passes::{Item, analyse};
+use rpi_net::passes::Item;
 use rpi_sema::program::Program;
 use rpi_syntax::{Dialect, Parens, with_large_stack};
 use std::fmt::Write as _;
 
-use crate::compile::lower;
+use crate::analysed_net::AnalysedNet;
 use crate::file_loader::DiskLoader;
 use crate::input::{Input, InputError};
+use crate::lowering::{LowerError, lower};
 use crate::modules::Modules;
 
 /// Returns the tokens of a program, one per line.
@@ -63,15 +63,11 @@ fn mode(input: &Input) -> Dialect {
     Dialect::from_path(&input.path.display().to_string())
 }
 
-/// Returns the order of evaluation of a net: one line per primitive, indented by fragment. Returns `None` if there is a
-/// dependency cycle.
+/// Returns the order of evaluation of a net: one line per primitive, indented by fragment.
 #[must_use]
-pub fn schedule(net: &Net) -> Option<String> {
-    let analysis = analyse(net.clone(), |_| false).ok()?;
-    let schedule = analysis.schedule.as_ref()?;
+pub fn schedule(net: &AnalysedNet) -> String {
     let mut out = String::new();
-    let net = &analysis.net;
-    for item in schedule.items() {
+    for item in net.plan().schedule.items() {
         let depth = |fragment| net.ancestors(fragment).count() - 1;
         // Writing to a string cannot fail.
         let _ = match item {
@@ -86,14 +82,14 @@ pub fn schedule(net: &Net) -> Option<String> {
             }
         };
     }
-    Some(out)
+    out
 }
 
 /// Returns the net in the text format of the reference system, and diagnostics for the parts that this format cannot
 /// represent.
 #[must_use]
-pub fn rpinet(net: &Net) -> (String, Vec<Diagnostic>) {
-    let (net, diagnostics) = rpi_net::rpinet::results_to_ports(net);
+pub fn rpinet(net: &AnalysedNet) -> (String, Vec<Diagnostic>) {
+    let (net, diagnostics) = rpi_net::rpinet::results_to_ports(net.analysis());
     (rpi_net::rpinet::write(&net), diagnostics)
 }
 
@@ -101,7 +97,7 @@ pub fn rpinet(net: &Net) -> (String, Vec<Diagnostic>) {
 ///
 /// # Errors
 /// If the net cannot be lowered.
-pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
+pub fn image(net: &AnalysedNet, period_ns: u64) -> Result<String, LowerError> {
     let image = lower(net, &LowerOptions::running(period_ns))?;
     let catalogue = |name: &str| rpi_prims::PrimId::from_name(name).map(rpi_prims::PrimId::desc);
     Ok(rpi_image::text::print(&image, &catalogue))
@@ -111,28 +107,17 @@ pub fn image(net: &Net, period_ns: u64) -> Result<String, String> {
 ///
 /// # Errors
 /// One diagnostic per type of primitive that is not supported in C.
-pub fn c(net: &Net, period_ns: u64) -> Result<String, Vec<Diagnostic>> {
-    let options = LowerOptions::running(period_ns);
-    // Invalid nets and dependency cycles have been reported by earlier stages.
-    let Ok(analysis) = analyse(net.clone(), options.may_be_absent) else {
-        return Err(Vec::new());
-    };
-    match rpi_lower::Plan::from_analysis(&analysis) {
-        Some(plan) => rpi_lower::emit_c(&analysis.net, &plan, &options),
-        None => Err(Vec::new()),
-    }
+pub fn c(net: &AnalysedNet, period_ns: u64) -> Result<String, Vec<Diagnostic>> {
+    rpi_lower::emit_c(net, &net.plan(), &LowerOptions::running(period_ns))
 }
 
 /// Returns a net as a Lustre node, and diagnostics for the primitives that became inputs.
-///
-/// # Errors
-/// If the net is invalid.
+#[must_use]
 pub fn lustre(
-    net: &Net,
+    net: &AnalysedNet,
     boundary: &NodeInterface<'_>,
     period_ns: u64,
-) -> Result<(String, Vec<Diagnostic>), String> {
-    let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
-    let made = rpi_net::lustre::to_lustre(&analysis, boundary, period_ns);
-    Ok((made.text, made.diagnostics))
+) -> (String, Vec<Diagnostic>) {
+    let lustre = rpi_net::lustre::to_lustre(net.analysis(), boundary, period_ns);
+    (lustre.text, lustre.diagnostics)
 }

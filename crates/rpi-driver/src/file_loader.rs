@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-/// Source of file texts.
+/// Source of file texts: the disk, or the unsaved documents of an editor.
 pub trait FileLoader {
     /// Returns the text of a file; `None` if there is no such file or it is not text.
     fn text(&self, path: &Path) -> Option<String>;
 }
 
-/// File system.
+/// Loader that reads files from disk.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DiskLoader;
 

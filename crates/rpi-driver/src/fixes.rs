@@ -16,7 +16,7 @@ const UNTYPED_INITIAL_VALUES: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
 pub(crate) fn type_initial_values(diagnostics: &mut [Diagnostic], checked: &CheckedProgram) {
     let places = ExprIndex::of(checked);
     for diagnostic in diagnostics {
-        diagnostic.fixes.retain_mut(|fix| type_fix(fix, &places));
+        diagnostic.keep_fixes(|fix| type_fix(fix, &places));
     }
 }
 
@@ -58,9 +58,7 @@ impl<'c> ExprIndex<'c> {
 pub(crate) fn remove_library_fixes(diagnostics: &mut [Diagnostic], sources: &SourceMap) {
     let is_library = |span: Span| is_library_path(sources.name(span.file));
     for diagnostic in diagnostics {
-        diagnostic
-            .fixes
-            .retain(|fix| fix.edits.iter().all(|edit| !is_library(edit.span)));
+        diagnostic.keep_fixes(|fix| fix.edits.iter().all(|edit| !is_library(edit.span)));
     }
 }
 

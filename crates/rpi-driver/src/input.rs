@@ -36,7 +36,7 @@ impl InputKind {
     }
 }
 
-/// Input file.
+/// Input file of a tool, read and decompressed.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// Path as given by the user.

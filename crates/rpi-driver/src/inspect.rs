@@ -20,14 +20,14 @@ use crate::faults::FaultLocation;
 use crate::file_loader::FileLoader;
 use crate::input::stem;
 use crate::modules::Modules;
-use crate::program::build_modules;
+use crate::roots::build_modules;
 
 /// Results of checking a program, which may have errors. Its main text is file 0.
 #[derive(Debug)]
 pub struct Inspection {
     /// Source texts that the diagnostics refer to. Those of the standard library are named `stdlib/....rpi`.
     pub sources: SourceMap,
-    /// Diagnostics.
+    /// Diagnostics of the inspected file and of the modules that it uses.
     pub diagnostics: Vec<Diagnostic>,
     modules: Modules,
     checked: CheckedProgram,
@@ -117,11 +117,15 @@ impl Inspection {
     /// Returns all operations that can fault. They are computed on first use, because that requires the later stages to
     /// run again.
     fn faults(&self) -> &[FaultLocation] {
-        let asked = CompileOptions {
+        let options = CompileOptions {
             faults: true,
-            ..CompileOptions::from(ClaimPolicy::Off)
+            ..CompileOptions::from(ClaimPolicy::Report)
         };
-        let faults = || build_modules(&self.modules, &self.sources, asked).0.faults;
+        let faults = || {
+            build_modules(&self.modules, &self.sources, options)
+                .0
+                .faults
+        };
         self.faults.get_or_init(faults)
     }
 

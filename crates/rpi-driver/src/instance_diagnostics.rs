@@ -48,7 +48,7 @@ impl InstanceDiagnostics {
         }
         let all = self.0.into_iter();
         let all = all.flat_map(|(unit, _, found)| found.into_iter().map(move |f| (unit, f)));
-        let told = all.filter_map(|(unit, diagnostic)| {
+        let merged = all.filter_map(|(unit, diagnostic)| {
             let key = (unit, diagnostic.code, diagnostic.span());
             match runs.get_mut(&key) {
                 None => Some(diagnostic),
@@ -57,7 +57,7 @@ impl InstanceDiagnostics {
                 Some(of) => with_instance_labels(diagnostic, std::mem::take(of)),
             }
         });
-        told.collect()
+        merged.collect()
     }
 }
 

@@ -4,7 +4,23 @@
 //! [`lower_for_observation`] lower one of its commands. [`inspect`] compiles for an editor, which needs more than diagnostics.
 //! This crate handles files and the order of the stages; it must not depend on the content of diagnostics or on the
 //! execution of commands.
+//!
+//! Each stage has a type that states what has been established:
+//!
+//! | stage | type | established |
+//! |---|---|---|
+//! | parsing | `Modules` | the syntax trees of all modules |
+//! | checks | [`CheckedProgram`](rpi_sema::CheckedProgram) | types and units of every callable |
+//! | facts | `AnalysedProgram` | clocks and presence of flows; units without errors |
+//! | elaboration | [`ElaboratedUnit`](rpi_sema::elab::ElaboratedUnit) | a net, not yet analysed |
+//! | passes | [`AnalysedNet`] | a net with an order of evaluation, without errors |
+//! | lowering | [`Image`](rpi_image::Image) | an image |
+//!
+//! A net is elaborated and analysed once. A command with claims has another net for execution if the options leave the
+//! claims out or make them faults; it is analysed once as well.
 
+mod analysed_net;
+mod analysis_summary;
 mod compile;
 mod coverage_points;
 mod doctext;
@@ -18,34 +34,40 @@ pub mod import;
 mod input;
 mod inspect;
 mod instance_diagnostics;
+mod lowering;
 mod machine;
 mod modules;
 mod node;
 mod program;
 mod program_tests;
 mod project;
+mod roots;
 mod task;
 mod typed_program;
+mod unit_analysis;
 mod unused_outputs;
 mod violation;
 
+pub use analysed_net::AnalysedNet;
+pub use analysis_summary::AnalysisSummary;
 pub use compile::{
     CompileOptions, Compiled, Program, UnboundCommand, compile, compile_example, compile_with,
-    lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
 };
 pub use coverage_points::CoveragePoints;
 pub use doctext::{doc_blocks, doc_links, examples};
-pub use duration::{format_duration, parse_duration};
+pub use duration::{DurationError, format_duration, parse_duration};
 pub use faults::FaultLocation;
 pub use file_loader::{DiskLoader, FileLoader};
 pub use input::{Input, InputError, InputKind, read, read_error, utf8};
 pub use inspect::{Inspection, inspect};
-pub use machine::{MACHINE, machine_text, read_machine};
+pub use lowering::{
+    LowerError, lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
+};
+pub use machine::{MACHINE, MachineError, machine_text, read_machine};
 pub use modules::{library_modules, library_text};
 pub use node::{CompiledNode, Node, compile_node};
-pub use program::AnalysisSummary;
 pub use program_tests::Test;
 pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::ClaimPolicy;
-pub use task::{Task, TaskNode, TaskPlan};
+pub use task::{Task, TaskNode, TaskPlan, TaskPlanError};
 pub use typed_program::{TypedProgram, check_typed};

@@ -6,6 +6,7 @@
 //! period-us = 1000           # period of a cycle
 //! ```
 
+use std::fmt;
 use std::path::Path;
 
 use rpi_net::passes::MachineProfile;
@@ -49,14 +50,26 @@ pub(crate) fn load_machine(
         })
 }
 
+/// Machine description that cannot be read, with the reason.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct MachineError(String);
+
+impl fmt::Display for MachineError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for MachineError {}
+
 /// Reads a machine description, in the format of [`machine_text`].
 ///
 /// # Errors
 /// If the file cannot be read or is invalid.
-pub fn read_machine(path: &Path) -> Result<MachineProfile, String> {
+pub fn read_machine(path: &Path) -> Result<MachineProfile, MachineError> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
-    parse(&text).map_err(|why| format!("{name}: {why}: {FORMAT_HELP}"))
+    let text = std::fs::read_to_string(path).map_err(|e| MachineError(format!("{name}: {e}")))?;
+    parse(&text).map_err(|why| MachineError(format!("{name}: {why}: {FORMAT_HELP}")))
 }
 
 /// Parses a machine description; the error is a message.

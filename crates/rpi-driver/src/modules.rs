@@ -46,7 +46,7 @@ const LIBRARY: &[Library] = &[
     library!("timers", false),
 ];
 
-/// Loaded module.
+/// Module that a `use` has loaded.
 #[derive(Debug)]
 struct Module {
     name: String,

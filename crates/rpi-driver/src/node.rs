@@ -2,24 +2,27 @@
 
 use rpi_diag::{Diagnostic, FileId, Severity, SourceMap};
 use rpi_image::Scalar;
-use rpi_net::{Column, Net};
-use rpi_sema::elab::{ClaimPolicy, ElaboratedUnit, PortShape, elaborate_node};
+use rpi_net::Column;
+use rpi_sema::elab::{ClaimPolicy, PortShape, elaborate_node};
 use rpi_sema::program::{DeclId, DeclKind};
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::UnitId;
 use rpi_syntax::ast::{ItemKind, NodeKind};
 use rpi_syntax::{CommentKind, Dialect};
 
+use crate::analysed_net::AnalysedNet;
 use crate::compile::{display, program_text};
 use crate::input::{Input, InputError};
 use crate::program::{self, AnalysedProgram};
+use crate::roots::called_units;
+use crate::unit_analysis::{AnalysedUnit, analyse_unit, with_claims};
 
 /// Result of compiling a single node of a file.
 #[derive(Debug)]
 pub struct CompiledNode {
     /// Source texts that the diagnostics refer to.
     pub sources: SourceMap,
-    /// Diagnostics.
+    /// Errors and warnings of the program that declares the node.
     pub diagnostics: Vec<Diagnostic>,
     /// Node, if it has no errors.
     pub node: Option<Node>,
@@ -29,7 +32,7 @@ pub struct CompiledNode {
 #[derive(Debug)]
 pub struct Node {
     /// Net of the node. It exports all columns except the in-ports, by their keys.
-    pub net: Net,
+    pub net: AnalysedNet,
     /// In-ports, one column per scalar component.
     pub inputs: Vec<Column>,
     /// Out-ports, one column per scalar component.
@@ -78,12 +81,13 @@ pub fn compile_node(
                 ClaimPolicy::Report,
                 locals,
             );
-            let made = program::analyse_unit(front, unit, &[], elaborated, diagnostics);
-            let made = made.map(|made| match claims {
-                ClaimPolicy::Report => made,
-                _ => elaborate_node(&front.checked.units, front.facts, unit, claims, locals),
+            let analysed = analyse_unit(front, unit, &[], elaborated, diagnostics);
+            let analysed = analysed.and_then(|analysed| {
+                let again =
+                    || elaborate_node(&front.checked.units, front.facts, unit, claims, locals);
+                with_claims(front, unit, analysed, claims, diagnostics, again)
             });
-            Ok(made.map(node))
+            Ok(analysed.map(node))
         });
     let node = made.map_err(|message: String| InputError::new(&input.path, message))?;
     Ok(CompiledNode {
@@ -137,7 +141,7 @@ fn last_uncalled(front: &AnalysedProgram<'_>) -> Option<UnitId> {
         .filter(|(decl, _)| is_node(*decl))
         .copied()
         .collect();
-    let called = program::called_units(nodes.iter().map(|(_, unit)| front.checked.unit(*unit)));
+    let called = called_units(nodes.iter().map(|(_, unit)| front.checked.unit(*unit)));
     let latest_first = nodes.into_iter().rev();
     let free = latest_first.filter(|(_, unit)| !called.contains(unit));
     let included = |decl: &DeclId| front.program.decl(*decl).span.file != OWN;
@@ -198,15 +202,15 @@ fn main_nodes(text: &str, path: &str) -> Vec<String> {
     nodes.collect()
 }
 
-fn node(mut elaborated: ElaboratedUnit) -> Node {
-    let locals = elaborated.locals.iter().map(|local| column(&local.shape));
+fn node(mut analysed: AnalysedUnit) -> Node {
+    let locals = analysed.locals.iter().map(|local| column(&local.shape));
     let locals = locals.collect();
-    let ports = elaborated.locals.into_iter().map(|local| local.port);
-    elaborated.net.exports.extend(ports);
+    let ports = analysed.locals.into_iter().map(|local| local.port);
+    analysed.net.export(ports);
     Node {
-        inputs: elaborated.inputs.iter().map(column).collect(),
-        outputs: elaborated.outputs.iter().map(column).collect(),
-        net: elaborated.net,
+        inputs: analysed.inputs.iter().map(column).collect(),
+        outputs: analysed.outputs.iter().map(column).collect(),
+        net: analysed.net,
         locals,
     }
 }

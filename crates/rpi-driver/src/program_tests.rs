@@ -1,7 +1,7 @@
 //! Tests of a program.
 
+use crate::analysed_net::AnalysedNet;
 use rpi_diag::Span;
-use rpi_net::Net;
 
 /// Test that can be run.
 #[derive(Clone, Debug)]
@@ -11,5 +11,5 @@ pub struct Test {
     /// Location of the title.
     pub span: Span,
     /// Net of the test.
-    pub net: Net,
+    pub net: AnalysedNet,
 }

@@ -15,7 +15,7 @@ use crate::input::{InputError, InputKind};
 /// File name of the project description.
 pub const MANIFEST: &str = "rpi.toml";
 
-/// Folder of programs.
+/// Project: a folder of programs with an optional `rpi.toml`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Project {
     /// Name from the description, otherwise that of the folder or file.

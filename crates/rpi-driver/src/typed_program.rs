@@ -8,7 +8,7 @@ use crate::compile::{display, program_text};
 use crate::input::{Input, InputError};
 use crate::program;
 
-/// Checked program.
+/// Checked program: its typed units and the results of their analysis.
 #[derive(Debug)]
 pub struct TypedProgram {
     /// Units of the program.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Diagnostic, Span};
 use rpi_sema::typed::{Equation, FlowRole, TargetPlace, Unit, UnitId};
 
@@ -13,7 +14,7 @@ pub(crate) fn suppress_unused_outputs(units: &[Unit], root: UnitId, found: &mut 
     let others = units.iter().enumerate();
     let others = others.filter(|(k, _)| *k != root.0 as usize);
     let places: BTreeSet<Span> = others.flat_map(|(_, unit)| out_ports(unit)).collect();
-    found.retain(|f| !(f.code.is_unnecessary() && places.contains(&f.span())));
+    suppress(found, Cause::UsedElsewhere(&places));
 }
 
 /// Returns the locations of the expressions that define the out-ports of a unit.

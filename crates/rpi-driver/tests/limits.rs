@@ -14,8 +14,9 @@ fn found(text: &str) -> Vec<(Code, String)> {
         bytes: text.as_bytes().to_vec(),
     };
     let compiled = compile(&input).expect("programs are read");
-    let said = compiled.diagnostics.into_iter();
-    said.map(|diagnostic| (diagnostic.code, diagnostic.message))
+    let output = compiled.diagnostics.into_iter();
+    output
+        .map(|diagnostic| (diagnostic.code, diagnostic.message))
         .collect()
 }
 
@@ -30,7 +31,11 @@ fn row(n: usize, one: impl Fn(usize) -> String) -> String {
 /// Checks that the diagnostics begin with the given code and that there are fewer than 20.
 fn is_said(text: &str, code: Code) {
     let found = found(text);
-    assert!((1..20).contains(&found.len()), "{} findings", found.len());
+    assert!(
+        (1..20).contains(&found.len()),
+        "{} diagnostics",
+        found.len()
+    );
     assert_eq!(found[0].0, code, "{found:?}");
 }
 
@@ -89,7 +94,7 @@ fn types_in_reverse_order_cost_no_stack() {
 #[test]
 fn faults_without_end_are_told_to_a_limit() {
     let found = found(&"node ".repeat(100_000));
-    assert!(found.len() < 10_100, "{} findings", found.len());
+    assert!(found.len() < 10_100, "{} diagnostics", found.len());
     assert!(found.iter().any(|(code, _)| *code == Code::RPI0011));
 }
 

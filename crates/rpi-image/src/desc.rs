@@ -32,7 +32,7 @@ pub struct PrimDesc {
     pub may_fault: bool,
 }
 
-/// An in-port.
+/// In-port of a primitive: name, accepted type, and behaviour without a connection.
 #[derive(Clone, Copy, Debug)]
 pub struct InPort {
     /// Registered name, for example `inFirst`.
@@ -43,7 +43,7 @@ pub struct InPort {
     pub fallback: Fallback,
 }
 
-/// An out-port.
+/// Out-port of a primitive: name and type.
 #[derive(Clone, Copy, Debug)]
 pub struct OutPort {
     /// Registered name, for example `outValue`.
@@ -146,7 +146,7 @@ pub enum ParamDefault {
     Bool(bool),
     /// Integer.
     Int(i64),
-    /// Real.
+    /// A real number.
     Real(f64),
     /// Text.
     Str(&'static str),

@@ -77,8 +77,8 @@ impl<'a> Reader<'a> {
     fn count(&mut self, least: usize) -> Result<usize, ReadError> {
         let at = self.at;
         let count = u32::decode(self)? as usize;
-        let fits = count <= self.remaining() / least.max(1);
-        fits.then_some(count).ok_or(ReadError::Truncated(at))
+        let is_possible = count <= self.remaining() / least.max(1);
+        is_possible.then_some(count).ok_or(ReadError::Truncated(at))
     }
 
     pub(crate) const fn invalid_value<T>(&self) -> Result<T, ReadError> {

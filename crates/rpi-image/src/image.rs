@@ -5,6 +5,7 @@
 //! [`Image::steps`] in order, then [`Image::commit`]. A [`Step::Skip`] jumps over inactive fragments. An image may come
 //! from an untrusted file: nothing about it may be assumed before [`crate::verify()`] has accepted it.
 
+pub use crate::debug_info::{DebugInfo, Probe, SourceLocation, TextRange};
 use crate::desc::{CommandFlow, DeviceResponse};
 use crate::types::Type;
 use alloc::string::String;
@@ -18,7 +19,7 @@ pub const TRUE: u32 = 1;
 /// MB.
 pub const MAX_SLOTS: u32 = 1 << 23;
 
-/// A compiled command.
+/// Compiled command: a flat list of steps with its slots, ports and results.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Image {
     /// Name of the command.
@@ -55,16 +56,8 @@ pub struct Image {
     pub flows: Vec<CoreFlow>,
     /// End of the command: named results or ports.
     pub end: CommandEnd,
-    /// Source locations of nodes, for messages.
-    pub locations: Vec<SourceLocation>,
-    /// Map from slots to source locations, for faults: (first output slot of the primitive, index into `places`), in
-    /// ascending order of slots.
-    pub origins: Vec<(u32, u32)>,
-    /// All observable ports, in the order of the net. Empty unless the image was lowered for observation.
-    pub probes: Vec<Probe>,
-    /// Source location of the node of each step, as an index into `places`; `u32::MAX` if there is none. Empty unless
-    /// the image was lowered for observation.
-    pub step_locations: Vec<u32>,
+    /// Source locations and observable ports. A cycle does not use them.
+    pub debug: DebugInfo,
 }
 
 /// Ends of the memory regions, in ascending order: constants, external slots, state, values.
@@ -290,7 +283,7 @@ pub struct CoreFlow {
     pub value: Signal,
 }
 
-/// End of a command.
+/// How a command ends: by named results in programs, by ports in imported nets.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum CommandEnd {
     /// Named results, in source order.
@@ -333,53 +326,18 @@ pub enum CommandEndKind {
     Fail,
 }
 
-/// Source location of a node.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct SourceLocation {
-    /// Path through the fragments to the node, for example `outer/inner/node`.
-    pub path: String,
-    /// Name of the flow in the source, if it has one.
-    pub flow: Option<String>,
-    /// Location in the source text, if there is one.
-    pub range: Option<TextRange>,
-}
-
-impl SourceLocation {
-    fn text_len(&self) -> usize {
-        self.path.len() + self.flow.as_ref().map_or(0, String::len)
-    }
-}
-
-/// Range of bytes in a source file. The compiler that made the image maps file numbers to files.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct TextRange {
-    /// Number of the file.
-    pub file: u32,
-    /// Offset of the first byte.
-    pub start: u32,
-    /// Offset after the last byte.
-    pub end: u32,
-}
-
-/// Observable port.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Probe {
-    /// Node: an index into [`Image::locations`].
-    pub location: u32,
-    /// Registered name of the port.
-    pub port: String,
-    /// Location of the value. The presence is valid only while the fragment and all enclosing fragments are active.
-    pub value: Signal,
-    /// Enclosing fragment: an index into [`Image::fragments`].
-    pub fragment: u32,
-}
-
 impl Image {
     /// Returns the source location for a fault at `cell`, the first output slot of a primitive.
     #[must_use]
     pub fn location_of(&self, cell: u32) -> Option<&SourceLocation> {
-        let found = self.origins.binary_search_by_key(&cell, |o| o.0).ok()?;
-        self.locations.get(self.origins.get(found)?.1 as usize)
+        let found = self
+            .debug
+            .origins
+            .binary_search_by_key(&cell, |o| o.0)
+            .ok()?;
+        self.debug
+            .locations
+            .get(self.debug.origins.get(found)?.1 as usize)
     }
 
     /// Returns the source location of the first node that sets a port of `device`.
@@ -401,12 +359,7 @@ impl Image {
             + self.fragments.iter().map(|f| f.path.len()).sum::<usize>()
             + self.inputs.iter().map(|i| i.key.len()).sum::<usize>()
             + self.exports.iter().map(|e| e.key.len()).sum::<usize>()
-            + self.probes.iter().map(|p| p.port.len()).sum::<usize>()
-            + self
-                .locations
-                .iter()
-                .map(SourceLocation::text_len)
-                .sum::<usize>();
+            + self.debug.text_len();
         let parts = self.actuators.iter().map(|a| size_of_val(&*a.inputs));
         let arguments = self.functions.iter();
         let arguments = arguments.map(|f| size_of_val(&*f.arguments) + size_of_val(&*f.results));
@@ -422,10 +375,7 @@ impl Image {
             + size_of_val(&*self.inputs)
             + size_of_val(&*self.exports)
             + size_of_val(&*self.flows)
-            + size_of_val(&*self.locations)
-            + size_of_val(&*self.origins)
-            + size_of_val(&*self.probes)
-            + size_of_val(&*self.step_locations);
+            + self.debug.list_bytes();
         size_of_val(self) + texts + lists + parts.chain(arguments).sum::<usize>()
     }
 
@@ -433,6 +383,7 @@ impl Image {
     #[must_use]
     pub fn probe_name(&self, probe: &Probe) -> String {
         let path = self
+            .debug
             .locations
             .get(probe.location as usize)
             .map_or("", |p| p.path.as_str());

@@ -7,6 +7,7 @@
 extern crate alloc;
 
 pub mod claim;
+mod debug_info;
 pub mod desc;
 mod encoding;
 pub mod hash;

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 /// Index of the next node of a plan. `None` means that the plan is done.
 pub type Target = Option<usize>;
 
-/// Node of a plan.
+/// Node of the plan of a task: a command, a loop, parallel branches, a jump or the end.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PlanNode<C> {
     /// Continues with another node.
@@ -43,7 +43,7 @@ pub enum PlanNode<C> {
     },
     /// Execution of a command.
     Run {
-        /// The command.
+        /// The command that runs in this step.
         command: C,
         /// Successors of named results.
         on_result: Vec<(String, Target)>,

@@ -7,9 +7,9 @@ use crate::desc::{CommandFlow, DeviceResponse};
 use crate::encoding::{Encoding, ReadError, Reader, encode_enum, encode_struct};
 use crate::hash::Fnv1a;
 use crate::image::{
-    ActuatorPort, CommandEnd, CommandEndKind, CoreFlow, DeviceFunction, DevicePort, Export, Form,
-    Fragment, Image, InputPort, Layout, NamedResult, PrimUse, Probe, SensorPort, Signal, SlotRange,
-    SourceLocation, Step, TextRange,
+    ActuatorPort, CommandEnd, CommandEndKind, CoreFlow, DebugInfo, DeviceFunction, DevicePort,
+    Export, Form, Fragment, Image, InputPort, Layout, NamedResult, PrimUse, Probe, SensorPort,
+    Signal, SlotRange, SourceLocation, Step, TextRange,
 };
 use crate::types::{Scalar, Type};
 use alloc::string::String;
@@ -89,6 +89,9 @@ encode_struct!(Image {
     exports: Vec<Export>,
     flows: Vec<CoreFlow>,
     end: CommandEnd,
+    debug: DebugInfo,
+});
+encode_struct!(DebugInfo {
     locations: Vec<SourceLocation>,
     origins: Vec<(u32, u32)>,
     probes: Vec<Probe>,

@@ -34,7 +34,7 @@ struct Printer<'a> {
 /// Returns the names of slots, from probes, sensors, inputs and flows.
 fn slot_names(image: &Image) -> BTreeMap<u32, String> {
     let mut names = BTreeMap::new();
-    let probes = image.probes.iter();
+    let probes = image.debug.probes.iter();
     let tables = probes
         .map(|p| (p.value, image.probe_name(p)))
         .chain(image.sensors.iter().map(|s| (s.value, s.port.to_string())))

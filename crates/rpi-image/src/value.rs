@@ -50,9 +50,9 @@ impl Value {
     /// fit.
     #[must_use]
     pub fn from_reals(scalar: Scalar, reals: &[f64]) -> Option<Self> {
-        let fits = reals.len() == scalar.slots() as usize
+        let has_length = reals.len() == scalar.slots() as usize
             && !matches!(scalar, Scalar::Bool | Scalar::Int | Scalar::Time);
-        fits.then(|| Self::from_scalar(scalar, reals.iter().map(|r| r.to_bits()).collect()))
+        has_length.then(|| Self::from_scalar(scalar, reals.iter().map(|r| r.to_bits()).collect()))
     }
 
     /// Returns the neutral value of a type: false, 0, the zero vector, the identity rotation or the identity pose.

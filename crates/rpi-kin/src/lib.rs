@@ -42,7 +42,7 @@ pub type Transform = nalgebra::IsometryMatrix3<f64>;
 /// Rigid transform with a unit quaternion. The public interface uses this type.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// Error of inverse kinematics.
+/// Reason why no joint values reach the requested pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InverseKinematicsError {
     /// The wrist is too far from the shoulder, or too near to it.
@@ -54,6 +54,21 @@ pub enum InverseKinematicsError {
     /// No closed-form solution is known for this arm.
     NoClosedForm,
 }
+
+impl core::fmt::Display for InverseKinematicsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            InverseKinematicsError::OutOfReach => "the pose is out of reach",
+            InverseKinematicsError::OutOfLimits => {
+                "the pose is reachable only with a joint outside its range"
+            }
+            InverseKinematicsError::NotFinite => "the pose or the hint is incomplete or not finite",
+            InverseKinematicsError::NoClosedForm => "no closed-form solution is known for this arm",
+        })
+    }
+}
+
+impl core::error::Error for InverseKinematicsError {}
 
 /// Converts a transform to a pose with a quaternion.
 #[must_use]

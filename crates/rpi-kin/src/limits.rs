@@ -39,7 +39,7 @@ impl Range {
 /// instead of rad for a prismatic joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
-    /// Position range.
+    /// Permitted positions, in rad or m.
     pub position: Range,
     /// Maximum velocity, in both directions.
     pub velocity: f64,

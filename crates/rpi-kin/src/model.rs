@@ -25,7 +25,7 @@ pub enum InverseKinematics {
 pub struct ArmModel {
     /// Name in `cell.toml`.
     pub id: &'static str,
-    /// Display name.
+    /// Name of the arm for people, as its maker writes it.
     pub display_name: &'static str,
     /// Source of lengths and limits.
     pub source: &'static str,
@@ -94,6 +94,41 @@ impl ArmModel {
             }
             InverseKinematics::NoClosedForm => Err(InverseKinematicsError::NoClosedForm),
         }
+    }
+
+    /// Returns the arm angle of joint values (rad) of a redundant arm, rad; `None` for other arms.
+    #[must_use]
+    pub fn arm_angle(&self, joints: &[f64]) -> Option<f64> {
+        match self.inverse {
+            InverseKinematics::Srs(geometry) => first_n(joints)
+                .ok()
+                .map(|joints| geometry.arm_angle(&joints)),
+            _ => None,
+        }
+    }
+
+    /// As [`inverse`](Self::inverse), but a redundant arm gets the arm angle `arm_angle` (rad). Where no joints within
+    /// the limits have it, the nearest arm angle is taken. Returns the joints, and the change of the arm angle (rad, 0
+    /// if it was kept). Arms with six axes ignore `arm_angle`.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_at_arm_angle(
+        &self,
+        flange: &Pose,
+        hint: &[f64],
+        arm_angle: f64,
+        limits: &[AxisLimits],
+    ) -> Result<([f64; MAX_AXES], f64), InverseKinematicsError> {
+        let InverseKinematics::Srs(geometry) = self.inverse else {
+            return self
+                .inverse(flange, hint, limits)
+                .map(|joints| (joints, 0.0));
+        };
+        let ranges = first_n(limits)?.map(|axis: AxisLimits| axis.position);
+        let flange = to_transform(flange);
+        let found = geometry.inverse_at_arm_angle(&flange, &first_n(hint)?, arm_angle, &ranges)?;
+        Ok((found.joints, found.arm_angle_change))
     }
 
     /// As [`inverse`](Self::inverse), but returns NaN for every joint if there is no solution.

@@ -71,6 +71,8 @@ impl Geometry {
         let level = libm::sqrt(wrist.x * wrist.x + wrist.y * wrist.y - self.b * self.b);
         let towards = libm::atan2(wrist.y, wrist.x);
         let aside = libm::atan2(self.b, level);
+        // The offset `a2` makes the forearm oblique: the triangle uses its true length, and `back` is the angle between
+        // the two.
         let fore = libm::sqrt(self.a2 * self.a2 + self.c3 * self.c3);
         let back = libm::atan2(self.a2, self.c3);
         let up = wrist.z - self.c1;

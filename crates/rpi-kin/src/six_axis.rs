@@ -33,6 +33,7 @@ pub fn choose_nearest(
         .iter()
         .filter(|joints| joints.iter().all(|joint| joint.is_finite()))
         .peekable();
+    // The two errors differ for users: a pose without any solution is too far away, a pose with one needs other limits.
     if existing.peek().is_none() {
         return Err(InverseKinematicsError::OutOfReach);
     }
@@ -55,6 +56,7 @@ fn distance(joints: &Joints, hint: &Joints) -> f64 {
         .iter()
         .zip(hint)
         .map(|(joint, hint)| (joint - hint).abs());
+    // The largest difference and not the sum: the axis with the longest way determines the time of a move.
     differences.fold(0.0, f64::max)
 }
 
@@ -67,6 +69,7 @@ pub(crate) fn elbow_bends(first: f64, second: f64, distance_squared: f64) -> [f6
     }
     let cos = cos.clamp(-1.0, 1.0);
     let bend = SinCos {
+        // The product keeps the digits that `1 - cos * cos` would lose for a cosine near 1.
         sin: libm::sqrt((1.0 - cos) * (1.0 + cos)),
         cos,
     }

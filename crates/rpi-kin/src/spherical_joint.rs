@@ -45,6 +45,7 @@ impl SphericalJoint {
         Self {
             turn,
             turn_sin_cos: turned,
+            // Not `acos(to.z)`: near 0 and half a turn, the arc cosine loses half of the digits.
             bend: libm::atan2(sin, to.z),
             bend_sin_cos: SinCos { sin, cos: to.z },
         }

@@ -13,9 +13,9 @@ use crate::stop_profile::{JerkPhase, StopProfile, VelocityState};
 pub struct AxisState {
     /// Position, rad or m.
     pub position: f64,
-    /// Velocity.
+    /// Velocity, in rad/s or m/s.
     pub velocity: f64,
-    /// Acceleration.
+    /// Acceleration, in rad/s² or m/s².
     pub acceleration: f64,
 }
 
@@ -401,6 +401,7 @@ impl Search {
                 (high, above, below) = (middle, at, below / 2.0);
             }
         }
+        // The search may end at two neighbouring numbers, of which neither is exact.
         let low_is_nearer = off(low)?.abs() <= off(high)?.abs();
         Some(if low_is_nearer { low } else { high })
     }

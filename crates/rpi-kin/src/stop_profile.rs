@@ -6,9 +6,9 @@
 /// Velocity and acceleration of an axis, in rad/s and rad/s² (or m/s and m/s²).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VelocityState {
-    /// Velocity.
+    /// Velocity, in rad/s or m/s.
     pub velocity: f64,
-    /// Acceleration.
+    /// Acceleration, in rad/s² or m/s².
     pub acceleration: f64,
 }
 
@@ -51,6 +51,7 @@ impl StopProfile {
         if !usable {
             return None;
         }
+        // An infinite jerk would make a product of 0 and infinity, not a number, in the formulas below.
         if jerk.is_infinite() {
             return Some(Self::without_jerk(start, acceleration));
         }
@@ -58,6 +59,8 @@ impl StopProfile {
         let left = start.velocity + start.acceleration * start.acceleration.abs() / (2.0 * jerk);
         let braking = if left < 0.0 { -1.0 } else { 1.0 };
         let (velocity, present) = (braking * start.velocity, braking * start.acceleration);
+        // Peak of a deceleration without a constant part: its two ramps together remove the whole velocity. Rounding
+        // can make the argument of the root slightly negative.
         let needed = libm::sqrt((jerk * velocity + present * present / 2.0).max(0.0));
         let peak = needed.min(acceleration).max(0.0);
         let first = (present + peak).abs() / jerk;

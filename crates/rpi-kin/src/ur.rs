@@ -73,6 +73,7 @@ impl Geometry {
     fn first_axis(&self, before_last: &Vector3<f64>) -> [f64; 2] {
         let level = libm::sqrt(before_last.x * before_last.x + before_last.y * before_last.y);
         let sin = self.d4 / level;
+        // A comparison with NaN is false, so the limit alone would accept it.
         if sin.is_nan() || sin.abs() > 1.0 + REACH_TOLERANCE {
             return [f64::NAN; 2];
         }

@@ -192,16 +192,17 @@ fn the_arm_angle_is_moved_no_farther_than_needed() {
                 let angle = choice.arm_angle - choice.arm_angle_change * part;
                 let all = geometry.branches(&flange, angle).expect("same reach");
                 let there = all[choice.branch.index()];
-                let fits = there
-                    .iter()
-                    .zip(&ranges)
-                    .zip(&hint)
-                    .all(|((joint, range), hint)| {
-                        let turn = rpi_kin::angle::nearest_turn(*joint, *hint);
-                        range.shrunk(1e-8).contains(turn)
-                    });
+                let is_in_range =
+                    there
+                        .iter()
+                        .zip(&ranges)
+                        .zip(&hint)
+                        .all(|((joint, range), hint)| {
+                            let turn = rpi_kin::angle::nearest_turn(*joint, *hint);
+                            range.shrunk(1e-8).contains(turn)
+                        });
                 assert!(
-                    choice.arm_angle_change == 0.0 || !fits,
+                    choice.arm_angle_change == 0.0 || !is_in_range,
                     "{}: {angle} would have done",
                     arm.id
                 );

@@ -10,11 +10,11 @@ use rustc_hash::FxHashMap;
 /// Value numbering of Boolean operations: maps (primitive, first, second) to the operations with these operands.
 #[derive(Default)]
 pub(crate) struct BooleanOps {
-    known: FxHashMap<(PrimId, Register, Register), Vec<Known>>,
+    known: FxHashMap<(PrimId, Register, Register), Vec<AddedOp>>,
 }
 
 /// An operation that has been added.
-struct Known {
+struct AddedOp {
     /// Index of the operation.
     op: u32,
     /// Scope in which it is computed.
@@ -40,7 +40,7 @@ impl BooleanOps {
         }
     }
 
-    /// Disjunction of two registers; see [`Logic::and`].
+    /// Disjunction of two registers; see [`BooleanOps::and`].
     pub(crate) fn or(
         &mut self,
         flat: &mut FlatNet,
@@ -57,7 +57,7 @@ impl BooleanOps {
         }
     }
 
-    /// Negation of a register; see [`Logic::and`].
+    /// Negation of a register; see [`BooleanOps::and`].
     pub(crate) fn not(&mut self, flat: &mut FlatNet, scope: ScopeId, a: Register) -> Register {
         match a {
             Register::FALSE => Register::TRUE,
@@ -91,12 +91,12 @@ impl BooleanOps {
         };
         flat.push(scope, OpKind::Run(prim, Form::Total), words, NO_NODE);
         let op = index(flat.ops.len() - 1);
-        known.push(Known { op, scope, result });
+        known.push(AddedOp { op, scope, result });
         result
     }
 }
 
-impl Known {
+impl AddedOp {
     /// Moves the operation to the innermost scope that encloses its own and `reader`. Returns false if an operand is
     /// computed between the two places; the operation then stays.
     fn hoist(&mut self, flat: &mut FlatNet, reader: ScopeId, operands: [Register; 2]) -> bool {

@@ -5,6 +5,7 @@ mod debug_info;
 mod layout;
 
 use crate::flat_net::FlatNet;
+use crate::lower_error::LowerError;
 use crate::options::LowerOptions;
 use crate::registers::Register;
 use layout::MemoryLayout;
@@ -12,14 +13,18 @@ use rpi_image::Image;
 use rpi_image::image::{CommandEnd, MAX_SLOTS, Signal};
 use rpi_net::Net;
 
-/// Writes the image of a flat net. The error is a message: the command needs too much memory.
-pub(crate) fn emit(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>) -> Result<Image, String> {
+/// Writes the image of a flat net. Returns an error if the command needs too much memory.
+pub(crate) fn emit(
+    net: &Net,
+    flat: &FlatNet,
+    options: &LowerOptions<'_>,
+) -> Result<Image, LowerError> {
     let layouts = MemoryLayout::new(net, flat);
     if layouts.layout.end > MAX_SLOTS {
-        let (cells, most) = (layouts.layout.end, MAX_SLOTS);
-        return Err(format!(
-            "memory limit exceeded: {cells} slots, at most {most} allowed"
-        ));
+        return Err(LowerError::MemoryLimit {
+            slots: layouts.layout.end,
+            limit: MAX_SLOTS,
+        });
     }
     let mut image = Image {
         name: net.name.clone(),

@@ -41,7 +41,7 @@ pub(crate) enum OpKind {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Op {
     pub(crate) kind: OpKind,
-    /// Start of its words in [`Flat::words`].
+    /// Start of its words in [`FlatNet::words`].
     pub(crate) at: u32,
     pub(crate) len: u32,
     /// The node that it computes; [`NO_NODE`] for operations added by the lowering.
@@ -51,7 +51,7 @@ pub(crate) struct Op {
 /// An element of a scope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Item {
-    /// Index into [`Flat::ops`].
+    /// Index into [`FlatNet::ops`].
     Op(u32),
     Scope(ScopeId),
 }
@@ -60,7 +60,7 @@ pub(crate) enum Item {
 #[derive(Clone, Debug)]
 pub(crate) struct Scope {
     pub(crate) parent: Option<ScopeId>,
-    /// The scope is skipped unless this register is true. [`Slot::TRUE`] for a scope that exists only for its reset.
+    /// The scope is skipped unless this register is true. [`Register::TRUE`] for a scope that exists only for its reset.
     pub(crate) guard: Register,
     /// Restores the initial state of a fragment at the start of the scope, unless the register is true.
     pub(crate) reset: Option<(Register, u32)>,
@@ -173,6 +173,11 @@ impl FlatNet {
             .items
             .push(Item::Op(index(self.ops.len())));
         self.ops.push(op);
+    }
+
+    /// Appends a copy of one value to a scope.
+    pub(crate) fn copy(&mut self, scope: ScopeId, from: Register, to: Register, node: u32) {
+        self.push(scope, OpKind::Copy, &[from.0, to.0], node);
     }
 
     pub(crate) fn words(&self, op: Op) -> &[u32] {

@@ -13,12 +13,14 @@ mod build;
 mod c;
 mod emit;
 mod flat_net;
+mod lower_error;
 mod options;
 mod passes;
 mod plan;
 mod registers;
 
 pub use c::emit_c;
+pub use lower_error::LowerError;
 pub use options::{LowerOptions, Observe};
 pub use plan::Plan;
 
@@ -30,8 +32,8 @@ use rpi_prims::PrimId;
 /// Lowers a net that has passed all checks.
 ///
 /// # Errors
-/// Returns a message for the author if the command is too large to run.
-pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<Image, String> {
+/// Returns an error if the command is too large to run.
+pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<Image, LowerError> {
     let mut flat = build::build(net, plan, options);
     if options.observe == Observe::Exports {
         passes::run(&mut flat, options.clock(), |flat, pass| {

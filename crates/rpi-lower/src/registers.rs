@@ -116,7 +116,7 @@ impl Registers {
         slot
     }
 
-    /// The register of a constant value; [`Slot::FALSE`] for strings, which have no memory.
+    /// The register of a constant value; [`Register::FALSE`] for strings, which have no memory.
     pub(crate) fn value(&mut self, value: &Value) -> Register {
         match value {
             Value::Slots { cells, .. } => self.constant(cells),

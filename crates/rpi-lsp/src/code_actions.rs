@@ -22,11 +22,11 @@ pub(crate) fn code_actions(
     let seen = world.analysis(&uri)?;
     let places = world.locations(&seen);
     let here = places.file(rpi_diag::Span::NONE);
-    let asked = |diagnostic: &&Diagnostic| {
+    let in_range = |diagnostic: &&Diagnostic| {
         let span = diagnostic.span();
         places.file(span) == here && overlaps(places.range(span), params.range)
     };
-    let diagnostics: Vec<&Diagnostic> = seen.diagnostics.iter().filter(asked).collect();
+    let diagnostics: Vec<&Diagnostic> = seen.diagnostics.iter().filter(in_range).collect();
     let mut actions = Vec::new();
     for diagnostic in diagnostics {
         for fix in &diagnostic.fixes {

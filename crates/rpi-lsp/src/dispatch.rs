@@ -1,9 +1,9 @@
 //! Tables of the supported requests and notifications, with their handlers.
 
 use lsp_server::{ErrorCode, Request};
-use lsp_types::notification as told;
+use lsp_types::notification;
 use lsp_types::notification::Notification as _;
-use lsp_types::request as asked;
+use lsp_types::request;
 use lsp_types::request::Request as _;
 use lsp_types::{
     DidChangeTextDocumentParams, DidChangeWatchedFilesParams,
@@ -33,17 +33,17 @@ macro_rules! request_handler {
 }
 
 const REQUESTS: &[RequestHandler] = &[
-    request_handler!(asked::HoverRequest, hover::hover),
-    request_handler!(asked::GotoDefinition, navigation::definition),
-    request_handler!(asked::References, navigation::references),
-    request_handler!(asked::DocumentHighlightRequest, navigation::highlights),
-    request_handler!(asked::DocumentSymbolRequest, symbols::symbols),
-    request_handler!(asked::Completion, completion::completion),
-    request_handler!(asked::Formatting, formatting::formatting),
-    request_handler!(asked::CodeActionRequest, code_actions::code_actions),
+    request_handler!(request::HoverRequest, hover::hover),
+    request_handler!(request::GotoDefinition, navigation::definition),
+    request_handler!(request::References, navigation::references),
+    request_handler!(request::DocumentHighlightRequest, navigation::highlights),
+    request_handler!(request::DocumentSymbolRequest, symbols::symbols),
+    request_handler!(request::Completion, completion::completion),
+    request_handler!(request::Formatting, formatting::formatting),
+    request_handler!(request::CodeActionRequest, code_actions::code_actions),
 ];
 
-/// Handles a request.
+/// Calls the handler of a request by its method name. Unknown methods are an error of the protocol.
 pub(crate) fn handle_request(world: &mut Workspace, method: &str, params: Value) -> RequestResult {
     match REQUESTS.iter().find(|(known, _)| *known == method) {
         Some((_, answer)) => answer(world, params),
@@ -68,11 +68,11 @@ macro_rules! notification_handler {
 }
 
 const NOTIFICATIONS: &[NotificationHandler] = &[
-    notification_handler!(told::Initialized, initialized),
-    notification_handler!(told::DidOpenTextDocument, opened),
-    notification_handler!(told::DidChangeTextDocument, changed),
-    notification_handler!(told::DidCloseTextDocument, closed),
-    notification_handler!(told::DidChangeWatchedFiles, files_changed),
+    notification_handler!(notification::Initialized, initialized),
+    notification_handler!(notification::DidOpenTextDocument, opened),
+    notification_handler!(notification::DidChangeTextDocument, changed),
+    notification_handler!(notification::DidCloseTextDocument, closed),
+    notification_handler!(notification::DidChangeWatchedFiles, files_changed),
 ];
 
 /// Handles a notification. Unknown notifications are ignored. Returns requests to the client.
@@ -101,13 +101,13 @@ fn initialized(world: &mut Workspace, _: InitializedParams) -> Vec<Request> {
     };
     let registration = Registration {
         id: "files".to_owned(),
-        method: told::DidChangeWatchedFiles::METHOD.to_owned(),
+        method: notification::DidChangeWatchedFiles::METHOD.to_owned(),
         register_options: serde_json::to_value(options).ok(),
     };
     let params = RegistrationParams {
         registrations: vec![registration],
     };
-    let method = asked::RegisterCapability::METHOD.to_owned();
+    let method = request::RegisterCapability::METHOD.to_owned();
     vec![Request::new("watch".to_owned().into(), method, params)]
 }
 

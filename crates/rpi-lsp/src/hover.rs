@@ -83,7 +83,7 @@ fn describe_word(seen: &Inspection, word: &str) -> Option<Description> {
     keyword.or_else(|| describe_predeclared(&query::builtin(word)?).into())
 }
 
-/// Describes a primitive.
+/// Returns the hover text of a primitive: its signature and documentation.
 pub(crate) fn describe_primitive(prim: PrimId) -> Description {
     Description {
         code: primitive::signature(prim.desc()),

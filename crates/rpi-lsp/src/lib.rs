@@ -8,16 +8,16 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `wire.rs` | message framing and JSON-RPC |
+//! | `framing.rs` | message framing and JSON-RPC |
 //! | `server.rs` | lifecycle of the server, and scheduling of analyses |
 //! | `dispatch.rs` | tables of the supported requests and notifications |
-//! | `client.rs` | capabilities of client and server |
-//! | `world.rs` | open documents, their analyses and published diagnostics |
-//! | `lines.rs`, `uri.rs`, `places.rs` | conversion of spans and paths to positions and URIs |
-//! | `shelf.rs` | built-in texts as files: the standard library, the pages of diagnostic codes |
-//! | `diagnostics.rs`, `actions.rs` | diagnostics and their fixes |
-//! | `hover.rs`, `describe.rs`, `primitive.rs` | descriptions of names and expressions |
-//! | `navigate.rs`, `symbols.rs` | definitions, references, outline |
+//! | `capabilities.rs` | capabilities of client and server |
+//! | `workspace.rs` | open documents, their analyses and published diagnostics |
+//! | `line_index.rs`, `uri.rs`, `locations.rs` | conversion of spans and paths to positions and URIs |
+//! | `builtin_documents.rs` | built-in texts as files: the standard library, the pages of diagnostic codes |
+//! | `diagnostics.rs`, `code_actions.rs` | diagnostics and their fixes |
+//! | `hover.rs`, `description.rs`, `primitive.rs` | descriptions of names and expressions |
+//! | `navigation.rs`, `symbols.rs` | definitions, references, outline |
 //! | `completion/` | completion |
 //! | `formatting.rs` | formatting |
 

@@ -33,8 +33,8 @@ pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(
     loop {
         match next_message(inbox, server.next_due()) {
             Ok(Ok(Message::Request(request))) => server.request(request),
-            Ok(Ok(Message::Notification(told))) if told.method == "exit" => break,
-            Ok(Ok(Message::Notification(told))) => server.notification(told),
+            Ok(Ok(Message::Notification(notification))) if notification.method == "exit" => break,
+            Ok(Ok(Message::Notification(notification))) => server.notification(notification),
             Ok(Ok(Message::Response(_))) => {}
             Ok(Err(refusal)) => server.send(refusal),
             Err(RecvTimeoutError::Timeout) => server.analyse_due(),
@@ -58,6 +58,7 @@ fn next_message(
     };
     let left = due.saturating_duration_since(Instant::now());
     match left.is_zero() {
+        // Also if messages wait: a stream of messages must not postpone the analysis for ever.
         true => Err(RecvTimeoutError::Timeout),
         false => inbox.recv_timeout(left),
     }
@@ -114,13 +115,14 @@ impl Server {
         Ok(welcome)
     }
 
-    fn notification(&mut self, told: Notification) {
+    fn notification(&mut self, notification: Notification) {
         let Some(world) = self.workspace() else {
             return;
         };
-        let work = || dispatch::handle_notification(world, &told.method, told.params);
-        let asked = catch_panic(work).unwrap_or_default();
-        asked
+        let work =
+            || dispatch::handle_notification(world, &notification.method, notification.params);
+        let requests = catch_panic(work).unwrap_or_default();
+        requests
             .into_iter()
             .for_each(|request| self.send(to_json(request)));
     }

@@ -15,6 +15,7 @@ pub(crate) fn to_path(uri: &Uri) -> PathBuf {
 
 /// Returns the decoded path after the host; a Windows path without its leading slash.
 fn local_path(rest: &str) -> Option<String> {
+    // A host, as in `file://localhost/a`, is ignored.
     let path = percent_decode(&rest[rest.find('/')?..])?;
     let after_slash = path.trim_start_matches('/');
     let has_drive = after_slash.as_bytes().get(1) == Some(&b':');

@@ -22,7 +22,7 @@ const MAX_PAUSE: Duration = Duration::from_millis(200);
 /// Maximum time from a change to its analysis if the user never pauses.
 const MAX_DELAY: Duration = Duration::from_millis(500);
 
-/// Open document.
+/// Document that is open in the editor, with its unsaved text.
 #[derive(Debug)]
 pub(crate) struct Document {
     pub(crate) uri: Uri,

@@ -48,8 +48,15 @@ impl Arm {
         self.model.forward(&joints[..self.axes()]) * self.tool
     }
 
-    /// Returns the joints for a pose of the tool in the base frame: those nearest to `hint`, with the arm angle of
-    /// `elbow` where the arm is redundant.
+    /// Returns the arm angle of joints of a redundant arm, rad; `None` for other arms.
+    #[must_use]
+    pub fn arm_angle(&self, joints: &Joints) -> Option<f64> {
+        self.model.arm_angle(&joints[..self.axes()])
+    }
+
+    /// Returns the joints for a pose of the tool in the base frame: those nearest to `hint`, with the arm angle
+    /// `arm_angle` (rad) where the arm is redundant, or with the nearest one within the ranges of the axes. The second
+    /// value is the change of the arm angle, rad.
     ///
     /// # Errors
     /// Any [`InverseKinematicsError`].
@@ -57,12 +64,12 @@ impl Arm {
         &self,
         tool: &Pose,
         hint: &Joints,
-        elbow: &Joints,
-    ) -> Result<Joints, InverseKinematicsError> {
-        let axes = self.axes();
+        arm_angle: f64,
+    ) -> Result<(Joints, f64), InverseKinematicsError> {
         let flange = tool * self.tool_inverse;
+        let hint = &hint[..self.axes()];
         self.model
-            .inverse_with_elbow(&flange, &hint[..axes], &elbow[..axes], self.limits())
+            .inverse_at_arm_angle(&flange, hint, arm_angle, self.limits())
     }
 }
 

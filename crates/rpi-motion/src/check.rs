@@ -1,7 +1,8 @@
 //! Check of a whole path before anything moves.
 
-use crate::node_table::{NodeTable, PathError, PathErrorKind};
+use crate::node_table::NodeTable;
 use crate::path::{Path, ToolPath};
+use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
 use rpi_kin::InverseKinematicsError;
 use rpi_kin::state_to_rest::Bounds;
@@ -36,11 +37,12 @@ pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError
         }
         Path::Tool(tool) => tool,
     };
+    let angle = arm.arm_angle(start).unwrap_or(0.0);
     let (mut good, mut hint) = (0.0, *start);
     for number in 1..=SCANNED {
         let s = tool.length() * f64::from(number) / f64::from(SCANNED);
-        match arm.inverse(&tool.pose(s), &hint, start) {
-            Ok(joints) => (good, hint) = (s, joints),
+        match arm.inverse(&tool.pose(s), &hint, angle) {
+            Ok((joints, _)) => (good, hint) = (s, joints),
             Err(error) => return Err(narrowed(arm, tool, start, (good, hint), (s, error))),
         }
     }
@@ -55,10 +57,11 @@ fn narrowed(
     (mut good, mut hint): (f64, Joints),
     (mut bad, mut error): (f64, InverseKinematicsError),
 ) -> PathError {
+    let angle = arm.arm_angle(start).unwrap_or(0.0);
     for _ in 0..HALVINGS {
         let s = (good + bad) / 2.0;
-        match arm.inverse(&tool.pose(s), &hint, start) {
-            Ok(joints) => (good, hint) = (s, joints),
+        match arm.inverse(&tool.pose(s), &hint, angle) {
+            Ok((joints, _)) => (good, hint) = (s, joints),
             Err(other) => (bad, error) = (s, other),
         }
     }
@@ -73,7 +76,7 @@ fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<
     for (axis, limits) in arm.limits().iter().enumerate() {
         let range = limits.position;
         let (lower, upper) = (range.lower.min(start[axis]), range.upper.max(start[axis]));
-        if !(end[axis] >= lower && end[axis] <= upper) {
+        if !(lower..=upper).contains(&end[axis]) {
             return Err(PathError {
                 s: length,
                 kind: PathErrorKind::OutOfRange { axis },
@@ -92,28 +95,26 @@ pub fn check_path(
     arm: &Arm,
     path: Path,
     start: &Joints,
-    asked: Bounds,
+    requested: Bounds,
 ) -> Result<PathReport, PathError> {
     let mut table = NodeTable::with_capacity(64);
-    table.begin(arm, path, start, asked)?;
+    table.begin(arm, path, start, requested)?;
     let mut report = PathReport {
         end: *start,
         slowest: (f64::INFINITY, 0.0),
         nodes: 1,
     };
-    loop {
+    let mut is_growing = true;
+    while is_growing {
         let newest = *table.newest();
         if newest.most.velocity < report.slowest.0 {
             report.slowest = (newest.most.velocity, newest.s);
         }
-        let made = table.extend(arm, 1, newest.s - 1e-9);
+        is_growing = table.extend(arm, 1, newest.s - 1e-9) > 0;
         if let Some(error) = table.error() {
             return Err(error);
         }
-        if made == 0 {
-            break;
-        }
-        report.nodes += 1;
+        report.nodes += usize::from(is_growing);
     }
     let hint = table.newest().joints;
     report.end = table.joints_at(arm, path.length(), &hint)?;

@@ -1,6 +1,6 @@
 //! Entry: which part of the state at a takeover goes on along the path, and which decays as residual.
 
-use crate::node_table::{MostAllowed, Node, USED_JERK_SHARE, USED_SHARE};
+use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_SHARE};
 use crate::plan::{Demand, allowed};
 use crate::residual::Residual;
 use crate::time_law::{HeldBrake, PathState};
@@ -71,7 +71,7 @@ pub(crate) fn attempted(
         state,
         allowed(table, 0.0, 0.0, demand),
         demand,
-        table.asked(),
+        table.requested(),
     );
     let start = PathState {
         s: 0.0,
@@ -113,7 +113,7 @@ fn along_path(
     state: &JointState,
     most: MostAllowed,
     demand: Demand,
-    asked: Bounds,
+    requested: Bounds,
 ) -> PathState {
     let weighted = |value: &dyn Fn(usize) -> f64| {
         let axes = arm.limits().iter().enumerate();
@@ -128,7 +128,7 @@ fn along_path(
     let remaining =
         |axis: usize| state.acceleration[axis] - node.second[axis] * velocity * velocity;
     let acceleration = weighted(&remaining) / length;
-    let most = 0.9 * demand.tool_share * asked.acceleration;
+    let most = 0.9 * demand.tool_share * requested.acceleration;
     PathState {
         s: 0.0,
         velocity,

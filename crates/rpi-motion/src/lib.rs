@@ -23,21 +23,27 @@
 extern crate alloc;
 
 pub mod arm;
+pub mod arm_angle;
 pub mod check;
 mod entry;
+pub mod joint_path;
 pub mod motion_core;
+pub mod node;
 pub mod node_table;
 pub mod path;
+pub mod path_error;
 mod plan;
 pub mod residual;
 pub mod stop_margin;
 pub mod time_law;
 pub mod verify;
+mod window;
 
 pub use arm::{Arm, JointState};
 pub use check::{PathReport, check_path, scan_path};
 pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
 pub use path::Path;
+pub use path_error::{PathError, PathErrorKind};
 
 /// Values of all axes, in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.
 pub type Joints = [f64; rpi_kin::MAX_AXES];

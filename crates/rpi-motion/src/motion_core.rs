@@ -1,8 +1,9 @@
 //! The motion core of one arm: begins a motion from any state, and gives the set-point of each cycle.
 
 use crate::entry::{self, ATTEMPTS};
-use crate::node_table::{NodeTable, PathError};
+use crate::node_table::NodeTable;
 use crate::path::Path;
+use crate::path_error::PathError;
 use crate::plan::{Demand, Planner};
 use crate::residual::Residual;
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
@@ -14,7 +15,7 @@ use rpi_kin::{MAX_AXES, Range};
 /// What may change while a motion is under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controls {
-    /// Share of the asked speed, from 0 to 1; 0 pauses.
+    /// Share of the requested speed, from 0 to 1; 0 pauses.
     pub speed_share: f64,
     /// Comes to rest on the path, and stays there until it is false again.
     pub paused: bool,
@@ -124,7 +125,7 @@ impl MotionCore {
         }
     }
 
-    /// Begins a motion along `path` from the state of the arm as commanded, in place of the present one. `asked` are the
+    /// Begins a motion along `path` from the state of the arm as commanded, in place of the present one. `requested` are the
     /// bounds of the tool along the path (m and s), or of the path parameter of a joint line (rad and s). The path may
     /// start elsewhere than the arm: the difference decays as residual.
     ///
@@ -135,13 +136,13 @@ impl MotionCore {
         &mut self,
         path: Path,
         state: &JointState,
-        asked: Bounds,
+        requested: Bounds,
     ) -> Result<(), MotionError> {
-        if !(asked.are_positive() && state.is_finite()) {
+        if !(requested.are_positive() && state.is_finite()) {
             return Err(MotionError::NotFinite);
         }
         let start = &state.position;
-        self.table.begin(&self.arm, path, start, asked)?;
+        self.table.begin(&self.arm, path, start, requested)?;
         self.ranges = allowed_ranges(&self.arm, start);
         self.hint = self.table.first_node().joints;
         self.cycle = 0;
@@ -252,7 +253,7 @@ impl MotionCore {
         let share = controls.speed_share.clamp(0.0, 1.0);
         let entering = time < self.residual.end();
         Demand {
-            speed: self.table.asked().speed * share,
+            speed: self.table.requested().speed * share,
             tool_share: if entering { SHARE_WITH_RESIDUAL } else { 1.0 },
         }
     }

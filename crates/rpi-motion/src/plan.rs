@@ -1,6 +1,7 @@
 //! Plans the next piece of the time law: the fastest one whose brake passes the verification.
 
-use crate::node_table::{MostAllowed, NodeTable};
+use crate::node::MostAllowed;
+use crate::node_table::NodeTable;
 use crate::time_law::{HeldBrake, PathState};
 use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
@@ -146,13 +147,13 @@ impl Planner {
 pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> MostAllowed {
     let mut cursor = 0;
     let most = table.most_between(s, s + ahead, &mut cursor);
-    let asked = table.asked();
+    let requested = table.requested();
     MostAllowed {
         velocity: most.velocity.min(demand.speed),
         acceleration: most
             .acceleration
-            .min(asked.acceleration * demand.tool_share),
-        jerk: most.jerk.min(asked.jerk * demand.tool_share),
+            .min(requested.acceleration * demand.tool_share),
+        jerk: most.jerk.min(requested.jerk * demand.tool_share),
     }
 }
 

@@ -9,7 +9,8 @@
 //! with v, a, j of the path parameter; the residual r is taken with its exact extrema over the step, since its phases
 //! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and [`USED_JERK_SHARE`].
 
-use crate::node_table::{Node, NodeTable, USED_JERK_SHARE, USED_SHARE};
+use crate::node::{Node, USED_JERK_SHARE, USED_SHARE};
+use crate::node_table::NodeTable;
 use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
 use crate::time_law::{HeldBrake, PathState};
@@ -65,13 +66,13 @@ struct Terms {
 }
 
 impl Verifier<'_> {
-    /// Returns whether the whole brake keeps the limits of all axes and the asked bounds of the tool, and ends on the
+    /// Returns whether the whole brake keeps the limits of all axes and the requested bounds of the tool, and ends on the
     /// known path. `samples` are those that may still be taken in this cycle; without enough of them a brake is not
     /// accepted.
     #[must_use]
     pub fn accepts(&self, brake: &HeldBrake, samples: &mut usize) -> bool {
         let end = brake.end();
-        if !(end <= self.table.known_end() + END_TOLERANCE) {
+        if end > self.table.known_end() + END_TOLERANCE || end.is_nan() {
             return false;
         }
         let total: f64 = brake.phases().map(|phase| phase.duration).sum();
@@ -94,7 +95,9 @@ impl Verifier<'_> {
         let steps = libm::ceil(phase.duration / step).max(1.0);
         let width = phase.duration / steps;
         let mut before = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
-        if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor) {
+        if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
+            || goes_backwards(&walk.state, phase)
+        {
             return false;
         }
         for _ in 0..steps as u32 {
@@ -113,8 +116,7 @@ impl Verifier<'_> {
                 walk.state = walk.state.advanced(width, phase.jerk);
                 walk.time += width;
                 let after = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
-                if walk.state.velocity < -1e-6
-                    || !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
+                if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
                     || !self.step_is_within(&before, &after, from, walk.time)
                 {
                     return false;
@@ -149,7 +151,7 @@ impl Verifier<'_> {
         terms
     }
 
-    /// Whether acceleration and jerk of the tool on a curved path are within the asked bounds:
+    /// Whether acceleration and jerk of the tool on a curved path are within the requested bounds:
     /// a t + k v² n, and (j - k² v³) t + (3 k v a + k' v³) n.
     fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
         let (one, other, share) = self.table.around(state.s, cursor);
@@ -164,11 +166,11 @@ impl Verifier<'_> {
             acceleration: a,
             ..
         } = *state;
-        let asked = self.table.asked();
+        let requested = self.table.requested();
         let acceleration = libm::hypot(a, curvature * v * v);
         let along = jerk - curvature * curvature * v * v * v;
         let across = 3.0 * curvature * v * a + slope * v * v * v;
-        acceleration <= asked.acceleration && libm::hypot(along, across) <= asked.jerk
+        acceleration <= requested.acceleration && libm::hypot(along, across) <= requested.jerk
     }
 
     fn step_is_within(
@@ -230,6 +232,18 @@ impl Verifier<'_> {
             here + low >= range.lower && here + high <= range.upper
         })
     }
+}
+
+/// Whether the velocity becomes negative in a phase that begins with this state: at its end, or where the acceleration
+/// changes its sign.
+fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
+    /// Rounding of the velocity at rest.
+    const ROUNDING: f64 = 1e-12;
+    let turning = -start.acceleration / phase.jerk;
+    let inside = turning > 0.0 && turning < phase.duration;
+    let lowest = if inside { turning } else { phase.duration };
+    start.advanced(lowest, phase.jerk).velocity < -ROUNDING
+        || start.advanced(phase.duration, phase.jerk).velocity < -ROUNDING
 }
 
 /// Returns the ranges that a motion keeps: those of the axes less a margin. Where the arm starts nearer to the end of a

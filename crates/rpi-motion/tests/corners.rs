@@ -87,7 +87,7 @@ struct Followed {
     /// Lowest speed in the corner and the speed that its curvature allows there, m/s.
     slowest: f64,
     allowed: f64,
-    /// Largest shares of the asked velocity, acceleration and jerk of the tool.
+    /// Largest shares of the requested velocity, acceleration and jerk of the tool.
     worst: [f64; 3],
 }
 
@@ -96,23 +96,24 @@ fn follow(
     joints: Joints,
     turn: f64,
     zone: f64,
-    asked: Bounds,
+    requested: Bounds,
 ) -> Followed {
     let arm = Arm::new(model, Pose::identity(), &[]);
     let side = 0.15;
     let path = corner(&arm.forward(&joints), side, turn, zone, 0.1);
     let (low, high) = (side - zone, path.length() - (side - zone));
     let mut core = MotionCore::new(arm, PERIOD);
-    core.begin(Path::Tool(path), &JointState::at_rest(joints), asked)
+    core.begin(Path::Tool(path), &JointState::at_rest(joints), requested)
         .expect("reachable");
     let curvature =
         (0..=200).map(|k| Path::Tool(path).curvature(low + (high - low) * f64::from(k) / 200.0));
     let allowed = curvature
         .map(|k| {
-            let sideways = (asked.acceleration / k.value.max(1e-9)).sqrt();
-            sideways.min((asked.jerk / k.slope.hypot(k.value * k.value).max(1e-9)).cbrt())
+            let sideways = (requested.acceleration / k.value.max(1e-9)).sqrt();
+            let turning = libm::hypot(k.slope, k.value * k.value).max(1e-9);
+            sideways.min(libm::cbrt(requested.jerk / turning))
         })
-        .fold(asked.speed, f64::min);
+        .fold(requested.speed, f64::min);
     let mut followed = Followed {
         slowest: f64::INFINITY,
         allowed,
@@ -127,9 +128,9 @@ fn follow(
         last[3] = arm.forward(&at.joints).translation.vector;
         let [a, b, c, d] = last;
         let shares = [
-            (d - c).norm() / PERIOD / asked.speed,
-            (d - c * 2.0 + b).norm() / PERIOD.powi(2) / asked.acceleration,
-            (d - (c - b) * 3.0 - a).norm() / PERIOD.powi(3) / asked.jerk,
+            (d - c).norm() / PERIOD / requested.speed,
+            (d - c * 2.0 + b).norm() / (PERIOD * PERIOD) / requested.acceleration,
+            (d - (c - b) * 3.0 - a).norm() / (PERIOD * PERIOD * PERIOD) / requested.jerk,
         ];
         for (worst, share) in followed.worst.iter_mut().zip(shares) {
             *worst = worst.max(share);
@@ -142,7 +143,7 @@ fn follow(
         }
     }
     panic!(
-        "not done: {turn} {zone} {asked:?} at {:?}",
+        "not done: {turn} {zone} {requested:?} at {:?}",
         core.path_error()
     );
 }
@@ -159,13 +160,13 @@ fn a_corner_is_passed_at_the_speed_that_its_curvature_allows() {
             (0.05, 0.25),
             (0.07, 2.0),
         ] {
-            let asked = Bounds {
+            let requested = Bounds {
                 speed,
                 acceleration: 0.5,
                 jerk: 5.0,
             };
             let turn = f64::from(degrees).to_radians();
-            let followed = follow(model, joints, turn, zone, asked);
+            let followed = follow(model, joints, turn, zone, requested);
             let share = followed.slowest / followed.allowed;
             println!("{degrees} {zone} {speed}: {share:.4} {:?}", followed.worst);
             // The sides are too short to reach the speed that a wide, gentle corner would allow.

@@ -1,5 +1,6 @@
 //! Columns of sample tables: one scalar leaf of an input or output of a net that runs stand-alone.
 
+use crate::column_error::ColumnError;
 use rpi_image::{Scalar, Type};
 
 /// Name and value format of one column of a sample table.
@@ -23,7 +24,7 @@ impl Column {
     ///
     /// # Errors
     /// Returns the expected form if the text is not a value of this type.
-    pub fn parse(&self, text: &str) -> Result<Vec<u64>, String> {
+    pub fn parse(&self, text: &str) -> Result<Vec<u64>, ColumnError> {
         let cell = match self.scalar {
             Scalar::Bool => parse_bool(text).map(u64::from),
             Scalar::Int => self.integer(text).map(i64::cast_unsigned),
@@ -31,7 +32,10 @@ impl Column {
             _ => return self.literal(text),
         };
         cell.map(|cell| vec![cell])
-            .ok_or_else(|| format!("`{text}` is not {}", self.expected()))
+            .ok_or_else(|| ColumnError::UnexpectedText {
+                text: text.to_owned(),
+                expected: self.expected(),
+            })
     }
 
     fn integer(&self, text: &str) -> Option<i64> {
@@ -43,14 +47,15 @@ impl Column {
         }
     }
 
-    fn literal(&self, text: &str) -> Result<Vec<u64>, String> {
+    fn literal(&self, text: &str) -> Result<Vec<u64>, ColumnError> {
         match rpi_literal::parse(text, Type::Scalar(self.scalar)) {
             Ok(Some(value)) => Ok(value.slots().to_vec()),
-            Ok(None) => Err("expected a value, found `null`".to_owned()),
-            Err(error) => Err(format!(
-                "`{text}` is not a valid {}: {error}",
-                self.scalar.name()
-            )),
+            Ok(None) => Err(ColumnError::Null),
+            Err(error) => Err(ColumnError::InvalidLiteral {
+                text: text.to_owned(),
+                type_name: self.scalar.name(),
+                reason: error.to_string(),
+            }),
         }
     }
 
@@ -129,7 +134,12 @@ mod tests {
         assert_eq!(mode.parse("On"), Ok(vec![1]));
         assert_eq!(mode.parse("1"), Ok(vec![1]));
         assert_eq!(mode.format(&[1]), "On");
-        assert!(mode.parse("Of").unwrap_err().contains("one of Off, On"));
+        assert!(
+            mode.parse("Of")
+                .unwrap_err()
+                .to_string()
+                .contains("one of Off, On")
+        );
     }
 
     #[test]
@@ -139,13 +149,14 @@ mod tests {
             truth
                 .parse("yes")
                 .unwrap_err()
+                .to_string()
                 .contains("`true` or `false`")
         );
         assert!(column(Scalar::Int, &[]).parse("1.5").is_err());
         let real = column(Scalar::Real, &[]);
         assert_eq!(
-            real.parse("1e400"),
-            Err("`1e400` is not a real of 64 bits".to_owned())
+            real.parse("1e400").unwrap_err().to_string(),
+            "`1e400` is not a real of 64 bits"
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Coverage points of a net: the parts of a program's text whose execution a coverage report counts.
 
-use crate::net::{FragmentId, Input};
+use crate::input::{FragmentId, Input};
 use rpi_diag::Span;
 
 /// Coverage points of a program text. A unit that is called several times has an entry per call.

@@ -6,8 +6,10 @@
 
 pub mod claim;
 mod column;
+mod column_error;
 mod coverage_points;
 pub mod fragment_tree;
+mod input;
 pub mod lustre;
 pub mod net;
 pub mod passes;
@@ -19,6 +21,7 @@ mod verify_error;
 
 pub use claim::{Claim, ClaimKind, ClaimRead};
 pub use column::Column;
+pub use column_error::ColumnError;
 pub use coverage_points::{CoveragePoints, Decision, DecisionBranch, StateTransitions, Transition};
 pub use fragment_tree::{FragmentTree, Item};
 pub use net::{

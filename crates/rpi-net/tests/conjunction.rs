@@ -110,9 +110,9 @@ fn a_conjunction_holds_exactly_if_its_flow_is_true() {
         for outside in 0..1 << OUTSIDE {
             let values = values(&gates, outside);
             let holds = found.as_ref().is_some_and(|f| {
-                let holds = |(port, wanted): &(PortRef, bool)| {
+                let holds = |(port, polarity): &(PortRef, bool)| {
                     let name = &net.node(port.node).name;
-                    values[name[1..].parse::<usize>().unwrap()] == *wanted
+                    values[name[1..].parse::<usize>().unwrap()] == *polarity
                 };
                 f.cancelled.is_none_or(|c| c == values[0]) && f.flows.iter().all(holds)
             });

@@ -186,9 +186,9 @@ fn every_recorded_net_passes() {
 #[test]
 fn each_pass_says_what_it_does() {
     let analysis = analysed("{c=Core::Clock()}");
-    let told: Vec<&str> = analysis.summary.iter().map(|(name, _)| *name).collect();
+    let reported: Vec<&str> = analysis.summary.iter().map(|(name, _)| *name).collect();
     let names: Vec<&str> = PASSES.iter().map(|p| p.name).collect();
-    assert_eq!(told, names);
+    assert_eq!(reported, names);
     assert!(PASSES.iter().all(|p| !p.description.is_empty()));
 }
 

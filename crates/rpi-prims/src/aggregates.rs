@@ -62,12 +62,13 @@ impl<T: FlowType> Array<T> {
     /// Copies `from[start..]` to all of this array. Returns false if `from` is too short. Both arrays may overlap.
     pub fn copy(self, cells: &mut [u64], from: Self, start: i64) -> bool {
         let start = usize::try_from(start).ok();
-        let fits = start.filter(|&s| s.checked_add(self.len).is_some_and(|end| end <= from.len));
-        if let Some(s) = fits {
+        let start_in_range =
+            start.filter(|&s| s.checked_add(self.len).is_some_and(|end| end <= from.len));
+        if let Some(s) = start_in_range {
             let first = from.at + s * T::SLOTS;
             cells.copy_within(first..first + self.len * T::SLOTS, self.at);
         }
-        fits.is_some()
+        start_in_range.is_some()
     }
 
     /// Sets all values to `value`.

@@ -11,6 +11,7 @@ pub(crate) fn pure<I: Operand, O: Operand>(
     code: impl Fn(I) -> O,
 ) {
     let cells = &mut *cx.slots;
+    // With `chunks_exact` the length of a group is a constant, so the compiler can remove its bounds checks.
     for w in words.chunks_exact(I::WORDS + O::WORDS) {
         code(I::read(cells, w)).write(cells, &w[I::WORDS..]);
     }

@@ -88,6 +88,7 @@ impl DoubleSProfile {
 
     /// Returns the largest peak speed with which the motion takes at least `duration` seconds.
     fn slower_peak(&self, duration: f64) -> f64 {
+        // Bisection instead of a closed form: the formula of the duration depends on which parts of the ramps exist.
         let (mut low, mut high) = (0.5 * self.peak_speed, self.peak_speed);
         for _ in 0..HALVINGS {
             let peak = 0.5 * (low + high);
@@ -108,6 +109,7 @@ impl DoubleSProfile {
     fn highest_peak(&self) -> f64 {
         let mut low = libm::fmax(self.start_speed, self.end_speed);
         if self.ramp_distance(low) > self.distance {
+            // A negative peak selects the polynomial, because no ramp between the two speeds is short enough.
             return -1.0;
         }
         let mut high = self.bounds.speed;

@@ -133,7 +133,7 @@ impl<T: Port> Operand for Option<T> {
 
 /// Tuple of ports that are always present, with the corresponding tuple of ports that may be absent.
 pub trait PortTuple: Operand {
-    /// Ports as options.
+    /// The same ports, each with an optional value.
     type Options: Operand;
     /// Converts present ports to options.
     fn into_options(self) -> Self::Options;

@@ -13,7 +13,7 @@ use rpi_image::{PrimDesc, SizeArgs};
 /// parameters have no word. State is one word (fixed size) or two (first slot, length).
 pub type RunFn = fn(&mut Context<'_>, &[u32]);
 
-/// Primitive: declaration and code.
+/// Entry of the registry: declaration and code of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Prim {
     /// Declaration.

@@ -22,7 +22,7 @@ pub trait FlowType: Copy {
 pub struct Time(pub i64);
 /// Position (m) or direction.
 pub type Vector = Vector3<f64>;
-/// Unit quaternion.
+/// Rotation in space, as a unit quaternion.
 pub type Rotation = UnitQuaternion<f64>;
 /// Position (m) and orientation of one frame in another.
 pub type Pose = Isometry3<f64>;

@@ -156,8 +156,8 @@ fn defaults_have_the_type_of_their_parameter() {
                 continue;
             };
             let value = param.default.value(scalar.into());
-            let fits = value.is_none_or(|v| v.ty() == Some(scalar.into()));
-            assert!(fits, "{} {}", desc.name, param.name);
+            let matches = value.is_none_or(|v| v.ty() == Some(scalar.into()));
+            assert!(matches, "{} {}", desc.name, param.name);
         }
         for input in desc.inputs {
             let (Fallback::Param(name, default), PortType::Scalar(scalar)) =
@@ -166,8 +166,8 @@ fn defaults_have_the_type_of_their_parameter() {
                 continue;
             };
             let value = default.value(scalar.into());
-            let fits = value.is_none_or(|v| v.ty() == Some(scalar.into()));
-            assert!(fits, "{} {name}", desc.name);
+            let matches = value.is_none_or(|v| v.ty() == Some(scalar.into()));
+            assert!(matches, "{} {name}", desc.name);
         }
     }
 }

@@ -53,6 +53,15 @@ fn with(name: &str, params: &[(&str, i64)], inputs: &[Value]) -> Value {
     TestBench::new(name, &params).step_present(inputs).remove(0)
 }
 
+fn check_selection(matrices: &[Value]) {
+    let select = [
+        ("SelectedRows", array(&[2_i64, 0])),
+        ("SelectedCols", array(&[1_i64])),
+    ];
+    let selected = TestBench::new("Core::MatrixSelect", &select).step_present(matrices);
+    same("selected", &selected, &[matrix([[8.0], [2.0]])]);
+}
+
 #[test]
 fn parts_of_matrices() {
     let counted = matrix([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]);
@@ -103,12 +112,7 @@ fn parts_of_matrices() {
         &[filled],
         &[matrix([[1.0, 2.0, 3.0], [0.1, 0.2, 6.0], [0.3, 8.0, 9.0]])],
     );
-    let select = [
-        ("SelectedRows", array(&[2_i64, 0])),
-        ("SelectedCols", array(&[1_i64])),
-    ];
-    let selected = TestBench::new("Core::MatrixSelect", &select).step_present(of_counted);
-    same("selected", &selected, &[matrix([[8.0], [2.0]])]);
+    check_selection(of_counted);
     same(
         "created",
         &[with("Core::MatrixCreate", &[("Rows", 2), ("Cols", 1)], &[])],

@@ -12,7 +12,9 @@ use rpi_syntax::ast::CommandEndKind;
 
 use crate::clock::{self, Clocks};
 use crate::instance::{CycleValues, EvalContext, Instance, InstanceId, LeafId, State};
+use crate::time::Period;
 use crate::value::{EvalError, Leaf};
+use crate::{block, call, flow, leaf, sampling};
 
 /// Interpreter of a program, with its state.
 pub struct Interpreter<'p> {
@@ -23,8 +25,7 @@ pub struct Interpreter<'p> {
     pub(crate) instances: Vec<Instance<'p>>,
     /// Number of the current cycle, from 1.
     pub(crate) cycle: u64,
-    /// Period of a cycle in seconds.
-    pub(crate) dt: f64,
+    pub(crate) period: Period,
     /// Inputs of the current cycle, by leaf.
     pub(crate) inputs: Vec<Leaf>,
     /// Updates of the memory for the next cycle.
@@ -69,7 +70,7 @@ impl<'p> Interpreter<'p> {
             clocks: clock::clocks(units),
             instances: vec![Instance::new(&units[root.0 as usize], root, None)],
             cycle: 0,
-            dt,
+            period: Period::from_seconds(dt),
             inputs: Vec::new(),
             updates: Vec::new(),
         }
@@ -89,17 +90,17 @@ impl<'p> Interpreter<'p> {
         for flow in &unit.outputs {
             let ty = &unit.flow(*flow).ty;
             for k in 0..ty.leaf_count() {
-                let leaf = self.flow(0, *flow, k)?;
-                outputs.push(self.to_external(leaf, ty, k));
+                let leaf = flow::evaluate(self, 0, *flow, k)?;
+                outputs.push(self.period.to_external(leaf, ty, k));
             }
         }
-        let seen = CycleOutput {
+        let output = CycleOutput {
             outputs,
             exports: self.exports()?,
             end: self.end()?,
         };
         self.update_memory()?;
-        Ok(seen)
+        Ok(output)
     }
 
     /// Begins a cycle of an instance.
@@ -115,8 +116,8 @@ impl<'p> Interpreter<'p> {
         let unit = self.instances[instance].unit;
         self.ports(instance)?;
         for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
-            self.condition(instance, id)?;
-            if !self.is_active(instance, id)? {
+            block::condition(self, instance, id)?;
+            if !block::is_active(self, instance, id)? {
                 continue;
             }
             let here = self.inside(instance, id);
@@ -128,7 +129,7 @@ impl<'p> Interpreter<'p> {
                 self.evaluate(here, claim.condition)?;
             }
             for k in 0..block.automata.len() {
-                self.transitions(here, id, k)?;
+                block::transitions(self, here, id, k)?;
             }
             for export in &block.exports {
                 self.evaluate(here, export.value)?;
@@ -145,7 +146,7 @@ impl<'p> Interpreter<'p> {
         for target in &equation.targets {
             if let typed::TargetPlace::Flow { flow, at } = target.place {
                 for (k, _) in target.ty.subranges(false) {
-                    self.flow(instance, flow, at as usize + k)?;
+                    flow::evaluate(self, instance, flow, at as usize + k)?;
                 }
             }
         }
@@ -158,7 +159,7 @@ impl<'p> Interpreter<'p> {
         let from_outside = self.instances[instance].caller.is_none();
         for flow in &unit.inputs {
             for (k, _) in unit.flow(*flow).ty.subranges(from_outside) {
-                self.flow(instance, *flow, k)?;
+                flow::evaluate(self, instance, *flow, k)?;
             }
         }
         Ok(())
@@ -181,11 +182,11 @@ impl<'p> Interpreter<'p> {
         }
         let expr = self.instances[here.instance].unit.expr(id);
         for k in 0..expr.ty.leaf_count() {
-            self.leaf(here, id, k)?;
+            leaf::evaluate(self, here, id, k)?;
         }
         if let TypedKind::Call(call) = &expr.kind
-            && self.runs(here, id)?
-            && let Some(instance) = self.active_instance(here, id, call)?
+            && sampling::runs(self, here, id)?
+            && let Some(instance) = call::active_instance(self, here, id, call)?
         {
             self.body(instance)?;
         }
@@ -215,7 +216,7 @@ impl<'p> Interpreter<'p> {
         let unit = self.instances[here.instance].unit;
         let mut absent = Vec::new();
         for k in 0..unit.expr(id).ty.leaf_count() {
-            absent.push(self.leaf(here, x, k)?.is_none());
+            absent.push(leaf::evaluate(self, here, x, k)?.is_none());
         }
         self.where_absent(here, y, &absent)
     }
@@ -228,7 +229,7 @@ impl<'p> Interpreter<'p> {
     ) -> Result<(), EvalError> {
         let unit = self.instances[here.instance].unit;
         if let TypedKind::Build(parts) = &unit.expr(y).kind
-            && !self.clocks(here).are_sampled()
+            && !sampling::clocks(self, here).are_sampled()
         {
             let mut first = 0;
             for part in parts {
@@ -252,7 +253,7 @@ impl<'p> Interpreter<'p> {
             TypedKind::Each(ElementwiseOp::If, operands)
                 if number > 0 && unit.static_conditions.contains(&operands[0]) =>
             {
-                self.truth(here, operands[0])? == Some(number == 1)
+                leaf::truth(self, here, operands[0])? == Some(number == 1)
             }
             _ => true,
         })
@@ -269,14 +270,14 @@ impl<'p> Interpreter<'p> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
             TypedKind::Each(ElementwiseOp::If, operands) if number > 0 => {
-                let condition = self.truth(here, operands[0])?;
+                let condition = leaf::truth(self, here, operands[0])?;
                 EvalContext {
                     chosen: here.chosen && condition == Some(number == 1),
                     ..here
                 }
             }
             TypedKind::Each(ElementwiseOp::Arrow, _) => EvalContext {
-                chosen: here.chosen && self.is_first(here, (id, k)) == (number == 0),
+                chosen: here.chosen && leaf::is_first(self, here, (id, k)) == (number == 0),
                 ..here
             },
             TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last | ElementwiseOp::Hold, _)
@@ -290,7 +291,7 @@ impl<'p> Interpreter<'p> {
                 self.right_operand_context(here, call)?
             }
             TypedKind::Prim(call) if has_state(call) => here.unguarded(),
-            TypedKind::Call(call) if !self.is_stateless_call(call) => here.unguarded(),
+            TypedKind::Call(call) if !call::is_stateless_call(self, call) => here.unguarded(),
             _ => here,
         })
     }
@@ -303,7 +304,7 @@ impl<'p> Interpreter<'p> {
         call: &PrimCall,
     ) -> Result<EvalContext, EvalError> {
         let left = match call.inputs[0] {
-            Some(left) => self.truth(here, left)?,
+            Some(left) => leaf::truth(self, here, left)?,
             None => None,
         };
         let decides = left == Some(call.prim.desc().name == "Core::BooleanOr");
@@ -321,13 +322,13 @@ impl<'p> Interpreter<'p> {
                 let here = self.inside(0, id);
                 let ty = &unit.expr(export.value).ty;
                 for k in 0..ty.leaf_count() {
-                    let active = self.is_active(0, id)?;
+                    let active = block::is_active(self, 0, id)?;
                     let leaf = if active {
-                        self.leaf(here, export.value, k)?
+                        leaf::evaluate(self, here, export.value, k)?
                     } else {
                         None
                     };
-                    leaves.push(self.to_external(leaf, ty, k));
+                    leaves.push(self.period.to_external(leaf, ty, k));
                 }
             }
         }
@@ -340,9 +341,9 @@ impl<'p> Interpreter<'p> {
         let here = self.inside(0, BlockId::ROOT);
         for fail in [true, false] {
             for (k, end) in ends.iter().enumerate() {
-                let asked =
+                let is_considered =
                     (end.kind == CommandEndKind::Fail) == fail && end.kind != CommandEndKind::Yield;
-                if asked && self.truth(here, end.condition)? == Some(true) {
+                if is_considered && leaf::truth(self, here, end.condition)? == Some(true) {
                     return Ok(Some(k));
                 }
             }
@@ -357,12 +358,16 @@ impl<'p> Interpreter<'p> {
         while !self.updates.is_empty() {
             for (here, keep) in std::mem::take(&mut self.updates) {
                 let keep = match keep {
-                    MemoryUpdate::Delayed(id, k, operand) => {
-                        MemoryUpdate::Leaf(id, k, self.leaf(here.unguarded(), operand, k)?)
-                    }
-                    MemoryUpdate::Last(flow, k) => {
-                        MemoryUpdate::LastLeaf(flow, k, self.flow(here.instance, flow, k)?)
-                    }
+                    MemoryUpdate::Delayed(id, k, operand) => MemoryUpdate::Leaf(
+                        id,
+                        k,
+                        leaf::evaluate(self, here.unguarded(), operand, k)?,
+                    ),
+                    MemoryUpdate::Last(flow, k) => MemoryUpdate::LastLeaf(
+                        flow,
+                        k,
+                        flow::evaluate(self, here.instance, flow, k)?,
+                    ),
                     other => other,
                 };
                 known.push((here, keep));
@@ -395,7 +400,8 @@ impl<'p> Interpreter<'p> {
         let before = unit.inputs[..port].iter().filter(from_outside);
         let first: usize = before.map(|id| unit.flow(*id).ty.leaf_count()).sum();
         let leaf = self.inputs.get(first + k).copied().flatten();
-        self.internal_leaf(leaf, &unit.flow(unit.inputs[port]).ty, k)
+        self.period
+            .internal_leaf(leaf, &unit.flow(unit.inputs[port]).ty, k)
     }
 }
 

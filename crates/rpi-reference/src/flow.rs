@@ -5,93 +5,98 @@ use rpi_sema::typed::{BlockId, ExprId, FlowId, SharedFlow, TargetPlace, Unit};
 use crate::cycle::Interpreter;
 use crate::instance::InstanceId;
 use crate::value::{EvalError, Leaf, Value};
+use crate::{block, leaf};
 
-impl<'p> Interpreter<'p> {
-    /// Returns a leaf of a flow. A value outside of a declared subrange faults where the flow is defined (M2.4).
-    pub(crate) fn flow(
-        &mut self,
-        instance: InstanceId,
-        flow: FlowId,
-        k: usize,
-    ) -> Result<Leaf, EvalError> {
-        let leaf = self.unchecked(instance, flow, k)?;
-        let unit = self.instances[instance].unit;
-        let ty = &unit.flow(flow).ty;
-        let from_outside = self.instances[instance].caller.is_none() && unit.inputs.contains(&flow);
-        let range = ty.subranges(from_outside).into_iter().find(|of| of.0 == k);
-        match (leaf, range) {
-            (Some(Value::Int(number)), Some((_, range)))
-                if !range.contains(number) && self.instances[instance].current.chosen =>
-            {
-                Err(EvalError::Fault("subrange"))
-            }
-            _ => Ok(leaf),
+/// Returns a leaf of a flow. A value outside of a declared subrange faults where the flow is defined (M2.4).
+pub(crate) fn evaluate(
+    interpreter: &mut Interpreter<'_>,
+    instance: InstanceId,
+    flow: FlowId,
+    k: usize,
+) -> Result<Leaf, EvalError> {
+    let leaf = unchecked(interpreter, instance, flow, k)?;
+    let unit = interpreter.instances[instance].unit;
+    let ty = &unit.flow(flow).ty;
+    let from_outside =
+        interpreter.instances[instance].caller.is_none() && unit.inputs.contains(&flow);
+    let range = ty.subranges(from_outside).into_iter().find(|of| of.0 == k);
+    match (leaf, range) {
+        (Some(Value::Int(number)), Some((_, range)))
+            if !range.contains(number) && interpreter.instances[instance].current.chosen =>
+        {
+            Err(EvalError::Fault("subrange"))
+        }
+        _ => Ok(leaf),
+    }
+}
+
+fn unchecked(
+    interpreter: &mut Interpreter<'_>,
+    instance: InstanceId,
+    flow: FlowId,
+    k: usize,
+) -> Result<Leaf, EvalError> {
+    let unit = interpreter.instances[instance].unit;
+    if let Some(port) = unit.inputs.iter().position(|input| *input == flow) {
+        return argument(interpreter, instance, port, k);
+    }
+    if let Some((block, shared)) = shared(unit, flow) {
+        return shared_flow(interpreter, instance, block, shared, k);
+    }
+    let Some((block, value, leaf)) = definition(unit, flow, k) else {
+        let name = &unit.flow(flow).name;
+        return Err(EvalError::Unsupported(format!("`{name}` has no equation")));
+    };
+    // Outside of its inactive fragment a flow is absent (M6.3).
+    if !block::is_active(interpreter, instance, block)? {
+        return Ok(None);
+    }
+    let here = interpreter.inside(instance, block);
+    leaf::evaluate(interpreter, here, value, leaf)
+}
+
+/// Returns the argument for an in-port, or its default.
+fn argument(
+    interpreter: &mut Interpreter<'_>,
+    instance: InstanceId,
+    port: usize,
+    k: usize,
+) -> Result<Leaf, EvalError> {
+    let it = &interpreter.instances[instance];
+    let Some((caller, args)) = it.caller else {
+        return Ok(interpreter.input(port, k));
+    };
+    match (args[port], it.unit.flow(it.unit.inputs[port]).default) {
+        (Some(arg), _) => leaf::evaluate(interpreter, caller, arg, k),
+        (None, Some(default)) => {
+            let here = interpreter.inside(instance, BlockId::ROOT);
+            leaf::evaluate(interpreter, here, default, k)
+        }
+        (None, None) => Ok(None),
+    }
+}
+
+/// Returns a flow shared by states: that of the active state, or the default if that state does not define it
+/// (M14.5).
+fn shared_flow(
+    interpreter: &mut Interpreter<'_>,
+    instance: InstanceId,
+    block: BlockId,
+    shared: &SharedFlow,
+    k: usize,
+) -> Result<Leaf, EvalError> {
+    if !block::is_active(interpreter, instance, block)? {
+        return Ok(None);
+    }
+    for inner in &shared.states {
+        let state = interpreter.instances[instance].unit.flow(*inner).block;
+        if block::is_active(interpreter, instance, state)? {
+            return evaluate(interpreter, instance, *inner, k);
         }
     }
-
-    fn unchecked(
-        &mut self,
-        instance: InstanceId,
-        flow: FlowId,
-        k: usize,
-    ) -> Result<Leaf, EvalError> {
-        let unit = self.instances[instance].unit;
-        if let Some(port) = unit.inputs.iter().position(|input| *input == flow) {
-            return self.argument(instance, port, k);
-        }
-        if let Some((block, shared)) = shared(unit, flow) {
-            return self.shared_flow(instance, block, shared, k);
-        }
-        let Some((block, value, leaf)) = definition(unit, flow, k) else {
-            let name = &unit.flow(flow).name;
-            return Err(EvalError::Unsupported(format!("`{name}` has no equation")));
-        };
-        // Outside of its inactive fragment a flow is absent (M6.3).
-        if !self.is_active(instance, block)? {
-            return Ok(None);
-        }
-        let here = self.inside(instance, block);
-        self.leaf(here, value, leaf)
-    }
-
-    /// Returns the argument for an in-port, or its default.
-    fn argument(&mut self, instance: InstanceId, port: usize, k: usize) -> Result<Leaf, EvalError> {
-        let it = &self.instances[instance];
-        let Some((caller, args)) = it.caller else {
-            return Ok(self.input(port, k));
-        };
-        match (args[port], it.unit.flow(it.unit.inputs[port]).default) {
-            (Some(arg), _) => self.leaf(caller, arg, k),
-            (None, Some(default)) => {
-                let here = self.inside(instance, BlockId::ROOT);
-                self.leaf(here, default, k)
-            }
-            (None, None) => Ok(None),
-        }
-    }
-
-    /// Returns a flow shared by states: that of the active state, or the default if that state does not define it
-    /// (M14.5).
-    fn shared_flow(
-        &mut self,
-        instance: InstanceId,
-        block: BlockId,
-        shared: &SharedFlow,
-        k: usize,
-    ) -> Result<Leaf, EvalError> {
-        if !self.is_active(instance, block)? {
-            return Ok(None);
-        }
-        for inner in &shared.states {
-            let state = self.instances[instance].unit.flow(*inner).block;
-            if self.is_active(instance, state)? {
-                return self.flow(instance, *inner, k);
-            }
-        }
-        match shared.default {
-            Some(default) => self.flow(instance, default, k),
-            None => Ok(None),
-        }
+    match shared.default {
+        Some(default) => evaluate(interpreter, instance, default, k),
+        None => Ok(None),
     }
 }
 

@@ -18,11 +18,11 @@ pub(crate) struct Instance<'p> {
     pub(crate) id: UnitId,
     /// Context of the call and its arguments; `None` for the whole program.
     pub(crate) caller: Option<(EvalContext, &'p [Option<ExprId>])>,
-    /// Memory outside of the body, used by the condition of a named fragment.
+    /// Values that delays outside of the body keep. The condition of a named fragment reads them.
     pub(crate) around: Memory,
     /// Memory of each block.
     pub(crate) blocks: Vec<Memory>,
-    /// Values in the current cycle.
+    /// Values of the flows that have been computed in the current cycle.
     pub(crate) current: CycleValues,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Memory {
     pub(crate) pending_restarts: BTreeMap<usize, BTreeSet<u32>>,
 }
 
-/// State of an automaton.
+/// State of an automaton in a cycle, and whether it restarts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct State {
     pub(crate) index: u32,

@@ -18,6 +18,7 @@
 //! | `instance.rs` | instance of a unit: its memory, and its values in the current cycle |
 //! | `cycle.rs` | execution of a cycle, and update of the memory |
 //! | `leaf.rs` | expressions |
+//! | `sampling.rs` | ticks of sampled clocks |
 //! | `flow.rs` | flows and their equations |
 //! | `call.rs` | calls |
 //! | `clock.rs` | clock of each leaf |
@@ -33,6 +34,7 @@ mod flow;
 mod instance;
 mod leaf;
 mod operator;
+mod sampling;
 mod time;
 mod value;
 

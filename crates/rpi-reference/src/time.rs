@@ -3,26 +3,34 @@
 
 use rpi_sema::ty::Ty;
 
-use crate::cycle::Interpreter;
 use crate::value::{EvalError, Leaf, Value};
 
-impl Interpreter<'_> {
+/// Period of a cycle, which is also the unit of exact times.
+pub(crate) struct Period {
+    seconds: f64,
+}
+
+impl Period {
+    pub(crate) fn from_seconds(seconds: f64) -> Period {
+        Period { seconds }
+    }
+
     /// Converts ticks to seconds.
-    fn seconds(&self, ticks: i64) -> f64 {
-        let tick_ns = (self.dt * 1e9).round();
+    fn seconds_of(&self, ticks: i64) -> f64 {
+        let tick_ns = (self.seconds * 1e9).round();
         ticks as f64 * tick_ns / 1e9
     }
 
     /// Returns the smallest number of ticks that last at least the given seconds.
     fn whole_ticks(&self, seconds: f64) -> Option<i64> {
-        let about = (seconds / self.dt).floor();
+        let about = (seconds / self.seconds).floor();
         // Beyond this limit the number of ticks does not fit into 64 bits.
         if about.is_nan() || about.abs() > 9.2e18 {
             return None;
         }
         let about = about as i64;
         // The quotient is rounded, so the neighbouring numbers are tried as well.
-        (about - 2..=about + 2).find(|ticks| self.seconds(*ticks) >= seconds)
+        (about - 2..=about + 2).find(|ticks| self.seconds_of(*ticks) >= seconds)
     }
 
     /// Converts an input or a constant to the internal representation.
@@ -36,27 +44,28 @@ impl Interpreter<'_> {
     /// Converts an internal value to the representation of outputs.
     pub(crate) fn to_external(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
-            (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds(ticks))),
+            (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds_of(ticks))),
             (leaf, _) => leaf,
         }
     }
 
     /// Evaluates conversions between ticks and seconds, and the times provided by the core. Returns `None` for other
-    /// primitives.
+    /// primitives. `cycle` is the number of the current cycle, from 1.
     pub(crate) fn time_operator(
         &self,
+        cycle: u64,
         name: &str,
         operands: &[Leaf],
         chosen: bool,
     ) -> Option<Result<Leaf, EvalError>> {
-        let elapsed = (self.cycle - 1).cast_signed();
+        let elapsed = (cycle - 1).cast_signed();
         Some(Ok(match (name, operands) {
-            ("Rpi::Time", _) => Some(Value::Real(self.seconds(elapsed))),
+            ("Rpi::Time", _) => Some(Value::Real(self.seconds_of(elapsed))),
             ("Rpi::Elapsed", _) => Some(Value::Int(elapsed)),
             ("Rpi::PeriodTicks", _) => Some(Value::Int(1)),
-            ("Core::CycleTime", _) => Some(Value::Real(self.dt)),
+            ("Core::CycleTime", _) => Some(Value::Real(self.seconds)),
             ("Rpi::SecondsFromTicks", [Some(Value::Int(ticks))]) => {
-                Some(Value::Real(self.seconds(*ticks)))
+                Some(Value::Real(self.seconds_of(*ticks)))
             }
             ("Rpi::WholeTicks", [Some(Value::Real(seconds))]) => {
                 let never = if *seconds > 0.0 { i64::MAX } else { i64::MIN };

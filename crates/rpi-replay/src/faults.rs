@@ -1,54 +1,90 @@
-//! Diagnostics for faults in a cycle.
+//! Diagnostics for faults in a cycle, with the cause of each fault.
 
 use std::collections::BTreeMap;
 
 use rpi_diag::{Code, Diagnostic, FileId, SourceMap, Span};
-use rpi_runtime::run::{FaultOrigin, Outcome, RunEnd, fault_text};
+use rpi_prims::FaultCode;
+use rpi_runtime::run::{CommandEnd, FaultOrigin, Outcome, RunEnd, fault_text};
 
-/// Returns the diagnostic for a fault, with its source location and cycle number. `of` names the faulty command if the
-/// message must name it.
-pub(crate) fn fault_diagnostic(origin: &FaultOrigin, of: Option<&str>) -> Diagnostic {
-    let (what, cycle) = (fault_text(origin.code), origin.cycle);
-    let of = of.map_or_else(String::new, |of| format!(" of `{of}`"));
-    let span = origin.text.map(|text| Span {
-        file: FileId(text.file),
-        start: text.start,
-        end: text.end,
-    });
-    // The suffix after `#` numbers the parts of an expression. It is not part of the flow's name.
-    let label = origin.flow.as_deref().map_or_else(String::new, |flow| {
-        let name = flow.split('#').next().unwrap_or(flow);
-        format!("for `{name}`")
-    });
-    Diagnostic::new(Code::RPI9011, format!("cycle {cycle}{of}: {what}"))
-        .primary(span.unwrap_or(Span::NONE), label)
+/// A fault in a cycle: its cause and the diagnostic that reports it.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct ReportedFault {
+    /// Code of the fault.
+    cause: FaultCode,
+    /// Cycle of the fault and name of the faulty command: the start of the message.
+    place: String,
+    diagnostic: Diagnostic,
 }
 
-/// Diagnostics for the commands of a run that ended with a fault, by the index of the command in the outcome.
+impl ReportedFault {
+    /// Reports a fault with its source location and cycle number. `command` is the name of the faulty command if the
+    /// message must name it.
+    pub(crate) fn new(origin: &FaultOrigin, command: Option<&str>) -> ReportedFault {
+        let command = command.map_or_else(String::new, |name| format!(" of `{name}`"));
+        let place = format!("cycle {}{command}", origin.cycle);
+        let span = origin.text.map(|text| Span {
+            file: FileId(text.file),
+            start: text.start,
+            end: text.end,
+        });
+        // The suffix after `#` numbers the parts of an expression. It is not part of the flow's name.
+        let label = origin.flow.as_deref().map_or_else(String::new, |flow| {
+            let name = flow.split('#').next().unwrap_or(flow);
+            format!("for `{name}`")
+        });
+        let message = format!("{place}: {}", fault_text(origin.code));
+        ReportedFault {
+            cause: origin.code,
+            place,
+            diagnostic: Diagnostic::new(Code::RPI9011, message)
+                .primary(span.unwrap_or(Span::NONE), label),
+        }
+    }
+
+    /// Returns true if the fault was raised by an assertion at this location.
+    pub(crate) fn is_assertion_at(&self, span: Span) -> bool {
+        self.cause == FaultCode::AssertionFailed && self.diagnostic.span() == span
+    }
+
+    /// Replaces the description of the fault by the violation of a claim: `sentence` states the violation, and
+    /// `violation` has its labels and notes.
+    pub(crate) fn explain(&mut self, sentence: &str, violation: Diagnostic) {
+        self.diagnostic.message = format!("{}: {sentence}", self.place);
+        self.diagnostic.labels = violation.labels;
+        self.diagnostic.notes = violation.notes;
+    }
+
+    /// Returns the diagnostic that reports the fault.
+    pub(crate) fn into_diagnostic(self) -> Diagnostic {
+        self.diagnostic
+    }
+}
+
+/// Reports for the commands of a run that ended with a fault, by the index of the command in the outcome.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Faults(pub(crate) BTreeMap<usize, Diagnostic>);
+pub struct Faults(pub(crate) BTreeMap<usize, ReportedFault>);
 
 impl Faults {
-    /// Returns the diagnostics for the faults of a run.
+    /// Reports the faults of a run.
     #[must_use]
-    pub fn of(outcome: &Outcome) -> Faults {
+    pub fn from_outcome(outcome: &Outcome) -> Faults {
         let commands = outcome.commands.iter().enumerate();
-        let diagnostic =
-            |(index, command): (usize, &rpi_runtime::run::CommandEnd)| match &command.end {
-                RunEnd::Fault { origin, .. } => {
-                    Some((index, fault_diagnostic(origin, Some(&command.name))))
-                }
-                _ => None,
-            };
-        Faults(commands.filter_map(diagnostic).collect())
+        let fault = |(index, command): (usize, &CommandEnd)| match &command.end {
+            RunEnd::Fault { origin, .. } => {
+                Some((index, ReportedFault::new(origin, Some(&command.name))))
+            }
+            _ => None,
+        };
+        Faults(commands.filter_map(fault).collect())
     }
 
     /// Adds the source locations to the faults in the outcome and returns the diagnostics of the faults with a known
     /// location.
     #[must_use]
     pub fn locate(self, outcome: &mut Outcome, sources: &SourceMap) -> Vec<Diagnostic> {
-        let mut found = Vec::new();
-        for (index, diagnostic) in self.0 {
+        let mut diagnostics = Vec::new();
+        for (index, fault) in self.0 {
+            let diagnostic = fault.into_diagnostic();
             let span = diagnostic.span();
             let command = outcome.commands.get_mut(index).filter(|_| !span.is_none());
             if let Some(RunEnd::Fault { at, .. }) = command.map(|command| &mut command.end) {
@@ -57,9 +93,9 @@ impl Faults {
                     sources.name(span.file),
                     sources.line_col(span)
                 ));
-                found.push(diagnostic);
+                diagnostics.push(diagnostic);
             }
         }
-        found
+        diagnostics
     }
 }

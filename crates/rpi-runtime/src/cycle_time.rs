@@ -7,6 +7,8 @@ use rpi_core::{CycleContext, Instance};
 use rpi_device::NoDevices;
 use rpi_image::Image;
 
+use crate::ImageLoadError;
+
 /// Number of bytes written between two measured cycles. It exceeds the cache size of a core, so every cycle starts with
 /// cold caches.
 const CACHE_FLUSH_BYTES: usize = 32 << 20;
@@ -19,25 +21,23 @@ const CACHE_LINE_BYTES: usize = 64;
 /// The median excludes most delays caused by other programs on the machine.
 ///
 /// # Errors
-/// Returns the load errors, joined into one line, if the image cannot be loaded.
-pub fn cold_cycle_ns(image: Image, cycles: usize) -> Result<u64, String> {
-    let machine = Instance::load(image, &mut NoDevices);
-    let mut machine = machine.map_err(|faults| {
-        let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
-        words.join("; ")
-    })?;
-    let mut other = vec![0_u8; CACHE_FLUSH_BYTES];
+/// Returns the load errors if the image cannot be loaded.
+pub fn cold_cycle_ns(image: Image, cycles: usize) -> Result<u64, ImageLoadError> {
+    let mut machine = Instance::load(image, &mut NoDevices).map_err(ImageLoadError)?;
+    let mut flushed = vec![0_u8; CACHE_FLUSH_BYTES];
     let mut times: Vec<u64> = (0..cycles.max(1))
         .map(|_| {
-            other
+            flushed
                 .iter_mut()
                 .step_by(CACHE_LINE_BYTES)
                 .for_each(|byte| *byte = byte.wrapping_add(1));
-            black_box(&other);
+            // Without it the compiler could remove the writes, and the caches would stay warm.
+            black_box(&flushed);
             time_cycle(&mut machine)
         })
         .collect();
     times.sort_unstable();
+    // The median: an interrupted cycle can take a hundred times as long and would dominate the mean.
     Ok(times[times.len() / 2])
 }
 

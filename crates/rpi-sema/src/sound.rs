@@ -7,8 +7,9 @@
 use crate::program::Program;
 use crate::typed::TypedKind;
 use crate::typed::{Unit, UnitId};
-use rpi_diag::{Code, Diagnostic, FileId, Severity, Span};
-use std::collections::{BTreeMap, BTreeSet};
+use rpi_diag::suppression::{Cause, suppress};
+use rpi_diag::{Diagnostic, FileId, Severity, Span};
+use std::collections::BTreeMap;
 
 /// Returns for each unit whether it is sound.
 #[must_use]
@@ -47,16 +48,11 @@ pub fn without_undefined_flows_in_unclosed_bodies(
         return diagnostics;
     }
     let extents = Extents::from_spans(program.extents.iter().map(|extent| extent.span).collect());
-    let open: BTreeSet<Span> = no_end
+    let open: Vec<Span> = no_end
         .iter()
         .filter_map(|at| extents.containing(*at))
         .collect();
-    let is_open = |at: Span| {
-        extents
-            .containing(at)
-            .is_some_and(|extent| open.contains(&extent))
-    };
-    diagnostics.retain(|f| f.code != Code::RPI1009 || !is_open(f.span()));
+    suppress(&mut diagnostics, Cause::UnclosedDeclarations(&open));
     diagnostics
 }
 

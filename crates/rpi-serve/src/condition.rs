@@ -8,6 +8,8 @@
 //! ```
 //! The DirectIO protocol has all of it except `command "@" fact`.
 
+use std::fmt;
+
 /// Syntax tree of a condition.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Expr {
@@ -42,6 +44,35 @@ pub(crate) enum FactExpr {
     Error(i64),
 }
 
+/// Error of a text that is not a condition.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum ConditionError {
+    /// Something else was expected at this byte offset.
+    Expected {
+        /// Description of the expected text.
+        what: &'static str,
+        offset: usize,
+    },
+    /// The condition is nested more than [`MAX_DEPTH`] levels deep.
+    TooDeep,
+    /// The condition has more than [`MAX_FACTS`] facts.
+    TooLong,
+}
+
+impl fmt::Display for ConditionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ConditionError::Expected { what, offset } => {
+                write!(f, "expected {what} at byte {offset} of the condition")
+            }
+            ConditionError::TooDeep => f.write_str("the condition is nested too deeply"),
+            ConditionError::TooLong => f.write_str("the condition is too long"),
+        }
+    }
+}
+
+impl std::error::Error for ConditionError {}
+
 /// Maximum nesting depth of a condition.
 const MAX_DEPTH: usize = 32;
 /// Maximum number of facts in a condition.
@@ -61,18 +92,18 @@ impl Expr {
 /// Parses a condition.
 ///
 /// # Errors
-/// If the text is not a condition; the message has the byte offset.
-pub(crate) fn parse(text: &str) -> Result<Expr, String> {
-    let mut reader = Parser {
+/// If the text is not a condition.
+pub(crate) fn parse(text: &str) -> Result<Expr, ConditionError> {
+    let mut parser = Parser {
         text,
         at: 0,
         facts_left: MAX_FACTS,
     };
-    let found = reader.parse_or(MAX_DEPTH)?;
-    reader.skip_blanks();
-    match reader.rest() {
-        "" => Ok(found),
-        _ => Err(reader.expected("the end of the condition")),
+    let condition = parser.parse_or(MAX_DEPTH)?;
+    parser.skip_blanks();
+    match parser.rest() {
+        "" => Ok(condition),
+        _ => Err(parser.expected("the end of the condition")),
     }
 }
 
@@ -93,8 +124,9 @@ impl<'a> Parser<'a> {
         self.at += rest.len() - rest.trim_start().len();
     }
 
-    fn expected(&self, what: &str) -> String {
-        format!("expected {what} at byte {} of the condition", self.at)
+    fn expected(&self, what: &'static str) -> ConditionError {
+        let offset = self.at;
+        ConditionError::Expected { what, offset }
     }
 
     fn accept(&mut self, sign: char) -> bool {
@@ -104,7 +136,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    fn name(&mut self) -> Result<&'a str, String> {
+    fn name(&mut self) -> Result<&'a str, ConditionError> {
         self.skip_blanks();
         let rest = self.rest();
         let ends = |c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-';
@@ -116,26 +148,24 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn parse_or(&mut self, depth: usize) -> Result<Expr, String> {
-        let mut found = self.parse_and(depth)?;
+    fn parse_or(&mut self, depth: usize) -> Result<Expr, ConditionError> {
+        let mut condition = self.parse_and(depth)?;
         while self.accept('|') {
-            found = Expr::Or(found.into(), self.parse_and(depth)?.into());
+            condition = Expr::Or(condition.into(), self.parse_and(depth)?.into());
         }
-        Ok(found)
+        Ok(condition)
     }
 
-    fn parse_and(&mut self, depth: usize) -> Result<Expr, String> {
-        let mut found = self.parse_factor(depth)?;
+    fn parse_and(&mut self, depth: usize) -> Result<Expr, ConditionError> {
+        let mut term = self.parse_factor(depth)?;
         while self.accept('&') {
-            found = Expr::And(found.into(), self.parse_factor(depth)?.into());
+            term = Expr::And(term.into(), self.parse_factor(depth)?.into());
         }
-        Ok(found)
+        Ok(term)
     }
 
-    fn parse_factor(&mut self, depth: usize) -> Result<Expr, String> {
-        let deeper = depth
-            .checked_sub(1)
-            .ok_or("the condition is nested too deeply")?;
+    fn parse_factor(&mut self, depth: usize) -> Result<Expr, ConditionError> {
+        let deeper = depth.checked_sub(1).ok_or(ConditionError::TooDeep)?;
         if self.accept('!') {
             return Ok(Expr::Not(self.parse_factor(deeper)?.into()));
         }
@@ -149,7 +179,7 @@ impl<'a> Parser<'a> {
         self.facts_left = self
             .facts_left
             .checked_sub(1)
-            .ok_or("the condition is too long")?;
+            .ok_or(ConditionError::TooLong)?;
         let name = self.name()?;
         if self.accept('.') {
             let key = self.name()?.to_owned();
@@ -165,7 +195,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn parse_fact(&mut self) -> Result<FactExpr, String> {
+    fn parse_fact(&mut self) -> Result<FactExpr, ConditionError> {
         let fact = self.name()?;
         let mut argument = || match self.accept('(') {
             true => self.name().and_then(|name| match self.accept(')') {
@@ -202,7 +232,7 @@ mod tests {
             Expr::And(a, b) => format!("({}&{})", shape(a), shape(b)),
             Expr::Or(a, b) => format!("({}|{})", shape(a), shape(b)),
             Expr::Fact(command, FactExpr::Export(key)) => format!("{command}.{key}"),
-            Expr::Fact(command, saying) => format!("{command}@{saying:?}"),
+            Expr::Fact(command, fact) => format!("{command}@{fact:?}"),
         }
     }
 
@@ -240,9 +270,14 @@ mod tests {
             assert!(parse(text).is_err(), "{text}");
         }
         let deep = "(".repeat(100_000);
-        assert!(parse(&deep).unwrap_err().contains("deeply"));
+        assert!(parse(&deep).unwrap_err().to_string().contains("deeply"));
         let wide = |n| vec!["n1.a"; n].join(" & ");
         assert!(parse(&wide(MAX_FACTS)).is_ok());
-        assert!(parse(&wide(1_000_000)).unwrap_err().contains("long"));
+        assert!(
+            parse(&wide(1_000_000))
+                .unwrap_err()
+                .to_string()
+                .contains("long")
+        );
     }
 }

@@ -15,7 +15,7 @@ use rpi_sim::SimBank;
 /// The core with its devices, its timer and the observer that is called for every command after each of its cycles.
 pub(crate) struct CycleThread {
     pub(crate) executive: Executive<LoggingBank<SimBank>>,
-    pub(crate) beat: TickTimer,
+    pub(crate) timer: TickTimer,
     pub(crate) watch: Box<dyn CycleObserver + Send>,
     /// Wrapper around each tick; it must call its argument once.
     pub(crate) tick_wrapper: fn(&mut dyn FnMut()),
@@ -41,7 +41,7 @@ impl CycleThread {
             .map(realtime::acquire_resources)
             .unwrap_or_default();
         let fenced = grants.iter().any(realtime::is_syscall_filter_installed);
-        self.beat.restart();
+        self.timer.restart();
         // `Server::run` polls this cell. Setting it takes no system call, which the fence would forbid.
         let _ = granted.set(grants);
         let around_tick = self.tick_wrapper;
@@ -58,12 +58,12 @@ impl CycleThread {
 
     fn tick(&mut self) {
         let now = self.executive.now();
-        let wall_ns = self.beat.wait(now);
+        let wall_ns = self.timer.wait(now);
         let (executive, watch) = (&mut self.executive, &mut *self.watch);
-        let Some(camera) = &mut self.recorder else {
+        let Some(collector) = &mut self.recorder else {
             executive.tick(wall_ns, watch);
-            let too_often = self.beat.finish_tick(now);
-            let late = self.beat.overrun();
+            let too_often = self.timer.finish_tick(now);
+            let late = self.timer.overrun();
             // `|` instead of `||`: the overrun must be attributed to its command in any case.
             let too_often = too_often | late.is_some_and(|late| executive.handle_overrun(late));
             if let Some(why) = reason_to_stop(&self.emergency_stop, too_often) {
@@ -71,15 +71,16 @@ impl CycleThread {
             }
             return;
         };
-        camera.tick(executive, wall_ns, watch);
-        let too_often = self.beat.finish_tick(now);
-        let late = self.beat.overrun();
+        collector.tick(executive, wall_ns, watch);
+        let too_often = self.timer.finish_tick(now);
+        let late = self.timer.overrun();
         // `|` for the same reason as above.
-        let too_often = too_often | late.is_some_and(|late| camera.handle_overrun(executive, late));
+        let too_often =
+            too_often | late.is_some_and(|late| collector.handle_overrun(executive, late));
         if let Some(why) = reason_to_stop(&self.emergency_stop, too_often) {
-            camera.halt(executive, why);
+            collector.halt(executive, why);
         }
-        camera.record_tick(executive, (now, wall_ns));
+        collector.record_tick(executive, (now, wall_ns));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::peer::Peer;
 /// All clients of one peer may together hold this many times the free amount.
 const PEER_FACTOR: usize = 3;
 
-/// A client connection.
+/// Client connection: its number and network origin.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct Client {
     number: u64,
@@ -92,6 +92,8 @@ impl Usage {
 
     /// Returns an error if `more` would exceed `limit` or a share of it.
     pub(crate) fn admit(&self, more: usize, limit: usize) -> Result<(), QuotaError> {
+        // Shares are shares of the free amount: one client alone may use much, and later ones still find space
+        // (decision 11).
         let free = limit.saturating_sub(self.all);
         let share = |own: usize, times: usize| own + more <= free.saturating_mul(times);
         if more > free {

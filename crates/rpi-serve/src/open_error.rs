@@ -3,6 +3,32 @@
 use std::fmt;
 use std::io;
 use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Error of the server's certificate and key.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum IdentityError {
+    /// A certificate or key file cannot be read or used.
+    File {
+        /// Path of the file.
+        path: PathBuf,
+        /// Description of the error.
+        reason: String,
+    },
+    /// The server was built without TLS.
+    TlsUnsupported,
+}
+
+impl fmt::Display for IdentityError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            IdentityError::File { path, reason } => write!(f, "{}: {reason}", path.display()),
+            IdentityError::TlsUnsupported => f.write_str("this server was built without TLS"),
+        }
+    }
+}
+
+impl std::error::Error for IdentityError {}
 
 /// Error of opening a server.
 #[derive(Debug)]
@@ -16,8 +42,8 @@ pub enum OpenError {
         /// TLS is not configured: the traffic could be read and changed on its way.
         no_tls: bool,
     },
-    /// The certificate or key file cannot be used; the text has the reason.
-    Identity(String),
+    /// The certificate or the key cannot be used.
+    Identity(IdentityError),
     /// A system call failed.
     Io(io::Error),
 }
@@ -41,7 +67,7 @@ impl fmt::Display for OpenError {
                     "{code}: {at} can be reached from other machines; it requires {lacking}"
                 )
             }
-            OpenError::Identity(why) => f.write_str(why),
+            OpenError::Identity(error) => write!(f, "{error}"),
             OpenError::Io(why) => why.fmt(f),
         }
     }

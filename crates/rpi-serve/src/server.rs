@@ -47,7 +47,7 @@ pub struct Server {
     /// Set when the threads of the cycle and the server state must end.
     over: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
-    office: Option<SharedState>,
+    state: Option<SharedState>,
     /// Number of ticks missing from the recording. Set after the last tick.
     lost: Arc<OnceLock<u64>>,
 }
@@ -89,13 +89,13 @@ impl Server {
             closing: Arc::default(),
             over: Arc::default(),
             threads: Vec::new(),
-            office: None,
+            state: None,
             lost: Arc::default(),
         };
-        let office = server.start_cycle(cell, settings, Box::new(watch), recording)?;
-        server.office = Some(office.clone());
-        let reception = Acceptor {
-            state: office,
+        let shared = server.start_cycle(cell, settings, Box::new(watch), recording)?;
+        server.state = Some(shared.clone());
+        let acceptor = Acceptor {
+            state: shared,
             limits: settings.limits,
             auth: AuthPolicy {
                 token: settings.token.clone(),
@@ -106,9 +106,9 @@ impl Server {
             throttle: AuthThrottle::default(),
         };
         if let Some(path) = &settings.socket {
-            server.listen_at(path, reception.clone())?;
+            server.listen_at(path, acceptor.clone())?;
         }
-        server.spawn("rpi-listen", move || reception.accept_all(&listener))?;
+        server.spawn("rpi-listen", move || acceptor.accept_all(&listener))?;
         Ok(server)
     }
 
@@ -132,37 +132,37 @@ impl Server {
         // `NoDevices`: the loader resolves device names against its own copy of the devices, so that it never waits for
         // the cycle.
         let (mut control, mut executive) = open(devices, Box::new(NoDevices), options);
-        let guard = (tick_ns, settings.continuity.unwrap_or_default());
-        let record = |wanted| record(wanted, cell, guard, (&mut control, &mut executive));
-        let (recorder, camera) = recording.map(record).transpose()?.unzip();
-        let office = SharedState::new(cell, (control, recorder), settings)?;
+        let run_options = (tick_ns, settings.continuity.unwrap_or_default());
+        let record = |wanted| record(wanted, cell, run_options, (&mut control, &mut executive));
+        let (recorder, collector) = recording.map(record).transpose()?.unzip();
+        let shared = SharedState::new(cell, (control, recorder), settings)?;
         let overrun = settings.real_time.map(|r| r.overrun).unwrap_or_default();
         let cycle = CycleThread {
             executive,
-            beat: TickTimer::start(settings.pace, tick_ns, overrun),
+            timer: TickTimer::start(settings.pace, tick_ns, overrun),
             watch,
             tick_wrapper: settings.tick_wrapper,
             stop: Arc::clone(&self.over),
-            emergency_stop: office.lock().emergency.stop_flag(),
-            recorder: camera,
+            emergency_stop: shared.lock().emergency.stop_flag(),
+            recorder: collector,
             lost_ticks: Arc::clone(&self.lost),
         };
         self.run(cycle, settings.real_time)?;
-        let (over, keeper) = (Arc::clone(&self.over), office.clone());
+        let (over, updated) = (Arc::clone(&self.over), shared.clone());
         self.spawn("rpi-state", move || {
             while !over.load(Ordering::Relaxed) {
-                keeper.lock().update();
+                updated.lock().update();
                 thread::sleep(UPDATE_INTERVAL);
             }
         })?;
-        Ok(office)
+        Ok(shared)
     }
 
     /// Starts the cycle thread and waits until it has published the system's grants.
     fn run(&mut self, cycle: CycleThread, real_time: Option<RealTime>) -> io::Result<()> {
         let granted = Arc::new(OnceLock::new());
-        let tell = Arc::clone(&granted);
-        self.spawn(CYCLE_THREAD, move || cycle.run(real_time, &tell))?;
+        let publish = Arc::clone(&granted);
+        self.spawn(CYCLE_THREAD, move || cycle.run(real_time, &publish))?;
         let ended = |t: &JoinHandle<()>| t.is_finished();
         while granted.get().is_none() && !self.threads.last().is_some_and(ended) {
             thread::sleep(UPDATE_INTERVAL);
@@ -180,11 +180,11 @@ impl Server {
     }
 
     #[cfg(unix)]
-    fn listen_at(&mut self, path: &Path, reception: Acceptor) -> io::Result<()> {
+    fn listen_at(&mut self, path: &Path, acceptor: Acceptor) -> io::Result<()> {
         let listener = crate::transport::bind(path)?;
         self.socket = Some(path.to_owned());
         listener.set_nonblocking(true)?;
-        self.spawn("rpi-listen", move || reception.accept_all_local(&listener))
+        self.spawn("rpi-listen", move || acceptor.accept_all_local(&listener))
     }
 
     #[cfg(not(unix))]
@@ -207,8 +207,8 @@ impl Server {
     /// Stops everything in this tick. Nothing can be started until the emergency stop is reset. `by` names who
     /// requested it, or the reason.
     pub fn emergency_stop(&self, by: &str) {
-        if let Some(office) = &self.office {
-            office.lock().emergency_stop(by, Box::new(|_| {}));
+        if let Some(shared) = &self.state {
+            shared.lock().emergency_stop(by, Box::new(|_| {}));
         }
     }
 
@@ -216,8 +216,8 @@ impl Server {
     /// tokens. The run continues.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let office = self.office.as_ref();
-        office.map_or_else(Vec::new, |office| office.lock().log.take_warnings())
+        let shared = self.state.as_ref();
+        shared.map_or_else(Vec::new, |shared| shared.lock().log.take_warnings())
     }
 
     /// Returns the listening address.
@@ -236,6 +236,7 @@ impl Server {
     }
 
     fn end(&mut self) -> io::Result<Option<RecordingStats>> {
+        // In this order: no new connections, then devices at rest, and only then the end of the cycle that brakes them.
         self.closing.store(true, Ordering::Relaxed);
         self.stop_and_wait();
         self.over.store(true, Ordering::Relaxed);
@@ -249,20 +250,20 @@ impl Server {
             thread::sleep(UPDATE_INTERVAL);
         }
         let lost = self.lost.get().copied().unwrap_or_default();
-        let office = self.office.take();
-        office.map_or(Ok(None), |office| office.lock().finish_recording(lost))
+        let shared = self.state.take();
+        shared.map_or(Ok(None), |shared| shared.lock().finish_recording(lost))
     }
 
     /// Stops everything and waits until the devices are at rest. A moving arm must not lose its controller.
     fn stop_and_wait(&self) {
-        let Some(office) = &self.office else {
+        let Some(shared) = &self.state else {
             return;
         };
-        office.lock().stop_all();
+        shared.lock().stop_all();
         let begin = Instant::now();
         while self.is_cycle_running()
             && begin.elapsed() < REST_TIMEOUT
-            && !office.lock().is_at_rest()
+            && !shared.lock().is_at_rest()
         {
             thread::sleep(UPDATE_INTERVAL);
         }
@@ -313,9 +314,9 @@ mod tests {
         a=RobotArm::JointPosition(inPosition=p.outValue,Robot='arm',Axis='0')}";
 
     /// Starts a command on the server and waits until the arm moves.
-    fn swing(office: &SharedState) {
-        let client = office.lock().objects.client(Peer::Local);
-        let session = office.lock().open_session("test", None, (client, true));
+    fn swing(shared: &SharedState) {
+        let client = shared.lock().objects.client(Peer::Local);
+        let session = shared.lock().open_session("test", None, (client, true));
         let session = session.unwrap();
         let load = LoadRequest {
             session: &session,
@@ -326,15 +327,15 @@ mod tests {
             period_ns: 0,
             on_overrun: None,
         };
-        let starter = office.clone();
+        let starter = shared.clone();
         let started = move |name: Result<String, _>| {
             // The reply is called with the state locked, so `start` needs another thread.
             let name = name.unwrap();
             thread::spawn(move || starter.lock().start(&name, Box::new(|_| {})));
         };
-        office.lock().load(&load, Box::new(started));
+        shared.lock().load(&load, Box::new(started));
         let begin = Instant::now();
-        while !office.lock().devices.all().any(|info| info.moving) {
+        while !shared.lock().devices.all().any(|info| info.moving) {
             assert!(
                 begin.elapsed() < Duration::from_secs(30),
                 "it does not move"
@@ -344,9 +345,9 @@ mod tests {
     }
 
     /// A subscriber that accepts the first update and is gone afterwards.
-    struct Deaf;
+    struct Disconnected;
 
-    impl Subscriber for Deaf {
+    impl Subscriber for Disconnected {
         fn notify(&mut self, _: &Update<'_>) -> bool {
             true
         }
@@ -365,16 +366,16 @@ mod tests {
             ..Settings::default()
         };
         let server = Server::open(&cell, &settings, ()).unwrap();
-        let office = server.office.clone().unwrap();
-        let mut state = office.lock();
+        let shared = server.state.clone().unwrap();
+        let mut state = shared.lock();
         let client = state.objects.client(Peer::Local);
         let session = state.open_session("test", None, (client, true)).unwrap();
-        state.emergency.watch(Box::new(Deaf));
-        state.devices.watch(Box::new(Deaf));
+        state.emergency.watch(Box::new(Disconnected));
+        state.devices.watch(Box::new(Disconnected));
         state
             .objects
             .sessions
-            .watch(&session, Box::new(Deaf))
+            .watch(&session, Box::new(Disconnected))
             .unwrap();
         assert_eq!(state.subscriber_count(), 3);
         state.on_client_lost(client, &[]);
@@ -391,9 +392,9 @@ mod tests {
             ..Settings::default()
         };
         let server = Server::open(&cell, &settings, ()).unwrap();
-        let office = server.office.clone().unwrap();
-        swing(&office);
+        let shared = server.state.clone().unwrap();
+        swing(&shared);
         server.close().unwrap();
-        assert!(!office.lock().devices.all().any(|info| info.moving));
+        assert!(!shared.lock().devices.all().any(|info| info.moving));
     }
 }

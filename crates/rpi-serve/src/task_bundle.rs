@@ -1,11 +1,11 @@
 //! A task ready to load: images of its commands and a plan that refers to them by index.
 
+use std::fmt;
 use std::sync::Arc;
 
-use rpi_driver::{Task, TaskPlan};
+use rpi_driver::{AnalysedNet, Task, TaskPlan};
 use rpi_image::Image;
-use rpi_net::Net;
-use rpi_runtime::run::ExecutablePlan;
+use rpi_runtime::run::{ExecutablePlan, PlanError};
 
 /// A task, ready to be loaded.
 #[derive(Clone, PartialEq, Debug)]
@@ -19,8 +19,41 @@ pub struct TaskBundle {
     pub plan: ExecutablePlan,
 }
 
+/// Error of a task that cannot be run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum TaskBundleError {
+    /// The task has no plan.
+    InvalidPlan {
+        /// Name of the task.
+        task: String,
+        /// Description of the error.
+        reason: String,
+    },
+    /// There is no net of this command, because it has open parameters.
+    NotRunnable(String),
+    /// The net of a command cannot be lowered; the text has the reason.
+    Lowering(String),
+    /// The plan does not fit the results of a command.
+    Plan(PlanError),
+}
+
+impl fmt::Display for TaskBundleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TaskBundleError::InvalidPlan { task, reason } => {
+                write!(f, "task {task} cannot be run: {reason}")
+            }
+            TaskBundleError::NotRunnable(command) => write!(f, "{command} cannot be run alone"),
+            TaskBundleError::Lowering(reason) => f.write_str(reason),
+            TaskBundleError::Plan(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl std::error::Error for TaskBundleError {}
+
 impl TaskBundle {
-    /// Creates a script that runs a single command once.
+    /// Creates a bundle that runs a single command once.
     #[must_use]
     pub fn single((image, work): (Image, Option<u64>)) -> TaskBundle {
         TaskBundle {
@@ -30,30 +63,32 @@ impl TaskBundle {
         }
     }
 
-    /// Creates the script of `task` from the nets of its program; `lower` makes an image of a net.
+    /// Creates the bundle of `task` from the nets of its program. `lower` returns the image of a net with the bound on
+    /// its work.
     ///
     /// # Errors
     /// If the task or one of its commands cannot be run.
-    pub fn from_task(
+    pub fn from_task<E: fmt::Display>(
         task: &Task,
-        nets: &[Net],
-        lower: impl Fn(&Net) -> Result<(Image, Option<u64>), String>,
-    ) -> Result<TaskBundle, String> {
-        let name = &task.name;
+        nets: &[AnalysedNet],
+        lower: impl Fn(&AnalysedNet) -> Result<(Image, Option<u64>), E>,
+    ) -> Result<TaskBundle, TaskBundleError> {
         let plan = task.plan.as_ref();
-        let plan = plan.map_err(|why| format!("task {name} cannot be run: {why}"))?;
+        let plan = plan.map_err(|reason| TaskBundleError::InvalidPlan {
+            task: task.name.clone(),
+            reason: reason.to_string(),
+        })?;
         let mut used: Vec<String> = Vec::new();
         let plan = with_indices(plan, &mut used);
-        let lowered = used.iter().map(|command| {
+        let (mut images, mut work) = (Vec::new(), Vec::new());
+        for command in &used {
             let net = nets.iter().find(|net| net.name == *command);
-            lower(net.ok_or_else(|| format!("{command} cannot be run alone"))?)
-        });
-        let lowered: Vec<(Image, Option<u64>)> = lowered.collect::<Result<_, String>>()?;
-        let (images, work): (Vec<_>, Vec<_>) = lowered
-            .into_iter()
-            .map(|(image, work)| (Arc::new(image), work))
-            .unzip();
-        plan.check(&images)?;
+            let net = net.ok_or_else(|| TaskBundleError::NotRunnable(command.clone()))?;
+            let lowered = lower(net).map_err(|e| TaskBundleError::Lowering(e.to_string()))?;
+            images.push(Arc::new(lowered.0));
+            work.push(lowered.1);
+        }
+        plan.check(&images).map_err(TaskBundleError::Plan)?;
         Ok(TaskBundle { images, work, plan })
     }
 }

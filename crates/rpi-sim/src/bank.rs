@@ -8,7 +8,7 @@ use crate::error_code::ErrorCode;
 use crate::fault::ScheduledFault;
 use crate::force::ForceSensor;
 use crate::gripper::Gripper;
-use crate::io::Io;
+use crate::io::IoDevice;
 use core::ops::Range;
 use rpi_device::{DeviceBank, Discontinuity, PortId, PortQuery, Rejection, ResolveError};
 
@@ -202,7 +202,7 @@ impl SimBank {
 fn build_device(spec: &DeviceSpec, tick: f64, seed: u64, number: usize) -> Box<dyn Device> {
     match &spec.kind {
         DeviceKind::Arm(arm) => Box::new(Arm::new(arm, tick, seed, number)),
-        DeviceKind::Io(io) => Box::new(Io::new(io)),
+        DeviceKind::Io(io) => Box::new(IoDevice::new(io)),
         DeviceKind::Base(base) => Box::new(Base::new(base, tick)),
         DeviceKind::Gripper(gripper) => Box::new(Gripper::new(gripper, tick)),
         DeviceKind::Force(force) => Box::new(ForceSensor::new(force, seed, number)),

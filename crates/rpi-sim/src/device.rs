@@ -275,7 +275,7 @@ impl<D> PortRow<D> {
     pub(crate) const fn sensor(
         name: &'static str,
         scalar: Scalar,
-        tell: fn(&D, usize, &mut SlotWriter<'_>),
+        read: fn(&D, usize, &mut SlotWriter<'_>),
     ) -> Self {
         let head = PortSpec {
             name,
@@ -285,7 +285,7 @@ impl<D> PortRow<D> {
         };
         Self {
             spec: head,
-            read: Some(tell),
+            read: Some(read),
         }
     }
 
@@ -322,8 +322,8 @@ pub(crate) fn read_port<D>(
     slot: PortIndex,
     value: &mut [u64],
 ) -> bool {
-    let tell = table.get(usize::from(slot.row)).and_then(|line| line.read);
-    tell.map(|tell| tell(device, usize::from(slot.index), &mut SlotWriter::new(value)))
+    let read = table.get(usize::from(slot.row)).and_then(|line| line.read);
+    read.map(|read| read(device, usize::from(slot.index), &mut SlotWriter::new(value)))
         .is_some()
 }
 

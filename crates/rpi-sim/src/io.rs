@@ -8,7 +8,7 @@ use rpi_image::Scalar;
 
 /// A terminal block: a digital bank, then an analogue bank.
 #[derive(Clone, Debug)]
-pub(crate) struct Io {
+pub(crate) struct IoDevice {
     banks: [TerminalBank; 2],
 }
 
@@ -95,7 +95,7 @@ pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.spec.info())
 }
 
-impl Io {
+impl IoDevice {
     pub(crate) fn new(spec: &IoSpec) -> Self {
         let mut io = Self {
             banks: [
@@ -147,7 +147,7 @@ impl TerminalBank {
     }
 }
 
-impl Io {
+impl IoDevice {
     /// Number of terminals of a table row.
     fn size(&self, line: usize) -> usize {
         let line = &PORTS[line];
@@ -164,7 +164,7 @@ impl Io {
     }
 }
 
-impl Device for Io {
+impl Device for IoDevice {
     fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
         find_port(PORTS.iter().map(|line| &line.spec), name, |line| {
             self.size(line)

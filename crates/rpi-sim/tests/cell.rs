@@ -242,10 +242,10 @@ const BROKEN: &[(&str, &str)] = &[
 #[test]
 fn each_fault_has_its_place_and_its_words() {
     for (text, expected) in BROKEN {
-        let told = faults(text);
+        let errors = faults(text);
         assert!(
-            told.contains(&format!("cell.toml:{expected}")),
-            "{text}\n--- expected {expected}, told\n{told}"
+            errors.contains(&format!("cell.toml:{expected}")),
+            "{text}\n--- expected {expected}, got\n{errors}"
         );
     }
 }
@@ -253,10 +253,10 @@ fn each_fault_has_its_place_and_its_words() {
 /// Only the part of a long line around the error is shown.
 #[test]
 fn a_fault_far_to_the_right_is_shown() {
-    let told = faults(&format!("a = {}", "[".repeat(100_000)));
-    assert!(told.contains("cell.toml:1:"), "{told}");
-    assert!(told.lines().all(|line| line.len() < 300), "{told}");
-    let (_, marked) = told.split_once('^').expect("the fault is marked");
+    let errors = faults(&format!("a = {}", "[".repeat(100_000)));
+    assert!(errors.contains("cell.toml:1:"), "{errors}");
+    assert!(errors.lines().all(|line| line.len() < 300), "{errors}");
+    let (_, marked) = errors.split_once('^').expect("the fault is marked");
     assert!(!marked.is_empty());
 }
 

@@ -102,8 +102,8 @@ fn a_platform_left_alone_slows_down_on_its_arc() {
     }
     let pose: [f64; 7] = reals(&mut bank, position);
     assert!((libm::hypot(pose[0], pose[1] - 0.5) - 0.5).abs() < 1e-9);
-    let told: Vec<ErrorCode> = bank.status().map(|status| status.code).collect();
-    assert_eq!(told, [ErrorCode::SET_POINT_MISSING]);
+    let codes: Vec<ErrorCode> = bank.status().map(|status| status.code).collect();
+    assert_eq!(codes, [ErrorCode::SET_POINT_MISSING]);
 }
 
 #[test]

@@ -41,9 +41,9 @@ mod tests {
 
     #[test]
     fn what_a_sign_follows_is_declared() {
-        let seeming = GuessedNames::new("node f(x , y' : real) returns (z) let w\n  = 3v + u; tel");
+        let guessed = GuessedNames::new("node f(x , y' : real) returns (z) let w\n  = 3v + u; tel");
         let names = ["f", "x", "y'", "z", "w", "v", "3v", "u", "="];
-        let declared = names.map(|name| seeming.declares(name));
+        let declared = names.map(|name| guessed.declares(name));
         let wanted = [false, true, true, false, true, false, false, false, false];
         assert_eq!(declared, wanted);
     }

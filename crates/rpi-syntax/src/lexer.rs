@@ -1,14 +1,17 @@
 //! Lexer: turns text into tokens. Separates comments, checks numbers and string literals, resolves contextual keywords.
 
 mod comment_marks;
+mod error;
 mod numbers;
+mod operators;
+
+pub(crate) use self::error::{LexicalError, LexicalErrorKind};
 
 use crate::comments::{Comment, CommentKind, Comments};
-use crate::foreign::AssignContext;
 use crate::guessed_names::GuessedNames;
 use crate::token::Token;
 use crate::{
-    Dialect, foreign, foreign_literal, keywords, kind2_blocks, lexical_errors, unit_suffix,
+    Dialect, closing_brackets, foreign_literal, keywords, kind2_blocks, lexical_errors, unit_suffix,
 };
 use logos::Logos;
 use rpi_diag::{Diagnostic, FileId, Span};
@@ -26,7 +29,7 @@ pub(crate) struct Lexeme {
 pub(crate) struct LexOutput {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
-    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) errors: Vec<LexicalError>,
     /// Spans of comments with contracts and properties, whose content was lexed.
     pub(crate) lexed_comments: Vec<Span>,
     /// Replacement text of tokens, by their byte range: `0xFF` for `16#FF`.
@@ -50,10 +53,10 @@ pub(crate) fn lex_skipping(
 ) -> LexOutput {
     let mut lexer = Lexer::new(file, text, mode, skipped);
     if text.len() > MAX_LEN {
-        lexer
-            .output
-            .diagnostics
-            .push(lexical_errors::file_too_large(file));
+        lexer.report(
+            LexicalErrorKind::Other,
+            lexical_errors::file_too_large(file),
+        );
         return lexer.output;
     }
     lexer.lex_range(0, text.len());
@@ -61,52 +64,12 @@ pub(crate) fn lex_skipping(
     keywords::resolve_keywords(&mut lexer.output.lexemes, mode);
     keywords::insert_type_keywords(&mut lexer.output.lexemes);
     if mode == Dialect::Lustre {
-        convert_c_operators(&mut lexer);
-        keywords::split_closing(&mut lexer.output.lexemes);
+        operators::convert_c_operators(&mut lexer);
+        closing_brackets::split_closing(&mut lexer.output.lexemes);
         kind2_blocks::mark_blocks(text, &mut lexer.output.lexemes);
     }
     lexer.output
 }
-
-/// Treats bit operators as Boolean operators in statements that contain comparisons of C, such as `==`.
-// In Lustre mode, `&&`, `||` and `!` are bit operators of Kind 2. Next to `==`, the author most likely wrote C.
-fn convert_c_operators(lexer: &mut Lexer<'_>) {
-    use Token::{BitAnd, BitNot, BitOr, Let, Semi, Tel};
-    let told = |lexeme: &Lexeme, text: &str| {
-        let written = &text[lexeme.start as usize..lexeme.end as usize];
-        matches!(written, "==" | "===" | "!=" | "!==")
-    };
-    let text = lexer.text;
-    if !lexer.output.lexemes.iter().any(|lexeme| told(lexeme, text)) {
-        return;
-    }
-    let is_end = |lexeme: &Lexeme| matches!(lexeme.token, Let | Semi | Tel);
-    let is_bits = |lexeme: &&mut Lexeme| matches!(lexeme.token, BitAnd | BitNot | BitOr);
-    let mut signs = Vec::new();
-    for statement in lexer.output.lexemes.split_mut(is_end) {
-        if statement.iter().any(|lexeme| told(lexeme, text)) {
-            for lexeme in statement.iter_mut().filter(is_bits) {
-                let written = &text[lexeme.start as usize..lexeme.end as usize];
-                let Some(sign) = foreign::find_operator(written) else {
-                    continue;
-                };
-                let span = Span::new(lexer.file, lexeme.start, lexeme.end);
-                signs.push(foreign::operator_diagnostic(span, text, sign));
-                lexeme.token = sign.token;
-            }
-        }
-    }
-    lexer.output.diagnostics.extend(signs);
-}
-
-/// Lazy implication of Kind 2: its right side is evaluated only if the left side holds.
-const LAZY_IMPLICATION: &str = "==>";
-
-/// Operator of Kind 2 between an index and its new value, in brackets.
-const ASSIGN: &str = ":=";
-
-/// Maximum number of tokens that are searched backwards for an open bracket.
-const MAX_LOOKBEHIND: usize = 200;
 
 /// Beginning of a contract in a comment.
 const CONTRACT_MARK: &str = "@contract";
@@ -132,7 +95,7 @@ impl<'t> Lexer<'t> {
         let out = LexOutput {
             lexemes: Vec::with_capacity(text.len() / 4),
             comments: Comments::default(),
-            diagnostics: Vec::new(),
+            errors: Vec::new(),
             lexed_comments: Vec::new(),
             replaced_text: BTreeMap::new(),
         };
@@ -227,101 +190,11 @@ impl<'t> Lexer<'t> {
         self.output.lexemes.push(Lexeme { token, ..lexeme });
     }
 
-    /// Splits `++` into two tokens, where it is not an operator.
-    fn split_operator(&mut self, sign: Token, lexeme: Lexeme) {
-        let middle = lexeme.start + 1;
-        self.push(
-            sign,
-            Lexeme {
-                end: middle,
-                ..lexeme
-            },
-        );
-        self.push(
-            sign,
-            Lexeme {
-                start: middle,
-                ..lexeme
-            },
-        );
-    }
-
-    /// Reports a foreign operator, such as `==`, and pushes its RPI equivalent.
-    fn foreign_operator(&mut self, lexeme: Lexeme) {
-        let written = self.slice(lexeme);
-        if self.mode == Dialect::Lustre && written == LAZY_IMPLICATION {
-            return self.push(Token::Implies, lexeme);
-        }
-        if written == ASSIGN {
-            return self.assign_operator(lexeme);
-        }
-        let Some(sign) = foreign::find_operator(written) else {
-            return self.unknown_chars(lexeme.start, lexeme.end);
-        };
-        let diagnostic = foreign::operator_diagnostic(self.span(lexeme), self.text, sign);
-        self.output.diagnostics.push(diagnostic);
-        self.push(sign.token, lexeme);
-    }
-
-    /// Handles `:=`: an operator of Kind 2 in Lustre files, an error elsewhere.
-    fn assign_operator(&mut self, lexeme: Lexeme) {
-        if self.mode == Dialect::Lustre && self.is_in_brackets() {
-            return self.push(Token::Becomes, lexeme);
-        }
-        let (diagnostic, token) =
-            foreign::assign_diagnostic(self.span(lexeme), self.text, self.assign_context());
-        self.output.diagnostics.push(diagnostic);
-        self.push(token, lexeme);
-    }
-
-    /// Returns the construct that a `:=` after the tokens so far belongs to.
-    fn assign_context(&self) -> AssignContext {
-        use Token::{
-            BoolType, Colon, Comma, Dot, Ident, Int, IntType, LBracket, RBracket, RealType,
-        };
-        use Token::{Const, LParen, Let, Path, RParen, RStatic, Semi, Tel, Var};
-        let tokens = self.output.lexemes.iter().rev().take(MAX_LOOKBEHIND);
-        let mut tokens = tokens.map(|lexeme| lexeme.token).peekable();
-        let is_named =
-            tokens.next_if_eq(&Ident).is_some() && matches!(tokens.peek(), Some(LParen | Comma));
-        let mut open = 0;
-        while let Some(token) = tokens.next() {
-            match token {
-                RParen => open += 1,
-                LParen if open > 0 => open -= 1,
-                LParen if is_named && matches!(tokens.peek(), Some(Ident | Path | RStatic)) => {
-                    return AssignContext::Argument;
-                }
-                Const | Let | Semi | Tel | Var => return AssignContext::Definition,
-                BoolType | Colon | Comma | Dot | Ident | Int | IntType | LBracket | Path
-                | RBracket | RealType | LParen => {}
-                _ if is_named => {}
-                _ => return AssignContext::Other,
-            }
-        }
-        AssignContext::Other
-    }
-
-    /// Returns whether a `[` is open, or another `:=` precedes within the same brackets.
-    fn is_in_brackets(&self) -> bool {
-        let mut closed = 0u32;
-        let before = self.output.lexemes.iter().rev().take(MAX_LOOKBEHIND);
-        for lexeme in before {
-            match lexeme.token {
-                Token::RBracket => closed += 1,
-                Token::LBracket | Token::Becomes if closed == 0 => return true,
-                Token::LBracket => closed -= 1,
-                Token::Let | Token::Tel => return false,
-                _ => {}
-            }
-        }
-        false
-    }
-
     fn unterminated_string(&mut self, lexeme: Lexeme) {
-        self.output
-            .diagnostics
-            .push(lexical_errors::unterminated_string(self.span(lexeme)));
+        self.report(
+            LexicalErrorKind::Unclosed,
+            lexical_errors::unterminated_string(self.span(lexeme)),
+        );
         self.push(Token::Str, lexeme);
     }
 
@@ -383,18 +256,26 @@ impl<'t> Lexer<'t> {
         if let Some(read) = self.claim_lexer(lexeme, kind) {
             return read(self, lexeme);
         }
-        let diagnostic = match lexeme.token {
-            Token::OpenComment => Some(lexical_errors::unterminated_comment(
-                span,
-                self.slice(lexeme),
-            )),
-            Token::SlashComment if self.mode == Dialect::Rpi => Some(self.foreign_comment(span, 2)),
-            Token::Hash | Token::Percent => Some(self.foreign_comment(span, 1)),
-            _ if kind == CommentKind::Contract => Some(lexical_errors::unsupported_contract(span)),
-            _ if kind == CommentKind::Property => Some(lexical_errors::unsupported_property(span)),
-            _ => None,
-        };
-        self.output.diagnostics.extend(diagnostic);
+        use LexicalErrorKind::{ForeignSyntax, Other, Unclosed};
+        match lexeme.token {
+            Token::OpenComment => {
+                let text = self.slice(lexeme);
+                self.report(Unclosed, lexical_errors::unterminated_comment(span, text));
+            }
+            Token::SlashComment if self.mode == Dialect::Rpi => {
+                self.report(ForeignSyntax, self.foreign_comment(span, 2));
+            }
+            Token::Hash | Token::Percent => {
+                self.report(ForeignSyntax, self.foreign_comment(span, 1));
+            }
+            _ if kind == CommentKind::Contract => {
+                self.report(Other, lexical_errors::unsupported_contract(span));
+            }
+            _ if kind == CommentKind::Property => {
+                self.report(Other, lexical_errors::unsupported_property(span));
+            }
+            _ => {}
+        }
         self.output.comments.all.push(Comment { kind, span });
     }
 
@@ -410,10 +291,15 @@ impl<'t> Lexer<'t> {
     fn report_unknown(&mut self) {
         if let Some(span) = self.unknown.take() {
             let text = &self.text[span.start as usize..span.end as usize];
-            self.output
-                .diagnostics
-                .push(lexical_errors::unknown_chars(span, text));
+            self.report(
+                LexicalErrorKind::UnknownChars,
+                lexical_errors::unknown_chars(span, text),
+            );
         }
+    }
+
+    fn report(&mut self, kind: LexicalErrorKind, diagnostic: Diagnostic) {
+        self.output.errors.push(LexicalError { kind, diagnostic });
     }
 
     fn span(&self, lexeme: Lexeme) -> Span {

@@ -8,9 +8,8 @@
 //! type of the parser generator or of the lexer.
 
 mod actions;
-mod actions_blocks;
-mod actions_expr;
 pub mod ast;
+mod closing_brackets;
 mod comments;
 mod context;
 mod dump;
@@ -25,6 +24,7 @@ mod kind2_blocks;
 mod lexer;
 mod lexical_errors;
 mod name;
+mod neighbours;
 mod nesting;
 pub mod ops;
 mod parse;

@@ -2,12 +2,11 @@
 
 use crate::ast::{File, Item};
 use crate::context::ParseContext;
-use crate::foreign::NAMED_ARGUMENT;
-use crate::lexer::{LexOutput, Lexeme, lex_skipping};
+use crate::lexer::{LexOutput, Lexeme, LexicalError, LexicalErrorKind, lex_skipping};
 use crate::lexical_errors;
 use crate::split::{Chunk, ChunkKind, split};
 use crate::{Dialect, Parse, nesting, recover, stray_tokens, with_large_stack};
-use rpi_diag::{Code, Diagnostic, FileId, Severity, Span};
+use rpi_diag::{Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeSet;
 
 /// Parses a whole file. Never fails and never panics: every text has a tree.
@@ -21,8 +20,8 @@ pub fn parse(file: FileId, text: &str, mode: Dialect) -> Parse {
 /// Parses a whole file like [`parse`] and also returns its tokens.
 pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Dialect) -> (Parse, Vec<Lexeme>) {
     let (lexed, items, found) = with_large_stack(|| parse_with_claims(file, text, mode));
-    let mut diagnostics = merge_per_call(text, lexed.diagnostics);
-    let gaps = LexicalGaps::new(text, &diagnostics);
+    let gaps = LexicalGaps::new(text, &lexed.errors);
+    let mut diagnostics = merge_per_call(text, lexed.errors);
     let found = found.into_iter();
     diagnostics.extend(found.filter(|diagnostic| !gaps.explains(diagnostic)));
     diagnostics.sort_by_key(|diagnostic| diagnostic.span());
@@ -38,29 +37,33 @@ pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Dialect) -> (Par
     (parse, lexed.lexemes)
 }
 
-/// Merges the diagnostics about arguments named with a foreign operator: one per call, with the places of all of them.
-fn merge_per_call(text: &str, diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    let mut kept: Vec<Diagnostic> = Vec::with_capacity(diagnostics.len());
-    for diagnostic in diagnostics {
+/// Returns the diagnostics of the lexer. Those about named arguments of one call become one, with all their places.
+fn merge_per_call(text: &str, errors: Vec<LexicalError>) -> Vec<Diagnostic> {
+    let mut merged: Vec<LexicalError> = Vec::with_capacity(errors.len());
+    for error in errors {
+        let LexicalError { kind, diagnostic } = &error;
         let span = diagnostic.span();
-        let is_named = |other: &Diagnostic| other.message == NAMED_ARGUMENT;
-        let same = kept.last_mut().filter(|last| {
-            let end = last.labels.last().map_or(0, |label| label.span.end);
+        let same_call = merged.last_mut().filter(|last| {
+            let end = last.diagnostic.labels.last();
+            let end = end.map_or(0, |label| label.span.end);
             let between = text.get(end as usize..span.start as usize);
-            let is_one = between.is_some_and(|text| !text.contains([';', ')']));
-            is_named(last) && is_named(&diagnostic) && is_one
+            [last.kind, *kind] == [LexicalErrorKind::NamedArgument; 2]
+                && between.is_some_and(|text| !text.contains([';', ')']))
         });
-        let Some(last) = same else {
-            kept.push(diagnostic);
+        let Some(LexicalError {
+            diagnostic: last, ..
+        }) = same_call
+        else {
+            merged.push(error);
             continue;
         };
         *last = last.clone().secondary(span, "and here");
-        let edits = diagnostic.fixes.into_iter().flat_map(|fix| fix.edits);
+        let edits = error.diagnostic.fixes.into_iter().flat_map(|fix| fix.edits);
         if let Some(fix) = last.fixes.first_mut() {
             fix.edits.extend(edits);
         }
     }
-    kept
+    merged.into_iter().map(|error| error.diagnostic).collect()
 }
 
 /// Maximum number of parses of a file. In the last one, no contracts or properties in comments are parsed.
@@ -76,33 +79,37 @@ fn parse_with_claims(
     loop {
         let mut lexed = lex_skipping(file, text, mode, &skipped);
         let (items, found, foreign) = parse_items(file, text, mode, &lexed);
-        if !foreign.is_empty() {
-            let is_sign = |code| matches!(code, Code::RPI0002 | Code::RPI0013 | Code::RPI0016);
-            let is_told = |sign: &Diagnostic| is_sign(sign.code) && is_within(&foreign, sign);
-            lexed.diagnostics.retain(|sign| !is_told(sign));
-        }
-        let faults = lexed.diagnostics.iter().chain(&found);
-        let faults = faults.filter(|f| f.severity() == Severity::Error);
-        let faults: Vec<Span> = faults.map(Diagnostic::span).collect();
+        let errors = std::mem::take(&mut lexed.errors).into_iter();
+        lexed.errors = errors
+            .filter(|error| !is_explained(&foreign, error))
+            .collect();
+        let errors = lexed.errors.iter().map(|error| &error.diagnostic);
+        let errors = errors.chain(&found);
+        let errors = errors.filter(|f| f.severity() == Severity::Error);
+        let errors: Vec<Span> = errors.map(Diagnostic::span).collect();
         attempt += 1;
-        let is_strange = |claim: &&Span| match attempt < MAX_ATTEMPTS {
+        let has_error = |claim: &&Span| match attempt < MAX_ATTEMPTS {
             true => {
-                (faults.iter()).any(|fault| claim.start <= fault.start && fault.end <= claim.end)
+                (errors.iter()).any(|error| claim.start <= error.start && error.end <= claim.end)
             }
-            false => !faults.is_empty(),
+            false => !errors.is_empty(),
         };
-        let strange = lexed.lexed_comments.iter().filter(is_strange);
-        let strange: Vec<u32> = strange.map(|claim| claim.start).collect();
-        if strange.is_empty() {
+        let rejected = lexed.lexed_comments.iter().filter(has_error);
+        let rejected: Vec<u32> = rejected.map(|claim| claim.start).collect();
+        if rejected.is_empty() {
             return (lexed, items, found);
         }
-        skipped.extend(strange);
+        skipped.extend(rejected);
     }
 }
 
-/// Returns whether a diagnostic lies in one of the spans, which are in text order.
-fn is_within(places: &[Span], diagnostic: &Diagnostic) -> bool {
-    let at = diagnostic.span();
+/// Returns whether an error of the lexer needs no diagnostic, as one of the reported statements of other languages
+/// explains it. The statements are in text order.
+fn is_explained(places: &[Span], error: &LexicalError) -> bool {
+    if !error.kind.is_explained_by_foreign_statement() {
+        return false;
+    }
+    let at = error.diagnostic.span();
     let after = places.partition_point(|place| place.start <= at.start);
     let place = after.checked_sub(1).map(|i| places[i]);
     place.is_some_and(|place| at.end <= place.end)
@@ -116,12 +123,9 @@ struct LexicalGaps<'t> {
 }
 
 impl LexicalGaps<'_> {
-    fn new<'t>(text: &'t str, diagnostics: &[Diagnostic]) -> LexicalGaps<'t> {
-        let unread = |code| matches!(code, Code::RPI0002 | Code::RPI0003 | Code::RPI0005);
-        let found = diagnostics
-            .iter()
-            .filter(|diagnostic| unread(diagnostic.code));
-        let spans = found.map(Diagnostic::span).collect();
+    fn new<'t>(text: &'t str, errors: &[LexicalError]) -> LexicalGaps<'t> {
+        let gaps = errors.iter().filter(|error| error.kind.leaves_gap());
+        let spans = gaps.map(|error| error.diagnostic.span()).collect();
         LexicalGaps { text, spans }
     }
 
@@ -190,11 +194,10 @@ fn parse_item(
                 stray_tokens::corresponding_keyword(cx.slice(lexemes[0].start, lexemes[0].end))
                     .is_some();
             lexemes[0].token = word;
-            let told = diagnostics.len();
-            let item = recover::parse_item(cx, &lexemes, diagnostics);
-            if is_foreign && diagnostics.len() > told {
+            let mut rest = Vec::new();
+            let item = recover::parse_item(cx, &lexemes, &mut rest);
+            if is_foreign && !rest.is_empty() {
                 // The rest of the declaration is in the other language, too: replacing the keyword does not fix it.
-                diagnostics.truncate(told);
                 let last = lexemes[lexemes.len() - 1];
                 cx.suppress_foreign_operators(cx.span(lexemes[0].start, last.end));
                 diagnostics
@@ -203,6 +206,7 @@ fn parse_item(
                     .for_each(|f| f.fixes.clear());
                 return Some(recover::broken_item(cx, &lexemes));
             }
+            diagnostics.append(&mut rest);
             Some(item)
         }
         ChunkKind::Stray if stray_tokens::is_type_without_keyword(lexemes) => Some(

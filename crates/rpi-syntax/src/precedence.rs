@@ -3,6 +3,7 @@
 //! The grammar delivers `a + b * c` piece by piece. Operators whose right operand is incomplete wait on a stack. They
 //! are applied when an operator of lower precedence follows (operator-precedence parsing).
 
+use crate::actions::calls;
 use crate::ast::{
     Binary, Clock, Expr, ExprKind, Ident, IfExpr, Quantified, StaticArg, VarDecl, WhenExpr,
 };
@@ -174,7 +175,7 @@ fn apply_operator(cx: &ParseContext<'_>, waiting: PendingOperator, rhs: Expr) ->
 fn prefixed(cx: &ParseContext<'_>, prefix: Prefix, start: u32, operand: Expr) -> Expr {
     let span = cx.span(start, operand.span.end);
     let kind = match prefix {
-        Prefix::Conversion(to, bits) => return cx.conversion(start, to, bits, operand),
+        Prefix::Conversion(to, bits) => return calls::conversion(cx, start, to, bits, operand),
         Prefix::Unary(op) => ExprKind::Unary(op, Box::new(operand)),
         Prefix::Quantifier(for_all, vars) => ExprKind::Quantified(Box::new(Quantified {
             is_forall: for_all,

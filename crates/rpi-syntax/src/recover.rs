@@ -4,6 +4,7 @@
 //! [`Token::Broken`]. If the header of a declaration has an error, its body is still parsed for its diagnostics. So
 //! every independent error is reported exactly once.
 
+use crate::actions::declarations;
 use crate::ast::{DeclaredKind, DeclaredName, Ident, Item, ItemKind};
 use crate::context::ParseContext;
 use crate::foreign::{self, ForeignSyntax, Repair};
@@ -49,7 +50,7 @@ pub(crate) fn broken_item(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Item {
             .chain(guessed_declarations::datatype_constructors(cx, lexemes))
             .collect(),
     );
-    cx.item(start, kind, end)
+    declarations::item(cx, start, kind, end)
 }
 
 /// Returns the kind of declaration from its first keyword.
@@ -202,8 +203,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
             error: fault,
         };
         let phrase = structure.phrase(fault.index);
-        if let Some(habit) = foreign::recognise(&found) {
-            return self.apply_foreign(habit, phrase);
+        if let Some(construct) = foreign::recognise(&found) {
+            return self.apply_foreign(construct, phrase);
         }
         let open_let = structure.unclosed_let().filter(|_| at_end);
         if let Some(unclosed) = open_let.and_then(|_| find_unclosed_body(&found)) {
@@ -239,9 +240,9 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
     }
 
     /// Reports foreign syntax and applies its repair. `phrase` is the range that the usual repair removes.
-    fn apply_foreign(&mut self, habit: ForeignSyntax, phrase: Range<usize>) -> bool {
-        self.diagnostics.push(habit.diagnostic);
-        match habit.repair {
+    fn apply_foreign(&mut self, construct: ForeignSyntax, phrase: Range<usize>) -> bool {
+        self.diagnostics.push(construct.diagnostic);
+        match construct.repair {
             Repair::ReplaceTokens(edits) => {
                 for (range, tokens) in edits.into_iter().rev() {
                     self.lexemes.splice(range, tokens);

@@ -87,14 +87,14 @@ impl ErrorContext<'_, '_> {
 /// Returns the index of a token, at the error or directly before it, that is one of the words already reported
 /// as names.
 pub(crate) fn find_reported_word(
-    told: &[Token],
+    reported: &[Token],
     lexemes: &[Lexeme],
     fault: usize,
 ) -> Option<usize> {
     let places = [Some(fault), fault.checked_sub(1)].into_iter().flatten();
     let is_told = |at: &usize| {
         let lexeme = lexemes.get(*at);
-        lexeme.is_some_and(|lexeme| told.contains(&lexeme.token))
+        lexeme.is_some_and(|lexeme| reported.contains(&lexeme.token))
     };
     places.into_iter().find(is_told)
 }

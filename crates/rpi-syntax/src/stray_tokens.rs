@@ -1,5 +1,6 @@
 //! Diagnostics for text outside of declarations.
 
+use crate::actions::declarations;
 use crate::ast::{DeclaredKind, DeclaredName, Item, ItemKind};
 use crate::context::ParseContext;
 use crate::lexer::Lexeme;
@@ -229,7 +230,7 @@ pub(crate) fn c_declaration(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option
     let name = cx.ident(name.start, name.end);
     let end = lexemes.last().map_or(0, |lexeme| lexeme.end);
     let kind = ItemKind::Error(vec![DeclaredName { kind, name }]);
-    Some(cx.item(lexemes[0].start, kind, end))
+    Some(declarations::item(cx, lexemes[0].start, kind, end))
 }
 
 /// Reports any other tokens outside of declarations (RPI0010). `before` is the preceding token.

@@ -3,8 +3,8 @@
 use crate::comments::Comment;
 use crate::context::ParseContext;
 use crate::expected;
-use crate::keywords::begins_operand;
 use crate::lexer::Lexeme;
+use crate::neighbours::begins_operand;
 use crate::stray_tokens;
 use crate::token::Token;
 use crate::token_tree::{TokenTree, closing_token};
@@ -43,9 +43,9 @@ impl ErrorContext<'_, '_> {
     /// Returns whether only a `;` is missing: the grammar accepts one here, and a new phrase begins.
     pub(crate) fn lacks_semi(&self) -> bool {
         let expects = |token| self.error.expected.contains(&token);
-        let fits = expects(Token::Semi) && !expects(Token::Let);
+        let expects_semi = expects(Token::Semi) && !expects(Token::Let);
         let open = self.structure.unclosed_bracket(self.error.index);
-        fits && open.is_none() && self.begins_phrase()
+        expects_semi && open.is_none() && self.begins_phrase()
     }
 
     fn begins_phrase(&self) -> bool {
@@ -158,14 +158,14 @@ impl ErrorContext<'_, '_> {
     fn ends_unclosed_bracket(&self, open: usize, here: Option<Lexeme>) -> bool {
         use Token::{Let, RBrace, RBracket, RParen, RStatic, Semi, Tel};
         let close = closing_token(self.lexemes[open].token);
-        let fits = close.is_some_and(|close| self.error.expected.contains(&close));
+        let is_expected = close.is_some_and(|close| self.error.expected.contains(&close));
         let ends = |token| {
             matches!(
                 token,
                 Semi | Let | Tel | RParen | RBracket | RBrace | RStatic
             )
         };
-        here.is_none_or(|here| fits && ends(here.token))
+        here.is_none_or(|here| is_expected && ends(here.token))
     }
 
     /// Creates the diagnostic for a bracket that is not closed before the syntax error (RPI0004).

@@ -25,8 +25,8 @@ pub(crate) fn extend_chained_comparison(
     middle: Option<(Span, &str)>,
 ) -> Diagnostic {
     let fix = last.fixes.pop().zip(middle);
-    let told = fix.map(|(fix, (span, text))| fix.insert_after(span, format!(" and {text}")));
-    last.fixes.extend(told);
+    let fix = fix.map(|(fix, (span, text))| fix.insert_after(span, format!(" and {text}")));
+    last.fixes.extend(fix);
     last.secondary(sign, "another comparison")
 }
 

@@ -5,19 +5,19 @@ use std::path::Path;
 use std::process::Command;
 
 /// Compares the messages about a program with `NAME.stderr` beside it. Returns a description of the difference, or
-/// `None` if they are equal. With `RPI_BLESS=1` the file is overwritten first.
+/// `None` if they are equal. With `RPI_BLESS` set, as by `cargo xtask bless`, the file is overwritten first.
 ///
 /// # Panics
 /// If `RPI_BLESS` is set and the file cannot be written.
 #[must_use]
-pub fn compare_with_expected(program: &Path, said: &str) -> Option<String> {
+pub fn compare_with_expected(program: &Path, output: &str) -> Option<String> {
     let expected = program.with_extension("stderr");
     if std::env::var_os("RPI_BLESS").is_some() {
-        std::fs::write(&expected, said).expect("tests/ui can be written");
+        std::fs::write(&expected, output).expect("tests/ui can be written");
     }
     let known = std::fs::read_to_string(&expected).unwrap_or_default();
     let name = program.display();
-    (known != said).then(|| format!("{name}\n--- actual\n{said}--- expected\n{known}"))
+    (known != output).then(|| format!("{name}\n--- actual\n{output}--- expected\n{known}"))
 }
 
 /// Like [`compare_with_expected`], for the standard error of a tool that is run on a program below `tests/ui`. The tool is started in

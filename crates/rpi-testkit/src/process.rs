@@ -11,6 +11,8 @@ use std::process::{Command, Output};
 pub fn run_test_in_process(test: &str, variable: &str, case: &str) -> Output {
     let program = std::env::current_exe().expect("the path of this test program");
     Command::new(program)
+        // `--exact`, because the name of a test may be part of another one; `--nocapture`, because the caller reads the
+        // output.
         .args([test, "--exact", "--nocapture", "--test-threads=1"])
         .env(variable, case)
         .output()

@@ -1,5 +1,6 @@
 //! Options for the share of a cycle that commands may take.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -31,11 +32,12 @@ impl BudgetArgs {
 
     /// Returns the time of an elementary operation in nanoseconds: from the file of the option, else from the file
     /// `beside` if it exists, else the default.
-    pub(crate) fn ns_per_operation(&self, beside: Option<&Path>) -> Result<f64, String> {
+    pub(crate) fn ns_per_operation(&self, beside: Option<&Path>) -> Result<f64, Box<dyn Error>> {
         let beside = beside.filter(|path| path.is_file());
         let measured = self.machine.as_deref().or(beside);
         measured.map_or(Ok(Budget::NS_PER_OPERATION), |path| {
-            Ok(rpi_driver::read_machine(path)?.ns_per_operation)
+            let machine = rpi_driver::read_machine(path).map_err(|error| error.to_string())?;
+            Ok(machine.ns_per_operation)
         })
     }
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
     /// Success.
-    Good,
+    Success,
     /// A command ended with an error, or a trace differs.
     CommandError,
     /// A file, an option or a program is invalid.
@@ -23,7 +23,7 @@ pub(crate) enum Exit {
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
         ExitCode::from(match exit {
-            Exit::Good => 0,
+            Exit::Success => 0,
             Exit::CommandError => 1,
             Exit::BadInput => 2,
             Exit::Fault => 3,
@@ -33,4 +33,4 @@ impl From<Exit> for ExitCode {
 }
 
 /// Result of a subcommand. The error is printed for the user.
-pub(crate) type Outcome = Result<Exit, Box<dyn std::error::Error>>;
+pub(crate) type CommandResult = rpi_cli::CommandResult<Exit>;

@@ -36,6 +36,7 @@ impl Interrupt {
         interrupt.register(SIGINT)?;
         interrupt.register(SIGTERM)?;
         #[cfg(unix)]
+        // `nohup` starts a program with SIGHUP ignored, so that it survives the end of the terminal.
         if !is_ignored(signal_hook::consts::SIGHUP) {
             interrupt.register(signal_hook::consts::SIGHUP)?;
         }

@@ -9,21 +9,20 @@ use rpi_runtime::realtime::{RealTime, SchedulingOptions, TimeBase};
 use rpi_runtime::run::{self, Limits, RunOptions};
 
 use crate::args::{LatencyArgs, Target};
-use crate::exit::{Exit, Outcome};
-use crate::output;
+use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::target;
 
 /// Measures the latency and prints the verdict.
-pub(crate) fn latency(args: &LatencyArgs) -> Outcome {
+pub(crate) fn latency(args: &LatencyArgs) -> CommandResult {
     let load = args.program.as_ref().map(|_| load(args)).transpose()?;
     let count = (args.time / args.period).max(1);
     let verdict = verdict(measure(thread_settings(args), args.period, count)?, load);
-    output::print(&match args.json {
+    rpi_cli::print(&match args.json {
         true => format!("{}\n", verdict.to_json()),
         false => verdict.to_string(),
     })?;
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }
 
 fn thread_settings(args: &LatencyArgs) -> SchedulingOptions {
@@ -45,11 +44,11 @@ fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
         time: Some(args.time),
         settings: Vec::new(),
     };
-    let script = target::task_bundle(&compiled, &target, target::lower_for_run)?;
-    let (cell, _) = target::cell(&path, &target, &script)?;
+    let bundle = target::task_bundle(&compiled, &target, target::lower_for_run)?;
+    let (cell, _) = target::cell(&path, &target, &bundle)?;
     let outcome = run::run(RunOptions {
-        images: &script.images,
-        plans: std::slice::from_ref(&script.plan),
+        images: &bundle.images,
+        plans: std::slice::from_ref(&bundle.plan),
         cell: &cell,
         time_base: TimeBase::Real,
         real_time: RealTime {

@@ -5,6 +5,7 @@
 
 mod args;
 mod budget_args;
+mod cell_file;
 mod exit;
 mod interrupt;
 mod latency;
@@ -16,15 +17,15 @@ mod random_inputs;
 mod replay;
 mod run;
 mod serve;
-mod shell;
 mod target;
 mod trace;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use args::{Cli, CliCommand};
 use clap::Parser;
-use exit::Exit;
+use exit::{CommandResult, Exit};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -35,12 +36,20 @@ fn main() -> ExitCode {
         CliCommand::Trace(args) => trace::trace(&args),
         CliCommand::Replay(args) => replay::replay(&args),
         CliCommand::Latency(args) => latency::latency(&args),
-        CliCommand::Completions { shell } => shell::completions(shell),
-        CliCommand::Man { folder } => shell::man(&folder),
+        CliCommand::Completions { shell } => completions(shell),
+        CliCommand::Man { folder } => man_pages(&folder),
     };
-    done.unwrap_or_else(|error| {
-        rpi_diag::println_stderr!("error: {error}");
-        Exit::BadInput
-    })
-    .into()
+    rpi_cli::exit_code(done, Exit::BadInput)
+}
+
+/// Prints the completion script of a shell.
+fn completions(shell: rpi_cli::Shell) -> CommandResult {
+    rpi_cli::print_completions::<Cli>(shell);
+    Ok(Exit::Success)
+}
+
+/// Writes the manual pages to a folder.
+fn man_pages(folder: &Path) -> CommandResult {
+    rpi_cli::write_man_pages::<Cli>(folder)?;
+    Ok(Exit::Success)
 }

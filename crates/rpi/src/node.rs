@@ -11,14 +11,14 @@ use rpi_net::Column;
 use rpi_replay::node_runner::{ColumnValues, NodeRun, TableReader, header_line, row_line};
 
 use crate::args::{ContractsMode, NodeArgs, RunArgs};
-use crate::exit::{Exit, Outcome};
+use crate::exit::{CommandResult, Exit};
 use crate::output::create;
 use crate::random::InputGenerator;
 use crate::random_inputs::InputSearch;
 use crate::target::PERIOD;
 
 /// Compiles the node and runs it row by row.
-pub(crate) fn run(args: &RunArgs) -> Outcome {
+pub(crate) fn run(args: &RunArgs) -> CommandResult {
     check_options(args)?;
     let input = rpi_driver::read(&args.program)?;
     let name = args.node.node.as_deref();
@@ -144,7 +144,7 @@ impl NodeSession {
         self.last.clone()
     }
 
-    fn table(&mut self, path: &Path, columns: &[Column], most: Option<u64>) -> Outcome {
+    fn table(&mut self, path: &Path, columns: &[Column], most: Option<u64>) -> CommandResult {
         let name = path.display();
         let source: Box<dyn BufRead> = match path == Path::new("-") {
             true => Box::new(stdin().lock()),
@@ -172,11 +172,11 @@ impl NodeSession {
                 return Ok(Exit::Fault);
             }
         }
-        Ok(Exit::Good)
+        Ok(Exit::Success)
     }
 
     /// Reads the inputs of each cycle from standard input until its end.
-    fn steps(&mut self, columns: &[Column]) -> Outcome {
+    fn steps(&mut self, columns: &[Column]) -> CommandResult {
         let names = header_line(columns.iter());
         let reader = TableReader::new(columns, &names).map_err(|e| e.to_string())?;
         match reader.accepts_empty_lines() {
@@ -203,16 +203,16 @@ impl NodeSession {
             }
             self.out.flush()?;
         }
-        Ok(Exit::Good)
+        Ok(Exit::Success)
     }
 
-    fn rows(&mut self, rows: &[ColumnValues]) -> Outcome {
+    fn rows(&mut self, rows: &[ColumnValues]) -> CommandResult {
         for row in rows {
             if !self.cycle(row)? {
                 return Ok(Exit::Fault);
             }
         }
-        Ok(Exit::Good)
+        Ok(Exit::Success)
     }
 }
 

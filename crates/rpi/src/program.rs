@@ -1,17 +1,17 @@
 //! Compiles the program of the command line and selects a command.
 
+use std::fmt;
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{CompileOptions, Compiled, Task, UnboundCommand};
-use rpi_net::Net;
+use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Task, UnboundCommand};
 
 /// Compiles a file and prints its diagnostics. Returns an error if there are errors.
 pub(crate) fn load(
     path: &Path,
-    asked: impl Into<CompileOptions>,
+    options: impl Into<CompileOptions>,
 ) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, asked)?;
+    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, options)?;
     let style = Style::for_stream(&std::io::stderr());
     rpi_diag::print_stderr!(
         "{}",
@@ -28,43 +28,76 @@ pub(crate) fn select_command<'a>(
     compiled: &'a Compiled,
     tasks: &[Task],
     name: Option<&str>,
-) -> Result<&'a Net, String> {
+) -> Result<&'a AnalysedNet, SelectionError> {
     let nets = compiled.nets();
     let unset = compiled.unbound.iter().find(|unset| match name {
         Some(name) => unset.command == name,
         None => nets.is_empty(),
     });
     if let Some(unset) = unset {
-        return Err(missing_arguments(unset));
+        return Err(SelectionError::OpenParameters(unset.clone()));
     }
-    let commands = nets.iter().map(|n| n.name.as_str());
+    let commands = nets.iter().map(|net| &net.name);
     let names = || {
-        commands
-            .clone()
-            .chain(tasks.iter().map(|t| t.name.as_str()))
+        let all = commands.clone().chain(tasks.iter().map(|task| &task.name));
+        all.cloned().collect()
     };
     match (nets, name) {
-        ([], _) => Err(
-            "the file has no command; run a node with --node NAME, tests with `rpic test`"
-                .to_owned(),
-        ),
+        ([], _) => Err(SelectionError::NoCommand),
         ([only], None) => Ok(only),
-        (_, None) => Err(format!(
-            "the file has several commands: {}; choose one with --command NAME",
-            list(names())
-        )),
+        (_, None) => Err(SelectionError::Ambiguous(names())),
         (_, Some(name)) => nets.iter().find(|n| n.name == name).ok_or_else(|| {
-            let meant = rpi_diag::suggest(name, names());
-            let meant = meant
-                .map(|m| format!("; did you mean {m}?"))
-                .unwrap_or_default();
-            format!(
-                "unknown command or task {name}, expected one of {}{meant}",
-                list(names())
-            )
+            let (name, known) = (name.to_owned(), names());
+            SelectionError::Unknown { name, known }
         }),
     }
 }
+
+/// Error of the choice of a command in a program.
+#[derive(Clone, Debug)]
+pub(crate) enum SelectionError {
+    /// The program has no command.
+    NoCommand,
+    /// The program has several commands and none is named; the names of all commands and tasks.
+    Ambiguous(Vec<String>),
+    /// The program has no command or task of this name.
+    Unknown {
+        name: String,
+        /// Names of all commands and tasks.
+        known: Vec<String>,
+    },
+    /// The command has parameters without a value.
+    OpenParameters(UnboundCommand),
+}
+
+impl fmt::Display for SelectionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SelectionError::NoCommand => f.write_str(
+                "the file has no command; run a node with --node NAME, tests with `rpic test`",
+            ),
+            SelectionError::Ambiguous(known) => write!(
+                f,
+                "the file has several commands: {}; choose one with --command NAME",
+                known.join(", ")
+            ),
+            SelectionError::Unknown { name, known } => {
+                let known_list = known.join(", ");
+                write!(
+                    f,
+                    "unknown command or task {name}, expected one of {known_list}"
+                )?;
+                match rpi_diag::suggest(name, known.iter().map(String::as_str)) {
+                    Some(similar) => write!(f, "; did you mean {similar}?"),
+                    None => Ok(()),
+                }
+            }
+            SelectionError::OpenParameters(command) => f.write_str(&missing_arguments(command)),
+        }
+    }
+}
+
+impl std::error::Error for SelectionError {}
 
 /// Returns the error message for a command with open parameters.
 fn missing_arguments(unset: &UnboundCommand) -> String {
@@ -81,8 +114,4 @@ fn missing_arguments(unset: &UnboundCommand) -> String {
         quoted.join(" and "),
         declared.join(" ")
     )
-}
-
-fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.collect::<Vec<_>>().join(", ")
 }

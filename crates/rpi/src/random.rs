@@ -16,6 +16,7 @@ impl InputGenerator {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
+        // The low bits of xorshift are its weakest.
         self.0 >> 11
     }
 

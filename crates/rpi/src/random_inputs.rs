@@ -3,14 +3,42 @@
 //! An assumption may depend on earlier outputs, so rows are found by trial: if a row violates an assumption, the run is
 //! restarted, repeated up to this cycle with the rows found so far, and continued with another row.
 
+use std::fmt;
+
 use rpi_image::Image;
 use rpi_net::{Claim, ClaimKind, Column};
-use rpi_replay::node_runner::{ColumnValues, NodeRun};
+use rpi_replay::node_runner::{ColumnValues, NodeLoadError, NodeRun};
 
 use crate::random::InputGenerator;
 
 /// Maximum number of rows tried for one cycle.
 const MAX_TRIES: u32 = 200;
+
+/// Error of a search for rows of inputs.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum InputSearchError {
+    /// The node cannot be loaded.
+    Load(NodeLoadError),
+    /// None of the tried rows satisfies the assumptions.
+    Exhausted {
+        /// Cycle without a row, from 0.
+        cycle: usize,
+    },
+}
+
+impl fmt::Display for InputSearchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            InputSearchError::Load(error) => write!(f, "{error}"),
+            InputSearchError::Exhausted { cycle } => write!(
+                f,
+                "no random inputs satisfy the assumptions of the node in cycle {cycle}; use --inputs FILE"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for InputSearchError {}
 
 /// Search for rows of inputs that satisfy the assumptions.
 pub(crate) struct InputSearch {
@@ -43,9 +71,9 @@ impl InputSearch {
         &self,
         random: &mut InputGenerator,
         cycles: u64,
-    ) -> Result<Vec<ColumnValues>, String> {
+    ) -> Result<Vec<ColumnValues>, InputSearchError> {
         let mut rows: Vec<ColumnValues> = Vec::new();
-        let (mut run, mut tries) = (self.run_after(&rows)?, 0);
+        let (mut run, mut tries) = (self.run_after(&rows).map_err(InputSearchError::Load)?, 0);
         while (rows.len() as u64) < cycles {
             let row = self.draw_row(random, rows.last().filter(|_| tries % 2 == 1));
             let cycle = run.cycle(&row);
@@ -59,12 +87,9 @@ impl InputSearch {
             }
             tries += 1;
             if tries > MAX_TRIES {
-                let cycle = rows.len();
-                return Err(format!(
-                    "no random inputs satisfy the assumptions of the node in cycle {cycle}; use --inputs FILE"
-                ));
+                return Err(InputSearchError::Exhausted { cycle: rows.len() });
             }
-            run = self.run_after(&rows)?;
+            run = self.run_after(&rows).map_err(InputSearchError::Load)?;
         }
         Ok(rows)
     }
@@ -81,7 +106,7 @@ impl InputSearch {
         row
     }
 
-    fn run_after(&self, rows: &[ColumnValues]) -> Result<NodeRun, String> {
+    fn run_after(&self, rows: &[ColumnValues]) -> Result<NodeRun, NodeLoadError> {
         let mut run = NodeRun::load(self.image.clone(), &self.inputs, &[], &self.assumptions)?;
         for row in rows {
             run.cycle(row);

@@ -8,13 +8,12 @@ use rpi_record::trace::Trace;
 use rpi_replay::trace_compare::Options;
 
 use crate::args::ReplayArgs;
-use crate::exit::{Exit, Outcome};
-use crate::output;
+use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::run::is_mcap;
 
 /// Replays and prints the report.
-pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
+pub(crate) fn replay(args: &ReplayArgs) -> CommandResult {
     if is_mcap(&args.net) {
         return match args.trace.is_empty() && args.command.is_none() {
             true => replay_recording(args),
@@ -37,20 +36,20 @@ pub(crate) fn replay(args: &ReplayArgs) -> Outcome {
         ..Options::default()
     };
     let report = rpi_replay::trace_compare::replay(net, &trace, &options)?;
-    output::print(&match args.json {
+    rpi_cli::print(&match args.json {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
     })?;
     Ok(verdict(report.agrees()))
 }
 
-/// Replays a recording.
-fn replay_recording(args: &ReplayArgs) -> Outcome {
+/// Runs the commands of a recording again and compares every value with the recorded one.
+fn replay_recording(args: &ReplayArgs) -> CommandResult {
     let name = args.net.display();
     let bytes = std::fs::read(&args.net).map_err(|e| format!("{name}: {e}"))?;
     let recording = Recording::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
     let report = mcap::replay(&recording).map_err(|e| format!("{name}: {e}"))?;
-    output::print(&match args.json {
+    rpi_cli::print(&match args.json {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
     })?;
@@ -59,7 +58,7 @@ fn replay_recording(args: &ReplayArgs) -> Outcome {
 
 fn verdict(agrees: bool) -> Exit {
     match agrees {
-        true => Exit::Good,
+        true => Exit::Success,
         false => Exit::CommandError,
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{CompileOptions, Compiled, Program};
+use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Program};
 use rpi_record::mcap::{RecordingOptions as Recording, RunSources};
 use rpi_record::sample_output::{DigestSink, SampleFormat, SampleWriter};
 use rpi_replay::faults::Faults;
@@ -21,8 +21,6 @@ use rpi_runtime::run::{
     StartRecording, Status,
 };
 
-use rpi_net::Net;
-
 use crate::args::RunArgs;
 use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
@@ -32,10 +30,10 @@ use crate::target;
 use rpi_serve::TaskBundle;
 
 /// Runs, records and prints the summary.
-pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
+pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let compiled = compile(args)?;
-    let script = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
-    target::ensure_inputs_set(&compiled, &args.target, &script)?;
+    let bundle = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
+    target::ensure_inputs_set(&compiled, &args.target, &bundle)?;
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
         return Err("--record and --plot must name different files".into());
@@ -57,12 +55,12 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     several
         .0
         .extend(digest.as_mut().map(|digest| digest as &mut dyn Sink));
-    let mut claims = claims(&compiled, &script);
+    let mut claims = claims(&compiled, &bundle);
     several.0.push(&mut claims);
     let interrupt = Interrupt::listen()?;
-    let mut outcome = execute(args, &script, &interrupt, &mut several)?;
+    let mut outcome = execute(args, &bundle, &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.to_hex());
-    let mut faults = Faults::of(&outcome);
+    let mut faults = Faults::from_outcome(&outcome);
     let (mut diagnostics, summary) = claims.into_diagnostics(&mut outcome, &mut faults);
     // The text that an image was compiled from is not known, so faults have no location.
     if !matches!(compiled.program, Program::Image(_)) {
@@ -75,15 +73,15 @@ pub(crate) fn run(args: &RunArgs) -> exit::Outcome {
     );
     let file = record.unwrap_or(Path::new("")).display();
     let recorded = match (rows, &outcome.unrecorded) {
-        (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}")),
-        (None, Some(why)) => Err(format!("{file}: {why}")),
+        (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}").into()),
+        (None, Some(why)) => Err(format!("{file}: {why}").into()),
         (None, None) => Ok(()),
     };
     let drawn = match (motion, &mut picture) {
         (Some(motion), Some(picture)) => draw(args, &motion, &outcome, picture),
         _ => Ok(()),
     };
-    output::print(&match args.json {
+    rpi_cli::print(&match args.json {
         true => format!("{}\n", outcome.to_json()),
         false => outcome.to_string(),
     })?;
@@ -98,49 +96,50 @@ fn draw(
     motion: &MotionSink,
     outcome: &Outcome,
     picture: &mut File,
-) -> Result<(), String> {
+) -> Result<(), Box<dyn Error>> {
     let title = args.program.file_name().unwrap_or_default();
     let drawing = plot::render_svg(&motion.to_plot(&title.to_string_lossy(), outcome));
     let file = args.plot.as_deref().unwrap_or(Path::new("")).display();
     let drawn = picture.write_all(drawing.as_bytes());
-    drawn.map_err(|e| format!("{file}: {e}"))
+    drawn.map_err(|e| format!("{file}: {e}").into())
 }
 
 fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     if args.share.is_present() && !args.clock.real_time {
         return Err("--cycle-share and --machine require --real-time; cycles of simulated time have no time limit".into());
     }
-    let asked = CompileOptions {
+    let options = CompileOptions {
         claims: args.contracts.into(),
         period_ns: args.target.period,
         ..CompileOptions::default()
     };
-    program::load(&args.program, asked)
+    program::load(&args.program, options)
 }
 
 /// Creates the observer of assertions and contracts of all commands that run.
-fn claims(compiled: &Compiled, script: &TaskBundle) -> ClaimMonitorSink {
-    let runs = |net: &&Net| script.images.iter().any(|image| image.name == net.name);
+fn claims(compiled: &Compiled, bundle: &TaskBundle) -> ClaimMonitorSink {
+    let runs = |net: &&AnalysedNet| bundle.images.iter().any(|image| image.name == net.name);
     let nets = compiled.nets().iter().filter(runs);
     ClaimMonitorSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }
 
 fn execute(
     args: &RunArgs,
-    script: &TaskBundle,
+    bundle: &TaskBundle,
     interrupt: &Interrupt,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
-    let (cell, text) = target::cell(&args.program, &args.target, script)?;
+    let (cell, text) = target::cell(&args.program, &args.target, bundle)?;
     let recording = args.record.as_deref().filter(|path| is_mcap(path));
     let recording = recording.map(|path| mcap_recording(path, args, text));
-    let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
+    let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
-    let mut tell = |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
+    let mut show_progress =
+        |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
     let shows = std::io::stderr().is_terminal();
     let outcome = run::run(RunOptions {
-        images: &script.images,
-        plans: std::slice::from_ref(&script.plan),
+        images: &bundle.images,
+        plans: std::slice::from_ref(&bundle.plan),
         cell: &cell,
         time_base: match args.clock.real_time {
             true => TimeBase::Real,
@@ -148,7 +147,7 @@ fn execute(
         },
         real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
-        budget: share(args, script, tick_ns)?,
+        budget: share(args, bundle, tick_ns)?,
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),
@@ -158,7 +157,11 @@ fn execute(
         settings: &args.target.settings,
         recording: recording.transpose()?,
         sink,
-        progress: if shows { Some(&mut tell) } else { None },
+        progress: if shows {
+            Some(&mut show_progress)
+        } else {
+            None
+        },
     });
     progress.clear();
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
@@ -176,16 +179,16 @@ const BUDGET_HELP: &str = "reduce its work per cycle, use a longer --period, mea
 /// Returns the share of a tick for commands; `None` on simulated time, where a cycle may take any time.
 fn share<'a>(
     args: &RunArgs,
-    script: &'a TaskBundle,
+    bundle: &'a TaskBundle,
     tick_ns: u64,
-) -> Result<Option<RunBudget<'a>>, String> {
+) -> Result<Option<RunBudget<'a>>, Box<dyn Error>> {
     let share = args.share.parse_share().filter(|_| args.clock.real_time);
     let machine = args.program.with_file_name(rpi_driver::MACHINE);
     let budget = |share| {
         let ns = args.share.ns_per_operation(Some(&machine))?;
         Ok(RunBudget {
             budget: Budget::from_share(tick_ns, share, ns),
-            work: &script.work,
+            work: &bundle.work,
         })
     };
     share.map(budget).transpose()
@@ -228,8 +231,8 @@ fn rows_file(path: &Path, args: &RunArgs) -> Result<SampleWriter<BufWriter<File>
 
 fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
     match outcome.status() {
-        Status::Good if outcome.cut_off => interrupt.exit().unwrap_or(Exit::Good),
-        Status::Good => Exit::Good,
+        Status::Good if outcome.cut_off => interrupt.exit().unwrap_or(Exit::Success),
+        Status::Good => Exit::Success,
         Status::CommandError => Exit::CommandError,
         Status::Fault => Exit::Fault,
     }

@@ -9,16 +9,17 @@ use std::time::Duration;
 use rpi_diag::with_noun;
 use rpi_record::mcap::{RecordingOptions, RunSources};
 use rpi_serve::{OpenError, Server, Settings, TlsFiles};
-use rpi_sim::Cell;
 
 use crate::args::ServeArgs;
+use crate::cell_file;
 use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
 use crate::run::is_mcap;
 
 /// Runs the server until it is interrupted; then stops everything and closes once the devices are at rest.
-pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
-    let (cell, text) = read_cell(args.cell.as_deref())?;
+pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
+    let cell = args.cell.as_deref().map(cell_file::read).transpose()?;
+    let (cell, text) = cell.unwrap_or_default();
     let token = args.token_file.as_deref().map(read_token).transpose()?;
     let settings = Settings {
         cycle_share: args.share.parse_share(),
@@ -60,7 +61,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::Outcome {
         let ticks = with_noun(written.ticks, "tick");
         rpi_diag::println_stderr!("recorded {ticks}, {} lost", written.lost);
     }
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }
 
 /// Interval at which interrupts and warnings are checked.
@@ -83,19 +84,6 @@ fn recording(path: &Path, cell: String) -> Result<RecordingOptions, String> {
             cell,
         },
     })
-}
-
-/// Reads the cell with its text; a cell without devices if there is no path.
-fn read_cell(path: Option<&Path>) -> Result<(Cell, String), String> {
-    let Some(path) = path else {
-        return Ok((Cell::default(), String::new()));
-    };
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
-    let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
-    let cell = Cell::parse(&name, text);
-    let cell = cell.map_err(|errors| format!("the cell is invalid\n{errors}"))?;
-    Ok((cell, text.to_owned()))
 }
 
 fn tls(args: &ServeArgs) -> Option<TlsFiles> {

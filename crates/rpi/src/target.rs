@@ -1,15 +1,16 @@
 //! What to run and with which cell: images, their order, devices.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rpi_driver::{Compiled, Program, Task};
+use rpi_driver::{AnalysedNet, Compiled, Program, Task};
 use rpi_image::Image;
-use rpi_net::Net;
 use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
 
 use crate::args::Target;
+use crate::cell_file;
 use crate::program;
 
 /// Default period in nanoseconds: 1 ms.
@@ -17,12 +18,15 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 
 /// Lowers a net with a period in nanoseconds. Returns the image, and the bound on the work of its primitives per cycle
 /// if known.
-pub(crate) type Lower = fn(&Net, u64) -> Result<(Image, Option<u64>), String>;
+pub(crate) type Lower = fn(&AnalysedNet, u64) -> Result<(Image, Option<u64>), Box<dyn Error>>;
 
 /// Lowers a net for running.
-pub(crate) fn lower_for_run(net: &Net, period: u64) -> Result<(Image, Option<u64>), String> {
-    let lowered = rpi_driver::lower_with_work(net, period);
-    lowered.map(|(image, work)| (image, Some(work)))
+pub(crate) fn lower_for_run(
+    net: &AnalysedNet,
+    period: u64,
+) -> Result<(Image, Option<u64>), Box<dyn Error>> {
+    let (image, work) = rpi_driver::lower_with_work(net, period)?;
+    Ok((image, Some(work)))
 }
 
 /// Returns whether any command uses a device.
@@ -34,18 +38,18 @@ fn needs_devices(images: &[Arc<Image>]) -> bool {
     images.iter().any(needs)
 }
 
-/// Makes the script of the named command or task, else of the only task, else of the only command.
+/// Makes the bundle of the named command or task, else of the only task, else of the only command.
 pub(crate) fn task_bundle(
     compiled: &Compiled,
     target: &Target,
     lower: Lower,
-) -> Result<TaskBundle, String> {
+) -> Result<TaskBundle, Box<dyn Error>> {
     if let Program::Image(image) = &compiled.program {
         return check_image_period(image, target).map(|image| TaskBundle::single((image, None)));
     }
     let (nets, period) = (compiled.nets(), target.period.unwrap_or(PERIOD));
     if let Some(task) = task(&compiled.tasks, target.command.as_deref()) {
-        return TaskBundle::from_task(task, nets, |net| lower(net, period));
+        return Ok(TaskBundle::from_task(task, nets, |net| lower(net, period))?);
     }
     let net = program::select_command(compiled, &compiled.tasks, target.command.as_deref())?;
     lower(net, period).map(TaskBundle::single)
@@ -55,10 +59,10 @@ pub(crate) fn task_bundle(
 pub(crate) fn ensure_inputs_set(
     compiled: &Compiled,
     target: &Target,
-    script: &TaskBundle,
-) -> Result<(), String> {
+    bundle: &TaskBundle,
+) -> Result<(), Box<dyn Error>> {
     let (tasks, name) = (&compiled.tasks, target.command.as_deref());
-    let image = script.images.first().map(|image| image.name.as_str());
+    let image = bundle.images.first().map(|image| image.name.as_str());
     let net = compiled.nets().iter().find(|net| Some(&*net.name) == image);
     let Some(net) = net.filter(|_| task(tasks, name).is_none()) else {
         return Ok(());
@@ -77,7 +81,8 @@ pub(crate) fn ensure_inputs_set(
         "{} takes over {} but no command runs before it; set it with --set {first}=VALUE",
         net.name,
         needed.join(", ")
-    ))
+    )
+    .into())
 }
 
 fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
@@ -89,13 +94,14 @@ fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
 }
 
 /// Returns the image, or an error if the period differs from the one that it was compiled for.
-fn check_image_period(image: &Image, target: &Target) -> Result<Image, String> {
+fn check_image_period(image: &Image, target: &Target) -> Result<Image, Box<dyn Error>> {
     match target.period {
         Some(period) if period != image.period_ns => Err(format!(
             "the image was compiled for a period of {}, not {}",
             rpi_driver::format_duration(image.period_ns),
             rpi_driver::format_duration(period)
-        )),
+        )
+        .into()),
         _ => Ok(image.clone()),
     }
 }
@@ -106,26 +112,21 @@ pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
     target.cell.clone().unwrap_or_else(beside)
 }
 
-/// Reads the cell with its text. Without a file, returns a cell without devices, or an error if the script uses
+/// Reads the cell with its text. Without a file, returns a cell without devices, or an error if a command uses
 /// devices.
 pub(crate) fn cell(
     program: &Path,
     target: &Target,
-    script: &TaskBundle,
-) -> Result<(Cell, String), String> {
+    bundle: &TaskBundle,
+) -> Result<(Cell, String), Box<dyn Error>> {
     let path = cell_file(program, target);
     if target.cell.is_none() && !path.is_file() {
-        return match needs_devices(&script.images) {
+        return match needs_devices(&bundle.images) {
             false => Ok((Cell::default(), String::new())),
             true => Err("there is no cell.toml beside the program; add --cell FILE".into()),
         };
     }
-    let name = path.display().to_string();
-    let bytes = std::fs::read(&path).map_err(|e| format!("{name}: {e}"))?;
-    let text = rpi_driver::utf8(&path, &bytes).map_err(|e| e.to_string())?;
-    let cell = Cell::parse(&name, text);
-    let cell = cell.map_err(|errors| format!("the cell is invalid\n{errors}"))?;
-    Ok((cell, text.to_owned()))
+    cell_file::read(&path)
 }
 
 /// Returns the maximum number of ticks of the run, if it is limited.

@@ -11,14 +11,14 @@ use rpi_runtime::realtime::{RealTime, TimeBase};
 use rpi_runtime::run::{self, Limits, RunOptions};
 
 use crate::args::TraceArgs;
-use crate::exit::{Exit, Outcome};
+use crate::exit::{CommandResult, Exit};
 use crate::output;
 use crate::program;
 use crate::run::is_mcap;
 use crate::target;
 
 /// Runs the subcommand.
-pub(crate) fn trace(args: &TraceArgs) -> Outcome {
+pub(crate) fn trace(args: &TraceArgs) -> CommandResult {
     if is_mcap(&args.source) {
         let file = args.source.display();
         Err(format!("{file}: cannot select rows of an MCAP recording, only of .csv, .jsonl and .trace; `rpi replay` replays it").into())
@@ -30,19 +30,19 @@ pub(crate) fn trace(args: &TraceArgs) -> Outcome {
     }
 }
 
-fn record(args: &TraceArgs) -> Outcome {
+fn record(args: &TraceArgs) -> CommandResult {
     let compiled = program::load(&args.source, ClaimPolicy::Off)?;
-    let script = target::task_bundle(&compiled, &args.target, |net, period| {
-        rpi_driver::lower_for_observation(net, period).map(|image| (image, None))
+    let bundle = target::task_bundle(&compiled, &args.target, |net, period| {
+        Ok((rpi_driver::lower_for_observation(net, period)?, None))
     })?;
-    target::ensure_inputs_set(&compiled, &args.target, &script)?;
-    let (cell, _) = target::cell(&args.source, &args.target, &script)?;
-    let tick_ns = script.images.first().map_or(1, |image| image.period_ns);
+    target::ensure_inputs_set(&compiled, &args.target, &bundle)?;
+    let (cell, _) = target::cell(&args.source, &args.target, &bundle)?;
+    let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut text = Vec::new();
     let mut traced = TraceSink::new(&mut text, 0)?;
     let outcome = run::run(RunOptions {
-        images: &script.images,
-        plans: std::slice::from_ref(&script.plan),
+        images: &bundle.images,
+        plans: std::slice::from_ref(&bundle.plan),
         cell: &cell,
         time_base: TimeBase::Simulated,
         real_time: RealTime::default(),
@@ -64,7 +64,7 @@ fn record(args: &TraceArgs) -> Outcome {
     select_rows(args, &String::from_utf8_lossy(&text))
 }
 
-fn select_rows(args: &TraceArgs, text: &str) -> Outcome {
+fn select_rows(args: &TraceArgs, text: &str) -> CommandResult {
     let filter = RowFilter {
         flows: args.flow.clone(),
         cycles: args.from..args.to.saturating_add(1),
@@ -74,9 +74,9 @@ fn select_rows(args: &TraceArgs, text: &str) -> Outcome {
         None => Box::new(BufWriter::new(std::io::stdout())),
     };
     let rows = copy_matching(text, &filter, &mut out);
-    let rows = output::ignore_broken_pipe(rows.and_then(|rows| out.flush().map(|()| rows)))?;
+    let rows = rpi_cli::ignore_broken_pipe(rows.and_then(|rows| out.flush().map(|()| rows)))?;
     if rows == Some(0) && !args.flow.is_empty() {
         rpi_diag::println_stderr!("no row matches the filter");
     }
-    Ok(Exit::Good)
+    Ok(Exit::Success)
 }

@@ -25,8 +25,9 @@ fn run(change: impl Fn(&str) -> String) -> (serde_json::Value, Vec<f64>) {
         ])
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    let outcome = serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {said}"));
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let outcome =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {stderr}"));
     let record = std::fs::read_to_string(record).unwrap();
     let felt = record
         .lines()
@@ -41,10 +42,10 @@ fn run(change: impl Fn(&str) -> String) -> (serde_json::Value, Vec<f64>) {
 fn story(outcome: &serde_json::Value) -> Vec<(String, String)> {
     let text = |value: &serde_json::Value| value.as_str().unwrap_or("").to_owned();
     let commands = outcome["commands"].as_array().unwrap();
-    let told = commands
+    let endings = commands
         .iter()
         .map(|c| (text(&c["name"]), text(&c["end"]["name"])));
-    told.collect()
+    endings.collect()
 }
 
 fn assert_story(outcome: &serde_json::Value, expected: &[(&str, &str)]) {

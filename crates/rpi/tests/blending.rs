@@ -31,9 +31,9 @@ fn run(options: &[&str]) -> (String, BTreeMap<String, Vec<f64>>) {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+    let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
     (
-        said.into_owned(),
+        text.into_owned(),
         joints(&std::fs::read_to_string(record).unwrap()),
     )
 }
@@ -74,23 +74,23 @@ fn assert_continuous(joints: &BTreeMap<String, Vec<f64>>) {
     }
 }
 
-fn ends(said: &str, what: &str) -> usize {
-    said.lines()
+fn ends(text: &str, what: &str) -> usize {
+    text.lines()
         .filter(|line| line.starts_with("MoveToC") && line.contains(what))
         .count()
 }
 
 #[test]
 fn a_successor_in_time_takes_over_at_b() {
-    let (said, joints) = run(&[]);
-    assert_eq!(ends(&said, "taken over at at_b"), 9, "{said}");
+    let (text, joints) = run(&[]);
+    assert_eq!(ends(&text, "taken over at at_b"), 9, "{text}");
     assert_continuous(&joints);
 }
 
 /// Rule M11.5.
 #[test]
 fn a_successor_too_late_follows_the_regular_end_at_c() {
-    let (said, joints) = run(&["--planning-time", "20s"]);
-    assert_eq!(ends(&said, "finished with at_c"), 9, "{said}");
+    let (text, joints) = run(&["--planning-time", "20s"]);
+    assert_eq!(ends(&text, "finished with at_c"), 9, "{text}");
     assert_continuous(&joints);
 }

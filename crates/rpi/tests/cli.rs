@@ -1,19 +1,15 @@
 //! The command-line tool: arguments in, text and exit status out.
 
+mod support;
+
 use std::path::Path;
 use std::process::{Command, Output};
+
+use support::rpi;
 
 const NET: &str = "{a=Core::Clock(Increment='1'),b=Core::DoubleAdd(inFirst=a.outValue,Second='1')}";
 const TRACE: &str = "0\t#t0\t0\tcycle=1\n1\ta.outValue\t0.025\n1\tb.outValue\t1.025\n\
     2\ta.outValue\t0.05\n2\tb.outValue\t1.05\n";
-
-fn rpi(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rpi"))
-        .args(args)
-        .env("NO_COLOR", "1")
-        .output()
-        .unwrap()
-}
 
 /// Creates a folder with the net and the trace above.
 fn folder() -> tempfile::TempDir {
@@ -93,9 +89,9 @@ fn a_missing_device_is_told_once_with_those_that_are_there() {
     let cell = path(&dir, "other.toml");
     std::fs::write(&cell, described.replace("[devices.arm]", "[devices.lwr]")).unwrap();
     let program = examples.join("first.rpi").display().to_string();
-    let said = err(&rpi(&["run", &program, "--cell", &cell]));
-    assert_eq!(said.matches("no device `arm`").count(), 1, "{said}");
-    assert!(said.contains("the cell has lwr"), "{said}");
+    let stderr = err(&rpi(&["run", &program, "--cell", &cell]));
+    assert_eq!(stderr.matches("no device `arm`").count(), 1, "{stderr}");
+    assert!(stderr.contains("the cell has lwr"), "{stderr}");
 }
 
 #[test]
@@ -203,9 +199,9 @@ fn a_reader_that_closes_the_pipe_early_is_no_fault() {
 
 fn refuses_its_input(args: &[&str]) {
     let output = rpi(args);
-    let told = err(&output);
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("overwrite the input"), "{told}");
+    let stderr = err(&output);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("overwrite the input"), "{stderr}");
 }
 
 #[test]
@@ -290,8 +286,8 @@ fn a_task_runs_commands_of_another_module() {
     std::fs::write(dir.path().join("waits.rpi"), library).unwrap();
     std::fs::write(dir.path().join("cell.rpi"), cell).unwrap();
     let output = rpi(&["run", &path(&dir, "cell.rpi"), "--command", "Main"]);
-    let told = out(&output);
-    let told: Vec<Vec<&str>> = told
+    let rows = out(&output);
+    let rows: Vec<Vec<&str>> = rows
         .lines()
         .filter(|line| line.contains("finished"))
         .map(|line| line.split("finished with over; ").collect())
@@ -303,7 +299,7 @@ fn a_task_runs_commands_of_another_module() {
         ["waits.Wait(n * 10) #2", "12 cycles"],
         ["waits.Wait(five, five)", "11 cycles"],
     ];
-    assert_eq!(told, expected, "{}", err(&output));
+    assert_eq!(rows, expected, "{}", err(&output));
 }
 
 /// A command, and a task that runs two of it in parallel.
@@ -322,13 +318,13 @@ fn what_may_take_too_long_is_refused_on_real_time() {
     };
     let refused = run("Wait", &["--real-time", "--period", "20ns"]);
     assert_eq!(refused.status.code(), Some(2));
-    let told = err(&refused);
-    assert!(told.contains("RPI7003: Wait may take"), "{told}");
+    let stderr = err(&refused);
+    assert!(stderr.contains("RPI7003: Wait may take"), "{stderr}");
     for way_out in ["--cycle-share", "--machine", "--period", "RPI7003"] {
-        assert!(told.contains(way_out), "{told}");
+        assert!(stderr.contains(way_out), "{stderr}");
     }
     // One command fits such a tick, two do not.
-    let figures = told.split("may take ").nth(1).unwrap();
+    let figures = stderr.split("may take ").nth(1).unwrap();
     let ns: f64 = figures.split(' ').next().unwrap().parse().unwrap();
     let tick = format!("{:.0}ns", ns * 2.0);
     assert!(!err(&run("Wait", &["--real-time", "--period", &tick])).contains("RPI7003"));
@@ -408,14 +404,14 @@ fn a_command_that_lacks_a_constant_is_told_which() {
         std::fs::write(dir.path().join("go.rpi"), text).unwrap();
         let output = rpi(&[&["run", &path(&dir, "go.rpi")], args].concat());
         assert_eq!(output.status.code(), Some(2), "{}", err(&output));
-        let told = err(&output);
-        assert!(told.contains("Go cannot run alone"), "{told}");
+        let stderr = err(&output);
+        assert!(stderr.contains("Go cannot run alone"), "{stderr}");
         assert!(
-            told.contains("`to: real[m]`") && told.contains("`n: int`"),
-            "{told}"
+            stderr.contains("`to: real[m]`") && stderr.contains("`n: int`"),
+            "{stderr}"
         );
-        assert!(told.contains("const to: real[m] = ...;"), "{told}");
-        assert!(!told.contains("has no command"), "{told}");
+        assert!(stderr.contains("const to: real[m] = ...;"), "{stderr}");
+        assert!(!stderr.contains("has no command"), "{stderr}");
     }
 }
 

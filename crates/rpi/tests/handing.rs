@@ -37,8 +37,8 @@ fn left(options: &[&str]) -> Vec<String> {
         .args(options)
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
     let rows = std::fs::read_to_string(&record).unwrap();
     let of_left = rows.lines().filter(|row| row.contains("left"));
     let value = |row: &str| row.rsplit(',').next().unwrap_or_default().to_owned();
@@ -71,16 +71,16 @@ fn what_nobody_hands_over_must_be_set() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rpi"));
         let output = command.args(run).args(options).arg(&program).output();
         let output = output.unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        (output.status.code(), said)
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), stderr)
     };
-    let (code, said) = run(&[]);
-    assert_eq!(code, Some(2), "{said}");
+    let (code, stderr) = run(&[]);
+    assert_eq!(code, Some(2), "{stderr}");
     let needs = "Cut takes over length, n but no command runs before it";
-    assert!(said.contains(needs), "{said}");
-    let (code, said) = run(&["--set", "length=0.5"]);
-    assert_eq!(code, Some(2), "{said}");
-    assert!(said.contains("--set n=VALUE"), "{said}");
-    let (code, said) = run(&["--set", "length=0.5", "--set", "n=2"]);
-    assert_eq!(code, Some(0), "{said}");
+    assert!(stderr.contains(needs), "{stderr}");
+    let (code, stderr) = run(&["--set", "length=0.5"]);
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(stderr.contains("--set n=VALUE"), "{stderr}");
+    let (code, stderr) = run(&["--set", "length=0.5", "--set", "n=2"]);
+    assert_eq!(code, Some(0), "{stderr}");
 }

@@ -27,15 +27,15 @@ fn run(options: &[&str]) -> (String, Path3, Path3) {
         .env("NO_COLOR", "1")
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{text}");
     let mut tools = tools(&std::fs::read_to_string(record).unwrap());
     let mut of = |arm: &str, base: f64| {
         let path = tools.remove(arm).unwrap().into_iter();
         path.map(|[x, y, z]| [x, y + base, z]).collect::<Path3>()
     };
     let (left, right) = (of("left", BASE), of("right", -BASE));
-    (said.into_owned(), left, right)
+    (text.into_owned(), left, right)
 }
 
 /// Returns the commanded tool positions of each arm, in the frame of its base.
@@ -66,8 +66,8 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 }
 
 /// Returns the first cycle of a command.
-fn begins(said: &str, command: &str) -> usize {
-    let line = said.lines().find(|line| line.starts_with(command)).unwrap();
+fn begins(text: &str, command: &str) -> usize {
+    let line = text.lines().find(|line| line.starts_with(command)).unwrap();
     let seconds = line
         .split("from ")
         .nth(1)
@@ -78,8 +78,8 @@ fn begins(said: &str, command: &str) -> usize {
     (seconds.parse::<f64>().unwrap() / DT).round() as usize
 }
 
-fn assert_together(said: &str, left: &Path3, right: &Path3) {
-    let lifted = begins(said, "Up");
+fn assert_together(text: &str, left: &Path3, right: &Path3) {
+    let lifted = begins(text, "Up");
     assert_eq!(left.len(), right.len());
     for (cycle, (l, r)) in left.iter().zip(right).enumerate().skip(lifted) {
         let off = distance(l, r) - WIDTH;
@@ -92,10 +92,10 @@ fn assert_together(said: &str, left: &Path3, right: &Path3) {
 /// Rows 36 and 2 of the paper's promises: both arms by one command, in the same cycles.
 #[test]
 fn the_grippers_keep_their_distance_over_takeovers_in_motion() {
-    let (said, left, right) = run(&[]);
-    assert_eq!(said.matches("taken over at at_corner").count(), 2, "{said}");
-    assert_together(&said, &left, &right);
-    let over = begins(&said, "Over");
+    let (text, left, right) = run(&[]);
+    assert_eq!(text.matches("taken over at at_corner").count(), 2, "{text}");
+    assert_together(&text, &left, &right);
+    let over = begins(&text, "Over");
     let speed = distance(&left[over], &left[over - 1]) / DT;
     assert!(
         speed > 0.05,
@@ -107,7 +107,7 @@ fn the_grippers_keep_their_distance_over_takeovers_in_motion() {
 
 #[test]
 fn with_late_planners_the_box_stops_and_the_grippers_still_keep_their_distance() {
-    let (said, left, right) = run(&["--planning-time", "20s"]);
-    assert_eq!(said.matches("finished with up").count(), 2, "{said}");
-    assert_together(&said, &left, &right);
+    let (text, left, right) = run(&["--planning-time", "20s"]);
+    assert_eq!(text.matches("finished with up").count(), 2, "{text}");
+    assert_together(&text, &left, &right);
 }

@@ -1,16 +1,12 @@
 //! Programs with tables: `tests/lustre/NAME.lus` and `tests/nodes/NAME.rpi` give `NAME.out.csv` from `NAME.in.csv`.
 
+mod support;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
 use rpi_image::Scalar;
 use rpi_testkit::files_below;
-
-fn rpi(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    command.args(args).env("NO_COLOR", "1");
-    command.output().expect("it starts")
-}
+use support::rpi;
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
@@ -146,8 +142,7 @@ fn emitted(program: &Path, table: &str) -> (String, String) {
         inputs: &node.inputs,
         outputs: &node.outputs,
     };
-    let (text, left_open) =
-        rpi_driver::emit::lustre(&node.net, &boundary, PERIOD).expect("it has an order");
+    let (text, left_open) = rpi_driver::emit::lustre(&node.net, &boundary, PERIOD);
     assert!(left_open.is_empty(), "{}: {left_open:?}", program.display());
     let number = |cell: &str| {
         let mut values = node
@@ -258,7 +253,7 @@ fn command(text: &str) -> (String, Vec<rpi_diag::Diagnostic>) {
         panic!("{:?}", compiled.diagnostics)
     };
     let boundary = rpi_net::lustre::NodeInterface::default();
-    rpi_driver::emit::lustre(net, &boundary, PERIOD).expect("it has an order")
+    rpi_driver::emit::lustre(net, &boundary, PERIOD)
 }
 
 fn source(text: &str) -> rpi_driver::Input {
@@ -272,14 +267,14 @@ fn source(text: &str) -> rpi_driver::Input {
 #[test]
 fn what_has_no_form_in_lustre_is_told() {
     let page = rpi_diag::Code::RPI9103.page();
-    for (fence, told) in [
+    for (fence, expected) in [
         ("```rpi-wrong emit-lustre", 1),
         ("```rpi-right emit-lustre", 0),
     ] {
         let text = page.split(fence).nth(1);
         let text = text.and_then(|rest| rest.split("```").next());
         let (text, diagnostics) = command(text.expect("the page has both"));
-        assert_eq!(diagnostics.len(), told, "{diagnostics:?}");
+        assert_eq!(diagnostics.len(), expected, "{diagnostics:?}");
         assert!(text.contains("done: bool"), "{text}");
     }
 }

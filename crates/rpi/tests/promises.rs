@@ -1,23 +1,19 @@
 //! Promises of the paper that need a whole run: set-points at precise intervals, fixed parameters and kept states,
 //! propagation through the net within a cycle, and many small commands instead of a big one.
 
+mod support;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use rpi_driver::{Input, InputKind, compile, lower_for_execution};
 use rpi_image::Image;
+use support::{output_text, rpi};
 
 const TICK_NS: u64 = 1_000_000;
 
-fn rpi(program: &Path, options: &[&str]) -> Output {
-    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    let rpi = rpi.arg("run").arg(program).args(options);
-    rpi.env("NO_COLOR", "1").output().unwrap()
-}
-
-fn said(output: &Output) -> String {
-    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
-    format!("{out}{err}")
+fn run(program: &Path, options: &[&str]) -> Output {
+    rpi(&[&["run", program.to_str().unwrap()], options].concat())
 }
 
 fn example(path: &str) -> PathBuf {
@@ -61,10 +57,10 @@ fn set_points_come_at_precise_intervals() {
         "--record",
         file.to_str().unwrap(),
     ];
-    let mut told = Vec::new();
+    let mut intervals = Vec::new();
     // Other processes may use the machine, so there are several attempts.
     for _ in 0..5 {
-        let output = rpi(&example("blending/blending.rpi"), &options);
+        let output = run(&example("blending/blending.rpi"), &options);
         let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let late = outcome["figures"]["lateness"].clone();
         let points = messages(&file, "/set_points/arm");
@@ -86,9 +82,9 @@ fn set_points_come_at_precise_intervals() {
             assert!(late["p99"].as_u64() >= late["p50"].as_u64(), "{late}");
             return;
         }
-        told.push(format!("mean {mean} ns, median {median} ns, late {late}"));
+        intervals.push(format!("mean {mean} ns, median {median} ns, late {late}"));
     }
-    panic!("set-points at odd intervals:\n{}", told.join("\n"));
+    panic!("set-points at odd intervals:\n{}", intervals.join("\n"));
 }
 
 const COUNTS: &str = "
@@ -112,8 +108,8 @@ tel
 fn parameters_are_fixed_and_states_are_kept() {
     let (folder, program) = folder(COUNTS, None);
     let record = folder.path().join("out.csv");
-    let output = rpi(&program, &["--record", record.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let output = run(&program, &["--record", record.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", output_text(&output));
     let rows = std::fs::read_to_string(&record).unwrap();
     let values = |of: &str| -> Vec<String> {
         let own = rows.lines().filter(|row| row.contains(of));
@@ -122,9 +118,9 @@ fn parameters_are_fixed_and_states_are_kept() {
     };
     assert_eq!(values("Count(2).n"), ["2", "4", "6", "8"], "{rows}");
     assert_eq!(values("Count(5).n"), ["5", "10", "15", "20"], "{rows}");
-    let set = rpi(&program, &["--set", "step=9"]);
-    assert_eq!(set.status.code(), Some(2), "{}", said(&set));
-    assert!(said(&set).contains("step"), "{}", said(&set));
+    let set = run(&program, &["--set", "step=9"]);
+    assert_eq!(set.status.code(), Some(2), "{}", output_text(&set));
+    assert!(output_text(&set).contains("step"), "{}", output_text(&set));
 }
 
 /// Number of additions between the counter and the output, in reverse order of the text.
@@ -143,12 +139,12 @@ fn values_are_through_the_whole_net_in_their_cycle() {
     let cell = "[devices.io]\nkind = \"analogue-io\"\noutputs = 4\n";
     let (folder, program) = folder(&text, Some(cell));
     let file = folder.path().join("out.mcap");
-    let output = rpi(&program, &["--record", file.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let output = run(&program, &["--record", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", output_text(&output));
     let points = messages(&file, "/set_points/io");
-    let told: Vec<serde_json::Value> = points.into_iter().map(|p| p.1).collect();
-    assert_eq!(told.len(), 10, "{told:?}");
-    for (k, point) in told.iter().enumerate() {
+    let values: Vec<serde_json::Value> = points.into_iter().map(|p| p.1).collect();
+    assert_eq!(values.len(), 10, "{values:?}");
+    for (k, point) in values.iter().enumerate() {
         let n = k as f64 + 1.0;
         let text = point.to_string();
         assert_eq!(point["cycle"], k, "{text}");
@@ -243,8 +239,8 @@ fn many_small_commands_scale_where_one_big_one_does_not() {
     let ends = [one_big(4), many_small(4)].map(|text| {
         let (folder, program) = folder(&text, Some(&cell));
         let file = folder.path().join("out.mcap");
-        let output = rpi(&program, &["--record", file.to_str().unwrap()]);
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        let output = run(&program, &["--record", file.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(0), "{}", output_text(&output));
         let last = messages(&file, "/set_points/arm").pop().unwrap().1;
         numbers(&last["tcp"])
     });

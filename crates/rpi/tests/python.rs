@@ -24,8 +24,8 @@ fn the_python_client_drives_the_server() {
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     // The last line shows how many tests were skipped.
-    println!("{}", said.lines().last().unwrap_or_default());
+    println!("{}", stderr.lines().last().unwrap_or_default());
 }

@@ -1,22 +1,15 @@
 //! Recordings of the paper's example: a replay gives the same bits across all takeovers, and any error in a recording
 //! is reported.
 
+mod support;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rpi_record::mcap::Recording;
-
-fn rpi(arguments: &[&str]) -> Output {
-    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    rpi.args(arguments).env("NO_COLOR", "1").output().unwrap()
-}
-
-fn said(output: &Output) -> String {
-    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
-    format!("{out}{err}")
-}
+use support::{output_text, rpi};
 
 fn blending() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending/blending.rpi")
@@ -29,13 +22,13 @@ fn record(folder: &Path, options: &[&str]) -> (PathBuf, String) {
     arguments.extend(["--record", file.to_str().unwrap()]);
     arguments.extend(options);
     let output = rpi(&arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    (file, said(&output))
+    assert_eq!(output.status.code(), Some(0), "{}", output_text(&output));
+    (file, output_text(&output))
 }
 
 fn replay(file: &Path) -> (Option<i32>, String) {
     let output = rpi(&["replay", file.to_str().unwrap()]);
-    (output.status.code(), said(&output))
+    (output.status.code(), output_text(&output))
 }
 
 /// Two takeovers and two regular ends; the device brakes at the end, as the run is cut off in motion.
@@ -49,9 +42,9 @@ fn a_recording_gives_the_same_bits_across_takeovers() {
         ran.contains("taken over at at_b") && ran.contains(" 0 lost"),
         "{ran}"
     );
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
-    assert!(told.contains("the same bits throughout"), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
+    assert!(report.contains("the same bits throughout"), "{report}");
     let output = rpi(&["replay", "--json", file.to_str().unwrap()]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(report["commands"].as_u64() > Some(2), "{report}");
@@ -76,10 +69,10 @@ fn signalled(arguments: &[&str], file: &Path, signal: &str, after: Duration) -> 
         sleep(Duration::from_millis(10));
     }
     sleep(after);
-    let asked = Command::new("kill")
+    let status = Command::new("kill")
         .args([signal, &run.id().to_string()])
         .status();
-    assert!(asked.unwrap().success());
+    assert!(status.unwrap().success());
     run.wait_with_output().unwrap()
 }
 
@@ -95,10 +88,14 @@ fn a_run_that_is_interrupted_ends_in_order() {
     for (signal, code) in [("-INT", 130), ("-HUP", 129)] {
         let file = folder.path().join(format!("out{signal}.mcap"));
         let output = signalled(&[program.to_str().unwrap()], &file, signal, UNDER_WAY);
-        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
-        assert!(said(&output).contains("cut off"), "{}", said(&output));
-        let (code, told) = replay(&file);
-        assert_eq!(code, Some(0), "{told}");
+        assert_eq!(output.status.code(), Some(code), "{}", output_text(&output));
+        assert!(
+            output_text(&output).contains("cut off"),
+            "{}",
+            output_text(&output)
+        );
+        let (code, report) = replay(&file);
+        assert_eq!(code, Some(0), "{report}");
     }
 }
 
@@ -107,8 +104,8 @@ fn a_recording_on_real_time_behind_a_fence_gives_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let (file, ran) = record(folder.path(), &["--time", "4s", "--real-time", "--fence"]);
     assert!(ran.contains("no system call but the clock's: yes"), "{ran}");
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
 }
 
 /// A changed value in a recording is detected by the replay and reported with its tick.
@@ -119,11 +116,11 @@ fn a_value_that_was_changed_is_told_with_its_tick() {
     let bytes = std::fs::read(&file).unwrap();
     let changed = tampered(&bytes);
     std::fs::write(&file, changed).unwrap();
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(1), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(1), "{report}");
     assert!(
-        told.contains("DIFFERENT from tick") && told.contains("recorded"),
-        "{told}"
+        report.contains("DIFFERENT from tick") && report.contains("recorded"),
+        "{report}"
     );
 }
 
@@ -189,9 +186,9 @@ fn what_is_cut_off_or_foreign_is_told_with_its_code() {
     let bytes = std::fs::read(&file).unwrap();
     for len in [0, 7, 100, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&file, &bytes[..len]).unwrap();
-        let (code, told) = replay(&file);
-        assert_eq!(code, Some(2), "{len} bytes: {told}");
-        assert!(told.contains("RPI9021"), "{len} bytes: {told}");
+        let (code, report) = replay(&file);
+        assert_eq!(code, Some(2), "{len} bytes: {report}");
+        assert!(report.contains("RPI9021"), "{len} bytes: {report}");
     }
     std::fs::write(&file, "cycle,flow,value\n").unwrap();
     assert!(replay(&file).1.contains("RPI9021"));
@@ -254,17 +251,17 @@ fn a_server_records_until_it_is_interrupted() {
     assert!(serving.starts_with("serving at"), "{serving}");
     std::thread::sleep(std::time::Duration::from_millis(200));
     let number = server.id().to_string();
-    let asked = Command::new("kill").args(["-TERM", &number]).status();
-    assert!(asked.unwrap().success());
-    let told = lines.next().unwrap().unwrap();
-    assert!(server.wait().unwrap().success(), "{told}");
+    let status = Command::new("kill").args(["-TERM", &number]).status();
+    assert!(status.unwrap().success());
+    let summary = lines.next().unwrap().unwrap();
+    assert!(server.wait().unwrap().success(), "{summary}");
     assert!(
-        told.starts_with("recorded ") && told.ends_with(" 0 lost"),
-        "{told}"
+        summary.starts_with("recorded ") && summary.ends_with(" 0 lost"),
+        "{summary}"
     );
     assert!(!socket.exists());
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
 }
 
 /// Checksums are verified: any changed bit is detected.
@@ -282,13 +279,13 @@ fn a_flipped_bit_is_refused() {
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(&file, &bytes).unwrap();
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(2), "{told}");
-    assert!(told.contains("RPI9021"), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(2), "{report}");
+    assert!(report.contains("RPI9021"), "{report}");
 }
 
 /// Returns the messages of a topic.
-fn told(file: &Path, topic: &str) -> Vec<serde_json::Value> {
+fn messages(file: &Path, topic: &str) -> Vec<serde_json::Value> {
     let bytes = std::fs::read(file).unwrap();
     let messages = mcap::MessageStream::new(&bytes)
         .unwrap()
@@ -304,7 +301,7 @@ fn events_have_their_own_ticks() {
     let folder = tempfile::tempdir().unwrap();
     let (file, ran) = record(folder.path(), &["--time", "1s"]);
     assert!(ran.contains("and arm braked"), "{ran}");
-    let events = told(&file, "/events");
+    let events = messages(&file, "/events");
     let of = |kind: &str| -> Vec<u64> {
         let own = events.iter().filter(|e| e["event"] == kind);
         own.map(|e| e["tick"].as_u64().unwrap()).collect()
@@ -318,8 +315,8 @@ fn events_have_their_own_ticks() {
     assert_eq!(moves.len(), 2, "{moves:?}");
     assert!(moves[0].0 < 10 && moves[0].1, "{moves:?}");
     assert!(moves[1].0 > 1000 && !moves[1].1, "{moves:?}");
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
 }
 
 /// Cycles that take too long end the run as a fault, and each one is an event.
@@ -336,18 +333,18 @@ fn overruns_are_recorded_and_a_stop_for_them_is_a_fault() {
     arguments.extend(["--real-time", "--period", "1us", "--on-overrun", "stop:5/8"]);
     arguments.extend(["--cycle-share", "off"]);
     let output = rpi(&arguments);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(3), "{}", output_text(&output));
     assert!(
-        said(&output).contains("too many overruns"),
+        output_text(&output).contains("too many overruns"),
         "{}",
-        said(&output)
+        output_text(&output)
     );
-    let events = told(&file, "/events");
+    let events = messages(&file, "/events");
     let overruns = events.iter().filter(|e| e["event"] == "overrun");
     let late: Vec<u64> = overruns.map(|e| e["late_ns"].as_u64().unwrap()).collect();
     assert!(late.len() >= 5 && late.iter().all(|ns| *ns > 0), "{late:?}");
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
 }
 
 #[cfg(unix)]
@@ -360,9 +357,17 @@ fn what_cannot_be_written_is_told_by_name() {
         let program = blending();
         let [program, name] = [&program, file].map(|path| path.to_str().unwrap());
         let output = rpi(&["run", program, "--time", "50ms", "--record", name]);
-        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-        assert!(said(&output).contains(name), "{}", said(&output));
-        assert!(said(&output).contains("No space left"), "{}", said(&output));
+        assert_eq!(output.status.code(), Some(2), "{}", output_text(&output));
+        assert!(
+            output_text(&output).contains(name),
+            "{}",
+            output_text(&output)
+        );
+        assert!(
+            output_text(&output).contains("No space left"),
+            "{}",
+            output_text(&output)
+        );
     }
 }
 
@@ -384,12 +389,12 @@ fn what_has_happened_is_told_where_the_file_takes_no_more() {
         .args(["--record", &path("out.mcap")])
         .output()
         .unwrap();
-    let told = said(&output);
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("30000 cycles"), "{told}");
+    let text = output_text(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("30000 cycles"), "{text}");
     assert!(
-        told.contains("NOT RECORDED to the end: File too large"),
-        "{told}"
+        text.contains("NOT RECORDED to the end: File too large"),
+        "{text}"
     );
 }
 
@@ -400,15 +405,15 @@ fn sigquit_is_an_emergency_stop() {
     let folder = tempfile::tempdir().unwrap();
     let (program, file) = (blending(), folder.path().join("out.mcap"));
     let output = signalled(&[program.to_str().unwrap()], &file, "-QUIT", UNDER_WAY);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
-    let told = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{}", output_text(&output));
+    let text = output_text(&output);
     assert!(
-        told.contains("STOPPED: emergency stop, and arm braked"),
-        "{told}"
+        text.contains("STOPPED: emergency stop, and arm braked"),
+        "{text}"
     );
-    assert!(told.contains("arm: ok, at rest"), "{told}");
-    let (code, told) = replay(&file);
-    assert_eq!(code, Some(0), "{told}");
+    assert!(text.contains("arm: ok, at rest"), "{text}");
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
 }
 
 /// An emergency stop is reported whether a command ran in that tick or not.
@@ -426,50 +431,7 @@ task Short let repeat let Rest(); Rest(); tel tel
     std::fs::write(&program, text).unwrap();
     let arguments = [program.to_str().unwrap(), "--json"];
     let output = signalled(&arguments, &file, "-QUIT", UNDER_WAY / 2);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(told["stopped"], "emergency stop");
-}
-
-/// A run that ends at rest leaves nothing to brake.
-#[test]
-fn examples_end_at_rest() {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    for name in ["first", "blending", "lifting", "assembly", "tending"] {
-        let program = examples.join(format!("{name}/{name}.rpi"));
-        let output = rpi(&["run", program.to_str().unwrap(), "--json"]);
-        assert_eq!(output.status.code(), Some(0), "{name}: {}", said(&output));
-        let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        for command in told["commands"].as_array().unwrap() {
-            assert_eq!(
-                command["braked"],
-                serde_json::Value::Null,
-                "{name}: {command}"
-            );
-        }
-    }
-}
-
-/// A set-point refused by a device is reported as such with its location, and not as a missing set-point.
-#[test]
-fn a_refused_set_point_is_told_as_that() {
-    let folder = tempfile::tempdir().unwrap();
-    let program = folder.path().join("jump.rpi");
-    let text = "use motion;
-command Jump (arm: Arm)
-let
-  p = if time > 0.1[s] then 0.5[rad] else 0.0001[rad/s] * time;
-  arm.joints = [p, 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
-  finish over when time > 1[s];
-tel
-";
-    std::fs::write(&program, text).unwrap();
-    let cell = "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nenforce = [\"velocity\"]\n";
-    std::fs::write(folder.path().join("cell.toml"), cell).unwrap();
-    let output = rpi(&["run", program.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(3), "{}", said(&output));
-    let told = said(&output);
-    assert!(told.contains("FAULT at arm.joints"), "{told}");
-    assert!(told.contains("the device refuses its set-point"), "{told}");
-    assert!(told.contains("velocity at axis 0"), "{told}");
+    assert_eq!(output.status.code(), Some(3), "{}", output_text(&output));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["stopped"], "emergency stop");
 }

@@ -16,8 +16,8 @@ fn run(program: &str) -> (serde_json::Value, String) {
         .args([&record, &path])
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    let outcome = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let outcome = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{stderr}"));
     (outcome, std::fs::read_to_string(record).unwrap())
 }
 
@@ -120,12 +120,12 @@ tel
             let cycle = format!("cycle 3 of `Count`: {what}");
             assert!(err.contains(&cycle), "{err}");
             let values = ["guaranteed here", "in this cycle n = 3", "in the call `n`"];
-            let told = values.map(|part| err.contains(part));
-            assert_eq!(told, [contracts == "fault"; 3], "{err}");
+            let reported = values.map(|part| err.contains(part));
+            assert_eq!(reported, [contracts == "fault"; 3], "{err}");
             assert_eq!(
                 err.matches("RPI90").count(),
                 2,
-                "told once, with its page: {err}"
+                "reported once, with its page: {err}"
             );
         }
     }

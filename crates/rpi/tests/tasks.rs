@@ -60,14 +60,14 @@ fn run(task: &str, options: &[&str]) -> (Option<i32>, Value, String) {
         stdout,
         stderr,
     } = rpi.env("NO_COLOR", "1").output().unwrap();
-    let said = String::from_utf8_lossy(&stderr).into_owned();
-    let told = serde_json::from_slice(&stdout).unwrap_or(Value::Null);
-    (status.code(), told, said)
+    let stderr = String::from_utf8_lossy(&stderr).into_owned();
+    let summary = serde_json::from_slice(&stdout).unwrap_or(Value::Null);
+    (status.code(), summary, stderr)
 }
 
 /// Returns name, first tick and number of cycles of each command, in the order of their starts.
-fn times(told: &Value) -> Vec<(String, u64, u64)> {
-    let commands = told["commands"].as_array().unwrap().iter();
+fn times(summary: &Value) -> Vec<(String, u64, u64)> {
+    let commands = summary["commands"].as_array().unwrap().iter();
     let times = commands.map(|c| {
         let name = c["name"].as_str().unwrap().to_owned();
         let first = c["first_tick"].as_u64().unwrap_or(u64::MAX);
@@ -78,10 +78,10 @@ fn times(told: &Value) -> Vec<(String, u64, u64)> {
     times
 }
 
-fn expect(told: &Value, expected: &[(&str, u64, u64)]) {
-    let times = times(told);
+fn expect(summary: &Value, expected: &[(&str, u64, u64)]) {
+    let times = times(summary);
     let times: Vec<(&str, u64, u64)> = times.iter().map(|t| (&*t.0, t.1, t.2)).collect();
-    assert_eq!(times, expected, "{told}");
+    assert_eq!(times, expected, "{summary}");
 }
 
 #[test]
@@ -100,10 +100,10 @@ let
   Both(left, right);
 tel
 ";
-    let (code, told, said) = run(task, &[]);
-    assert_eq!(code, Some(0), "{said}");
+    let (code, summary, stderr) = run(task, &[]);
+    assert_eq!(code, Some(0), "{stderr}");
     expect(
-        &told,
+        &summary,
         &[
             ("Count(left, 3)", 0, 3),
             ("Count(left, 10)", 3, 10),
@@ -113,8 +113,8 @@ tel
             ("Both(left, right)", 33, 3),
         ],
     );
-    assert_eq!(told["late"], 0, "{told}");
-    assert_eq!(told["devices"][0]["moving"], false);
+    assert_eq!(summary["late"], 0, "{summary}");
+    assert_eq!(summary["devices"][0]["moving"], false);
 }
 
 /// A loop whose body runs nothing is left, and the next command runs.
@@ -131,14 +131,14 @@ let
   Count(left, 3);
 tel
 ";
-    let (code, told, said) = run(task, &[]);
-    assert_eq!(code, Some(0), "{said}");
+    let (code, summary, stderr) = run(task, &[]);
+    assert_eq!(code, Some(0), "{stderr}");
     let expected = [
         ("Count(left, 2)", 0, 2),
         ("Count(left, 2)", 2, 2),
         ("Count(left, 3)", 4, 3),
     ];
-    expect(&told, &expected);
+    expect(&summary, &expected);
 }
 
 #[test]
@@ -154,10 +154,10 @@ let
 tel
 command Wait (n: int) let finish over when time >= real(n - 1) * 1[ms]; tel
 ";
-    let (code, told, said) = run(task, &[]);
-    assert_eq!(code, Some(0), "{said}");
+    let (code, summary, stderr) = run(task, &[]);
+    assert_eq!(code, Some(0), "{stderr}");
     expect(
-        &told,
+        &summary,
         &[
             ("Count(left, 5)", 0, 5),
             ("Count(right, 3)", 0, 3),
@@ -175,11 +175,11 @@ fn it_does_not_matter_which_strand_is_the_last() {
         let task = format!(
             "task All (left, right: AnalogueIo)\nlet\n  parallel\n  let Count(left, {one}); tel\n  let Count(right, {other}); tel\n  Both(left, right);\ntel\n"
         );
-        let (code, told, said) = run(&task, &[]);
-        assert_eq!(code, Some(0), "{said}");
-        let last = times(&told).pop().unwrap();
-        assert_eq!(last.1, one.max(other), "{told}");
-        assert_eq!(told["late"], 0, "{told}");
+        let (code, summary, stderr) = run(&task, &[]);
+        assert_eq!(code, Some(0), "{stderr}");
+        let last = times(&summary).pop().unwrap();
+        assert_eq!(last.1, one.max(other), "{summary}");
+        assert_eq!(summary["late"], 0, "{summary}");
     }
 }
 
@@ -193,16 +193,16 @@ let
   Both(left, right);
 tel
 ";
-    let (code, told, said) = run(task, &[]);
-    assert_eq!(code, Some(1), "{said}");
-    let times = times(&told);
-    assert_eq!(times.len(), 2, "{told}");
-    let asked = &told["commands"][0]["end"];
-    let broken = &told["commands"][1]["end"];
-    let ends = [asked, broken].map(|end| end["name"].as_str().unwrap());
+    let (code, summary, stderr) = run(task, &[]);
+    assert_eq!(code, Some(1), "{stderr}");
+    let times = times(&summary);
+    assert_eq!(times.len(), 2, "{summary}");
+    let regular = &summary["commands"][0]["end"];
+    let broken = &summary["commands"][1]["end"];
+    let ends = [regular, broken].map(|end| end["name"].as_str().unwrap());
     assert!(
         ends.contains(&"asked") && ends.contains(&"broken"),
-        "{told}"
+        "{summary}"
     );
 }
 
@@ -218,19 +218,19 @@ tel
 
 task All (left, right: AnalogueIo)
 let
-  Inner(left, right) on fail then mend | on any then end;
-  mend: Count(right, 2);
+  Inner(left, right) on fail then repair | on any then end;
+  repair: Count(right, 2);
 tel
 ";
-    let (code, told, said) = run(task, &["--command", "All"]);
-    assert_eq!(code, Some(0), "{said} {told}");
-    let times = times(&told);
+    let (code, summary, stderr) = run(task, &["--command", "All"]);
+    assert_eq!(code, Some(0), "{stderr} {summary}");
+    let times = times(&summary);
     let names: Vec<&str> = times.iter().map(|t| t.0.as_str()).collect();
-    assert_eq!(names.last(), Some(&"Count(right, 2)"), "{told}");
-    assert_eq!(times.len(), 3, "{told}");
-    let commands = told["commands"].as_array().unwrap();
+    assert_eq!(names.last(), Some(&"Count(right, 2)"), "{summary}");
+    assert_eq!(times.len(), 3, "{summary}");
+    let commands = summary["commands"].as_array().unwrap();
     let handled = commands.iter().filter(|c| c["handled"] == true);
-    assert_eq!(handled.count(), 1, "{told}");
+    assert_eq!(handled.count(), 1, "{summary}");
 }
 
 #[test]
@@ -248,10 +248,10 @@ let
 tel
 ";
     let text = task.replace("Both(left, right);", "Count(left, 1);");
-    let (code, told, said) = run(&text, &[]);
-    assert_eq!(code, Some(0), "{said}");
+    let (code, summary, stderr) = run(&text, &[]);
+    assert_eq!(code, Some(0), "{stderr}");
     expect(
-        &told,
+        &summary,
         &[
             ("Break(left, 3)", 0, 3),
             ("Count(right, 20)", 0, 20),
@@ -267,9 +267,9 @@ fn one_device_in_two_strands_is_refused() {
     let inner = "task Inner (a, b: AnalogueIo) let parallel let Count(a, 1); tel let Count(b, 2); tel tel\n";
     let through = format!("{inner}task All (left: AnalogueIo) let Inner(left, left); tel\n");
     for task in [direct, &through] {
-        let (code, _, said) = run(task, &["--command", "All"]);
-        assert_eq!(code, Some(2), "{said}");
-        assert!(said.contains("RPI8005"), "{said}");
+        let (code, _, stderr) = run(task, &["--command", "All"]);
+        assert_eq!(code, Some(2), "{stderr}");
+        assert!(stderr.contains("RPI8005"), "{stderr}");
     }
 }
 
@@ -282,9 +282,9 @@ let
   Both(left, right);
 tel
 ";
-    let (code, told, said) = run(task, &["--planning-time", "50ms"]);
-    assert_eq!(code, Some(0), "{said}");
-    assert_eq!(told["late"], 1, "{told}");
-    assert_eq!(told["missed"], 0, "{told}");
-    assert!(times(&told).last().unwrap().1 >= 8, "{told}");
+    let (code, summary, stderr) = run(task, &["--planning-time", "50ms"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert_eq!(summary["late"], 1, "{summary}");
+    assert_eq!(summary["missed"], 0, "{summary}");
+    assert!(times(&summary).last().unwrap().1 >= 8, "{summary}");
 }

@@ -1,5 +1,5 @@
 //! Diagnostics of `rpi run` for a node with a fault in its cycles: `tests/ui/running/NAME.rpi` on `NAME.csv` gives
-//! `NAME.stderr`. `RPI_BLESS=1` updates the files.
+//! `NAME.stderr`. `cargo xtask bless ui` updates the files.
 
 use std::path::Path;
 

@@ -42,14 +42,18 @@ pub(crate) fn check(args: &CheckArgs) -> CommandResult {
     })
 }
 
-/// Compiles a file; `told` requests the summary of each analysis.
-pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::error::Error>> {
+/// Compiles a file; `with_summaries` requests the summary of each analysis.
+pub(crate) fn compile(
+    path: &Path,
+    with_summaries: bool,
+) -> Result<Compiled, Box<dyn std::error::Error>> {
     let input = rpi_driver::read(path)?;
     Ok(rpi_driver::compile_with(
         &input,
         CompileOptions {
-            claims: ClaimPolicy::Off,
-            summaries: told,
+            // The nets of the analysis; other nets need not be made.
+            claims: ClaimPolicy::Report,
+            summaries: with_summaries,
             ..CompileOptions::default()
         },
     )?)
@@ -60,7 +64,7 @@ pub(crate) fn compile(path: &Path, told: bool) -> Result<Compiled, Box<dyn std::
 pub(crate) struct DiagnosticSet {
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) sources: SourceMap,
-    /// Indices into `findings` by code and location. The index keeps the search for duplicates fast: there can be a
+    /// Indices into `diagnostics` by code and location. The index keeps the search for duplicates fast: there can be a
     /// hundred thousand diagnostics.
     index: BTreeMap<(Code, Span), Vec<usize>>,
 }
@@ -80,7 +84,7 @@ impl DiagnosticSet {
             .or_default();
         if here
             .iter()
-            .all(|told| self.diagnostics[*told] != diagnostic)
+            .all(|index| self.diagnostics[*index] != diagnostic)
         {
             here.push(self.diagnostics.len());
             self.diagnostics.push(diagnostic);
@@ -126,9 +130,9 @@ pub(crate) fn print_text(format: Format, text: &str) -> Result<(), Box<dyn std::
 /// Formats the summary of each analysis for each compiled command and node.
 fn analysis_summary(compiled: &Compiled) -> String {
     let mut out = String::new();
-    for told in &compiled.summaries {
-        out.push_str(&format!("{}\n", told.name));
-        for (pass, line) in &told.lines {
+    for summary in &compiled.summaries {
+        out.push_str(&format!("{}\n", summary.name));
+        for (pass, line) in &summary.lines {
             out.push_str(&format!("  {pass:<14} {line}\n"));
         }
     }

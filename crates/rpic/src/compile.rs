@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rpi_diag::Format;
-use rpi_driver::{ClaimPolicy, Compiled, Input, InputKind, emit, graph as draw};
-use rpi_net::Net;
+use rpi_driver::{AnalysedNet, ClaimPolicy, Compiled, Input, InputKind, emit, graph as draw};
 use rpi_net::lustre::NodeInterface;
 use rpi_syntax::Dialect;
 
@@ -56,13 +55,18 @@ fn node_as_lustre(input: &Input, args: &CompileArgs) -> CommandResult {
         inputs: &node.inputs,
         outputs: &node.outputs,
     };
-    let (text, diagnostics) = emit::lustre(&node.net, &boundary, args.period)?;
+    let (text, diagnostics) = emit::lustre(&node.net, &boundary, args.period);
     print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
     write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Success)
 }
 
-fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> CommandResult {
+fn show_form(
+    form: Form,
+    net: &AnalysedNet,
+    compiled: &Compiled,
+    args: &CompileArgs,
+) -> CommandResult {
     let text = match form {
         Form::Net => rpi_net::rpinet::write(net),
         Form::Rpinet => {
@@ -70,7 +74,7 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
             print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
             text
         }
-        Form::Schedule => emit::schedule(net).ok_or("the net has a dependency cycle")?,
+        Form::Schedule => emit::schedule(net),
         Form::Image => emit::image(net, args.period)?,
         Form::Dot => draw::dot(net),
         Form::Mermaid => draw::mermaid(net),
@@ -82,7 +86,7 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
             }
         },
         Form::Lustre => {
-            let (text, diagnostics) = emit::lustre(net, &NodeInterface::default(), args.period)?;
+            let (text, diagnostics) = emit::lustre(net, &NodeInterface::default(), args.period);
             print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
             text
         }
@@ -93,7 +97,7 @@ fn show_form(form: Form, net: &Net, compiled: &Compiled, args: &CompileArgs) -> 
     Ok(Exit::Success)
 }
 
-fn write_image(net: &Net, input: &Input, args: &CompileArgs) -> CommandResult {
+fn write_image(net: &AnalysedNet, input: &Input, args: &CompileArgs) -> CommandResult {
     let image = rpi_driver::lower_for_execution(net, args.period)?;
     let path = args
         .output
@@ -111,7 +115,7 @@ fn with_extension(input: &Input, ending: &str) -> PathBuf {
 }
 
 /// Returns the net of the named command, or of the only command.
-fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, String> {
+fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a AnalysedNet, String> {
     let nets = compiled.nets();
     let names = || nets.iter().map(|net| net.name.as_str()).collect::<Vec<_>>();
     match (name, nets) {

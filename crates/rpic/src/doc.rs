@@ -52,7 +52,7 @@ pub(crate) fn doc(args: &DocArgs) -> CommandResult {
     })
 }
 
-/// Returns the programs of a project as modules.
+/// Loads and checks the programs of a project, for their pages.
 fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>> {
     let mut modules = Vec::new();
     for path in &project.files {

@@ -19,13 +19,13 @@ type BoxError = Box<dyn std::error::Error>;
 
 /// Fixes a file and the files of its project that it uses, prints the applied fixes, and returns the result of the last
 /// compilation.
-pub(crate) fn fix_file(path: &Path, told: bool) -> Result<Compiled, BoxError> {
-    let mut compiled = compile(path, told)?;
+pub(crate) fn fix_file(path: &Path, with_summaries: bool) -> Result<Compiled, BoxError> {
+    let mut compiled = compile(path, with_summaries)?;
     for _ in 0..ROUNDS {
         if !apply_round(&compiled)? {
             break;
         }
-        compiled = compile(path, told)?;
+        compiled = compile(path, with_summaries)?;
     }
     Ok(compiled)
 }
@@ -71,6 +71,7 @@ fn is_on_disk(sources: &SourceMap, file: FileId) -> bool {
 
 /// Writes the new text to a temporary file beside the old one, with the same permissions.
 fn write_beside(path: &Path, text: &str) -> Result<std::path::PathBuf, BoxError> {
+    // In the same folder, because a rename is atomic only within a file system.
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".mending");
     let new = path.with_file_name(name);

@@ -4,8 +4,6 @@
 use std::path::PathBuf;
 
 use rpi_driver::{Input, InputKind, compile, lower_for_execution, machine_text};
-use rpi_net::FragmentId;
-use rpi_net::passes::analyse;
 use rpi_runtime::cycle_time::cold_cycle_ns;
 
 use crate::args::MachineArgs;
@@ -34,8 +32,7 @@ pub(crate) fn machine(args: &MachineArgs) -> CommandResult {
     let [net] = compiled.nets() else {
         return Err("internal error: the measured program does not compile".into());
     };
-    let analysis = analyse(net.clone(), |_| false).map_err(|violation| violation.to_string())?;
-    let operations = analysis.work.bound(FragmentId::ROOT).max(1);
+    let operations = net.work_bound().max(1);
     let cycle = cold_cycle_ns(lower_for_execution(net, PERIOD)?, CYCLES)?;
     let measured = cycle as f64 / operations as f64;
     let ns = MARGIN * measured;

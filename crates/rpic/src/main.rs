@@ -14,15 +14,15 @@ mod lsp;
 mod machine;
 mod new;
 mod outcome;
-mod shell;
 mod test;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use args::{Cli, CliCommand};
 use clap::Parser;
 use mimalloc::MiMalloc;
-use outcome::Exit;
+use outcome::{CommandResult, Exit};
 
 /// Allocator. Compilation allocates many small objects; with the system allocator a check takes a quarter longer.
 #[global_allocator]
@@ -44,12 +44,20 @@ fn main() -> ExitCode {
         CliCommand::Lsp => lsp::lsp(),
         CliCommand::Machine(args) => machine::machine(&args),
         CliCommand::Graph(args) => compile::graph(&args),
-        CliCommand::Completions { shell } => shell::completions(shell),
-        CliCommand::Man { folder } => shell::man(&folder),
+        CliCommand::Completions { shell } => completions(shell),
+        CliCommand::Man { folder } => man_pages(&folder),
     };
-    done.unwrap_or_else(|error| {
-        rpi_diag::println_stderr!("error: {error}");
-        Exit::BadInput
-    })
-    .into()
+    rpi_cli::exit_code(done, Exit::BadInput)
+}
+
+/// Prints the completion script of a shell.
+fn completions(shell: rpi_cli::Shell) -> CommandResult {
+    rpi_cli::print_completions::<Cli>(shell);
+    Ok(Exit::Success)
+}
+
+/// Writes the manual pages to a folder.
+fn man_pages(folder: &Path) -> CommandResult {
+    rpi_cli::write_man_pages::<Cli>(folder)?;
+    Ok(Exit::Success)
 }

@@ -1,7 +1,6 @@
 //! Exit status of the tool and output of its results.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -27,7 +26,7 @@ impl From<Exit> for ExitCode {
 }
 
 /// Result of a subcommand; the error is a message for people.
-pub(crate) type CommandResult = Result<Exit, Box<dyn std::error::Error>>;
+pub(crate) type CommandResult = rpi_cli::CommandResult<Exit>;
 
 /// Writes a result derived from `source` like [`write_output`], but refuses to overwrite `source`.
 pub(crate) fn write_result(
@@ -36,8 +35,7 @@ pub(crate) fn write_result(
     bytes: &[u8],
 ) -> Result<(), Box<dyn std::error::Error>> {
     if let Some(path) = output
-        && let (Ok(old), Ok(new)) = (source.canonicalize(), path.canonicalize())
-        && old == new
+        && rpi_cli::is_same_file(source, path)
     {
         return Err(format!(
             "{}: this is the input file; refusing to overwrite it",
@@ -60,9 +58,6 @@ pub(crate) fn write_output(
 ) -> Result<(), Box<dyn std::error::Error>> {
     match output {
         Some(path) => fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()).into()),
-        None => match std::io::stdout().write_all(bytes) {
-            Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
-            _ => Ok(()),
-        },
+        None => Ok(rpi_cli::print(bytes)?),
     }
 }

@@ -9,7 +9,7 @@ use rpi_net::{Claim, ClaimKind};
 use rpi_replay::testing::{ConditionVerdict, TestCase, TestCondition, TestEnd, TestReport, run};
 
 use crate::args::TestArgs;
-use crate::check::{DiagnosticSet as Told, print_diagnostics, print_text};
+use crate::check::{DiagnosticSet, print_diagnostics, print_text};
 use crate::coverage::CoverageTotals;
 use crate::outcome::{CommandResult, Exit};
 
@@ -18,16 +18,17 @@ pub(crate) fn test(args: &TestArgs) -> CommandResult {
     let (mut exit, mut tally) = (Exit::Success, Tally::default());
     let mut out = TestOutput {
         format: args.format,
-        diagnostics: Told::default(),
+        diagnostics: DiagnosticSet::default(),
     };
     for file in &rpi_driver::files_of(&args.files)? {
         let input = rpi_driver::read(file)?;
-        let asked = CompileOptions {
-            claims: ClaimPolicy::Off,
+        let options = CompileOptions {
+            // Only the tests run, so that no other nets of the commands are made.
+            claims: ClaimPolicy::Report,
             marks: args.coverage,
             ..CompileOptions::default()
         };
-        let compiled = rpi_driver::compile_with(&input, asked)?;
+        let compiled = rpi_driver::compile_with(&input, options)?;
         out.add_diagnostics(&compiled.diagnostics, &compiled.sources)?;
         if compiled.has_errors() {
             exit = Exit::ErrorsReported;
@@ -50,7 +51,7 @@ pub(crate) fn test(args: &TestArgs) -> CommandResult {
 /// Output of the test run. The human format is printed immediately, the others as one document at the end.
 struct TestOutput {
     format: Format,
-    diagnostics: Told,
+    diagnostics: DiagnosticSet,
 }
 
 impl TestOutput {
@@ -168,7 +169,8 @@ fn report(test: &Test, args: &TestArgs) -> Result<TestReport, String> {
     run(TestCase {
         net: &test.net,
         coverage: args.coverage,
-        image: rpi_driver::lower_for_observation(&test.net, args.period)?,
+        image: rpi_driver::lower_for_observation(&test.net, args.period)
+            .map_err(|e| e.to_string())?,
         conditions: &own,
         claims: &others,
         cycles: args.cycles,

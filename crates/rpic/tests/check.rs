@@ -35,11 +35,14 @@ fn fixes_keep_line_ends_and_are_told_one_by_one() {
     let folder = folder(&[("a.rpi", program)]);
     let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let mended = "node f (a, b: int) returns (y: bool)\r\nlet\r\n  y = a = b;\r\ntel\r\n";
-    assert_eq!(read(folder.path(), "a.rpi"), mended);
-    let told = text(&output.stderr);
-    assert!(told.contains("a.rpi:2:9: fixed: write `=`"), "{told}");
-    assert!(told.contains("a.rpi:1:37: fixed: insert `let`"), "{told}");
+    let fixed = "node f (a, b: int) returns (y: bool)\r\nlet\r\n  y = a = b;\r\ntel\r\n";
+    assert_eq!(read(folder.path(), "a.rpi"), fixed);
+    let stderr = text(&output.stderr);
+    assert!(stderr.contains("a.rpi:2:9: fixed: write `=`"), "{stderr}");
+    assert!(
+        stderr.contains("a.rpi:1:37: fixed: insert `let`"),
+        "{stderr}"
+    );
     let left: Vec<_> = std::fs::read_dir(folder.path())
         .expect("readable")
         .collect();
@@ -66,16 +69,16 @@ fn folders_stand_for_their_programs() {
     let folder = folder(&files);
     let checked = rpic(folder.path(), &["check", ".", "--format", "short"]);
     assert_eq!(checked.status.code(), Some(1));
-    let told = text(&checked.stdout);
+    let stdout = text(&checked.stdout);
     assert!(
-        told.contains("a.rpi:3:7") && !told.contains("notes"),
-        "{told}"
+        stdout.contains("a.rpi:3:7") && !stdout.contains("notes"),
+        "{stdout}"
     );
     let formatted = rpic(folder.path(), &["fmt", "--check", "."]);
     assert_eq!(text(&formatted.stderr), "b.lus: not formatted\n");
     let tested = rpic(folder.path(), &["test", "."]);
-    let told = text(&tested.stdout);
-    assert!(told.contains("1 passed, 0 failed"), "{told}");
+    let stdout = text(&tested.stdout);
+    assert!(stdout.contains("1 passed, 0 failed"), "{stdout}");
     let none = rpic(folder.path(), &["check", "target"]);
     assert_eq!(none.status.code(), Some(2));
 }
@@ -86,8 +89,8 @@ fn what_one_fix_uncovers_is_fixed_too() {
     let folder = folder(&[("a.rpi", program)]);
     let output = rpic(folder.path(), &["check", "--fix", "a.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let mended = "node f (x: real) returns (y: real) let\n  y = x;\ntel\n";
-    assert_eq!(read(folder.path(), "a.rpi"), mended);
+    let fixed = "node f (x: real) returns (y: real) let\n  y = x;\ntel\n";
+    assert_eq!(read(folder.path(), "a.rpi"), fixed);
 }
 
 #[test]
@@ -227,13 +230,13 @@ fn a_machine_that_is_none_is_told() {
     assert!(check().contains("not a text file"));
     std::fs::remove_dir(&machine).unwrap();
     std::fs::write(&machine, "speed = 3\n").unwrap();
-    let told = check();
+    let stderr = check();
     for part in [
         "machine.toml: ",
         "line 1: unknown field `speed`",
         "help: required is",
     ] {
-        assert!(told.contains(part), "{part} in {told}");
+        assert!(stderr.contains(part), "{part} in {stderr}");
     }
 }
 
@@ -252,19 +255,19 @@ fn frames_of_one_name_are_at_one_place() {
             "node f (p: Pose(x in table)) returns (q: Pose(x in table))\nlet\n  q = put(p);\ntel\n";
         format!("use part;\nframe base, room;\n{}{uses}", frame(by))
     };
-    let said = |own: &str, other: &str| {
+    let stderr_of = |own: &str, other: &str| {
         let files = folder(&[("main.rpi", &main(own)), ("part.rpi", &part(other))]);
         let output = rpic(files.path(), &["check", "main.rpi"]);
         text(&output.stderr)
     };
-    assert_eq!(said(&pose("1"), &pose("1.0")), "");
-    assert_eq!(said(&pose("1"), "base"), "");
-    let poses = said(&pose("1"), &pose("2"));
+    assert_eq!(stderr_of(&pose("1"), &pose("1.0")), "");
+    assert_eq!(stderr_of(&pose("1"), "base"), "");
+    let poses = stderr_of(&pose("1"), &pose("2"));
     assert!(
         poses.contains("RPI1002") && poses.contains("is in two places"),
         "{poses}"
     );
-    let parents = said("base", "room");
+    let parents = stderr_of("base", "room");
     assert!(parents.contains("here it is placed in `base`"), "{parents}");
 }
 
@@ -282,15 +285,15 @@ fn a_name_of_two_modules_is_told_and_may_be_qualified() {
         ("n.rpi", &main("a::k + b::k")),
     ]);
     let output = rpic(folder.path(), &["check", "m.rpi"]);
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{told}");
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
     assert_eq!(
         (
-            told.matches("RPI1002").count(),
-            told.matches("RPI1016").count()
+            stderr.matches("RPI1002").count(),
+            stderr.matches("RPI1016").count()
         ),
         (2, 0),
-        "{told}"
+        "{stderr}"
     );
     let output = rpic(folder.path(), &["check", "n.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -309,9 +312,9 @@ fn a_program_includes_lustre() {
         ("right.rpi", &right),
     ]);
     let output = rpic(folder.path(), &["check", "wrong.rpi"]);
-    let told = text(&output.stderr);
-    assert!(told.contains("wrong.rpi:4"), "{told}");
-    assert_eq!(told.matches("error RPI0016").count(), 1, "{told}");
+    let stderr = text(&output.stderr);
+    assert!(stderr.contains("wrong.rpi:4"), "{stderr}");
+    assert_eq!(stderr.matches("error RPI0016").count(), 1, "{stderr}");
     let output = rpic(folder.path(), &["check", "right.rpi"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }

@@ -70,8 +70,8 @@ fn coverage_names_what_was_not_seen() {
 fn covered(program: &str) -> Vec<String> {
     let (status, text) = run(program, &["--coverage"]);
     assert_eq!(status, Some(0), "{text}");
-    let told = text.lines().filter(|line| !line.starts_with("ok"));
-    told.map(str::to_owned).collect()
+    let failures = text.lines().filter(|line| !line.starts_with("ok"));
+    failures.map(str::to_owned).collect()
 }
 
 #[test]
@@ -175,10 +175,13 @@ fn what_programs_claim_of_language_and_library_holds() {
     paths.sort();
     let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
     let output = rpic(&[&["test"], &paths[..]].concat());
-    let said = String::from_utf8_lossy(&output.stdout);
+    let stdout = String::from_utf8_lossy(&output.stdout);
     let why = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}{why}");
-    let count = said.lines().filter(|line| line.starts_with("ok ")).count();
+    assert_eq!(output.status.code(), Some(0), "{stdout}{why}");
+    let count = stdout
+        .lines()
+        .filter(|line| line.starts_with("ok "))
+        .count();
     assert!(count >= 20, "only {count} tests");
 }
 

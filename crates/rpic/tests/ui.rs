@@ -1,5 +1,5 @@
 //! Expected output of the tools for programs without errors: `tests/ui/testing` with `rpic test`, `tests/ui/emitting`
-//! with `rpic compile --emit`. The expected messages are in a file beside each program; `RPI_BLESS=1` overwrites them.
+//! with `rpic compile --emit`. The expected messages are in a file beside each program; `cargo xtask bless ui` overwrites them.
 
 use std::path::Path;
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use rpi_diag::{Code, CodeGroup};
 use serde_json::Value;
 
 use super::options::{Expectation, Options};
@@ -218,7 +219,9 @@ fn check_trace(trace: &Trace, path: &str, tools: &Tools) -> Verdict {
     }
     let ended = tools.run("rpi", &args);
     match failure(&ended) {
-        Some(Verdict::Rejected(why)) if trace.has_undefined() && why.starts_with("RPI5") => {
+        Some(Verdict::Rejected(why))
+            if trace.has_undefined() && group(&why) == Some(CodeGroup::Initialisation) =>
+        {
             Verdict::Pass("rejected as expected: the trace reads an undefined value".to_owned())
         }
         Some(fate) => fate,
@@ -280,13 +283,18 @@ fn flattened_name(name: &str) -> String {
         .collect()
 }
 
+/// Group of the code at the start of a message; `None` if there is none.
+fn group(message: &str) -> Option<CodeGroup> {
+    Code::parse(message.get(..7)?).map(Code::group)
+}
+
 /// Verdict on a run that failed; `None` for a successful run.
 fn failure(ended: &ToolOutput) -> Option<Verdict> {
     let why = first_error(&ended.err);
     match ended.status {
         Some(0) => None,
         Some(3) => Some(Verdict::Fault(why)),
-        Some(1 | 2) if why.starts_with("RPI0") => Some(Verdict::NotParsed(why)),
+        Some(1 | 2) if group(&why) == Some(CodeGroup::Syntax) => Some(Verdict::NotParsed(why)),
         Some(1 | 2) => Some(Verdict::Rejected(why)),
         _ => Some(Verdict::Crashed(why)),
     }
@@ -298,16 +306,16 @@ fn run_check(tools: &Tools, path: &str) -> ToolOutput {
 
 /// Checks that one of the errors has one of the codes, or that there is no error if no codes are expected.
 fn check_codes(codes: &[String], ended: &ToolOutput) -> Verdict {
-    let said = format!("{}{}", ended.out, ended.err);
-    let errors: Vec<&str> = said.lines().filter_map(error_of_line).collect();
+    let output = format!("{}{}", ended.out, ended.err);
+    let errors: Vec<&str> = output.lines().filter_map(error_of_line).collect();
     let right = |error: &&&str| codes.iter().any(|code| error.starts_with(code.as_str()));
     match (ended.status, errors.iter().find(right), errors.first()) {
-        (None, ..) => Verdict::Crashed(first_error(&said)),
+        (None, ..) => Verdict::Crashed(first_error(&output)),
         (Some(0), ..) if codes.is_empty() => Verdict::Pass(String::new()),
         (Some(0), ..) => Verdict::Mismatch(format!("accepted, expected {}", codes.join(", "))),
         (_, Some(error), _) => Verdict::Pass((*error).to_owned()),
         (_, None, Some(error)) => Verdict::Rejected((*error).to_owned()),
-        (_, None, None) => Verdict::Crashed(first_error(&said)),
+        (_, None, None) => Verdict::Crashed(first_error(&output)),
     }
 }
 
@@ -317,19 +325,19 @@ fn error_of_line(line: &str) -> Option<&str> {
 }
 
 fn check_rejection(ended: &ToolOutput) -> Verdict {
-    let said = format!("{}{}", ended.out, ended.err);
+    let output = format!("{}{}", ended.out, ended.err);
     match ended.status {
         Some(0) => Verdict::Mismatch("accepted".to_owned()),
-        Some(_) => Verdict::Pass(first_error(&said)),
-        None => Verdict::Crashed(first_error(&said)),
+        Some(_) => Verdict::Pass(first_error(&output)),
+        None => Verdict::Crashed(first_error(&output)),
     }
 }
 
 /// Code, message and place of the first error.
-fn first_error(said: &str) -> String {
-    let mut lines = said.lines().skip_while(|line| !line.contains("error"));
+fn first_error(output: &str) -> String {
+    let mut lines = output.lines().skip_while(|line| !line.contains("error"));
     let Some(line) = lines.next() else {
-        return said.lines().next().unwrap_or("no output").to_owned();
+        return output.lines().next().unwrap_or("no output").to_owned();
     };
     let place = lines.find_map(|line| line.split_once("[").map(|(_, rest)| rest));
     let place = place

@@ -10,7 +10,7 @@
 //! | `options.rs` | command line |
 //! | `trace.rs` | recorded inputs and outputs, in two formats |
 //! | `tool.rs` | our tools as processes |
-//! | `judge.rs` | verdict on one program |
+//! | `cases.rs` | verdict on one program |
 //! | `report.rs` | summary of all programs |
 
 mod cases;

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use proptest::prelude::*;
 use rpi_core::{
-    AbortReason, CommandError, CommandId, CommandState, Continuity, Core, Fact, IdAllocator,
-    Notice, Rule, RuleId, RuleOutcome,
+    AbortReason, CommandError, CommandId, CommandState, Continuity, Core, IdAllocator, Notice,
+    Rule, RuleId, RuleOutcome,
 };
 use rpi_image::Image;
 use rpi_testkit::no_alloc;
@@ -14,124 +13,10 @@ use rpi_testkit::no_alloc;
 use crate::cell::{self, Axes, KINDS, TICK_NS};
 use crate::expr::Expr;
 use crate::model::{End, Model, ModelRule};
+use crate::steps::{RuleDraft, Shape, Step};
 
 /// Capacity for commands.
 const CAPACITY: usize = 8;
-
-/// A step of a history. Numbers select among the existing commands and rules.
-#[derive(Clone, Debug)]
-pub(crate) enum Op {
-    Load(usize, Continuity),
-    Start(usize),
-    Schedule(RuleDraft),
-    Withdraw(usize),
-    Unschedule(usize),
-    Cancel(usize),
-    Abort(usize),
-    Unload(usize),
-    Behave {
-        command: usize,
-        end: i64,
-        flag: bool,
-        speed: u8,
-    },
-    Device {
-        axis: usize,
-        failed: bool,
-    },
-    ClientLost(usize),
-    EmergencyStop,
-    Ticks(u8),
-}
-
-/// A rule to be added.
-#[derive(Clone, Debug)]
-pub(crate) struct RuleDraft {
-    condition: Shape,
-    stop: Vec<usize>,
-    cancel: Vec<usize>,
-    start: Vec<usize>,
-    kept: bool,
-}
-
-#[derive(Clone, Debug)]
-enum Shape {
-    Fact(usize, Fact),
-    Not(Box<Shape>),
-    And(Box<Shape>, Box<Shape>),
-    Or(Box<Shape>, Box<Shape>),
-}
-
-fn fact() -> impl Strategy<Value = Fact> {
-    prop_oneof![
-        6 => Just(Fact::Regular),
-        2 => Just(Fact::Ended),
-        2 => Just(Fact::Failed),
-        3 => (0u32..3).prop_map(Fact::Result),
-        1 => (-1i64..2).prop_map(Fact::Error),
-        3 => (0u32..2).prop_map(Fact::Export),
-    ]
-}
-
-fn shape() -> impl Strategy<Value = Shape> {
-    let leaf = (0usize..6, fact()).prop_map(|(k, fact)| Shape::Fact(k, fact));
-    leaf.prop_recursive(2, 4, 2, |inner| {
-        let pair = (inner.clone(), inner.clone());
-        prop_oneof![
-            inner.prop_map(|a| Shape::Not(Box::new(a))),
-            pair.clone()
-                .prop_map(|(a, b)| Shape::And(Box::new(a), Box::new(b))),
-            pair.prop_map(|(a, b)| Shape::Or(Box::new(a), Box::new(b))),
-        ]
-    })
-}
-
-fn draft() -> impl Strategy<Value = RuleDraft> {
-    let few = |most| prop::collection::vec(0usize..6, 0..most);
-    let start = prop::collection::vec(0usize..6, 1..3);
-    (
-        shape(),
-        few(2),
-        few(2),
-        prop_oneof![8 => start, 1 => few(1)],
-        any::<bool>(),
-    )
-        .prop_map(|(condition, stop, cancel, start, kept)| RuleDraft {
-            condition,
-            stop,
-            cancel,
-            start,
-            kept,
-        })
-}
-
-fn guard() -> impl Strategy<Value = Continuity> {
-    prop_oneof![
-        4 => Just(Continuity::Reject),
-        1 => Just(Continuity::AbortAll),
-        4 => Just(Continuity::Allow),
-    ]
-}
-
-pub(crate) fn op() -> impl Strategy<Value = Op> {
-    let one = 0usize..6;
-    prop_oneof![
-        8 => (0..KINDS.len(), guard()).prop_map(|(kind, guard)| Op::Load(kind, guard)),
-        6 => one.clone().prop_map(Op::Start),
-        12 => draft().prop_map(Op::Schedule),
-        1 => (0usize..4).prop_map(Op::Withdraw),
-        1 => one.clone().prop_map(Op::Unschedule),
-        2 => one.clone().prop_map(Op::Cancel),
-        1 => one.clone().prop_map(Op::Abort),
-        2 => one.clone().prop_map(Op::Unload),
-        10 => (one.clone(), 0i64..5, any::<bool>(), 0u8..3)
-            .prop_map(|(command, end, flag, speed)| Op::Behave { command, end, flag, speed }),
-        1 => (0usize..4, prop::bool::weighted(0.3)).prop_map(|(axis, failed)| Op::Device { axis, failed }),
-        1 => (0usize..2).prop_map(Op::ClientLost),
-        1 => prop::bool::weighted(0.2).prop_map(|stop| if stop { Op::EmergencyStop } else { Op::Ticks(1) }),
-        14 => (1u8..4).prop_map(Op::Ticks),
-    ]
-}
 
 /// Counters of events.
 #[derive(Clone, Copy, Default, Debug)]
@@ -210,39 +95,39 @@ impl CoreAndModel {
         self.ids.iter().rev().nth(k).copied()
     }
 
-    pub(crate) fn carry_out(&mut self, op: &Op) {
-        match op {
-            Op::Load(kind, guard) => self.load(*kind, *guard),
-            Op::Schedule(draft) => self.schedule(draft),
-            Op::Ticks(count) => (0..*count).for_each(|_| self.tick()),
-            Op::Device { axis, failed } => {
+    pub(crate) fn carry_out(&mut self, step: &Step) {
+        match step {
+            Step::Load(kind, guard) => self.load(*kind, *guard),
+            Step::Schedule(draft) => self.schedule(draft),
+            Step::Ticks(count) => (0..*count).for_each(|_| self.tick()),
+            Step::Device { axis, failed } => {
                 self.bank.failed[*axis] = *failed;
                 self.model.axes.failed[*axis] = *failed;
             }
-            Op::EmergencyStop => {
+            Step::EmergencyStop => {
                 no_alloc(|| self.core.emergency_stop(&mut self.bank));
                 self.model.emergency_stop();
             }
-            Op::Withdraw(k) => {
+            Step::Withdraw(k) => {
                 if let Some(&rule) = self.rules.iter().rev().nth(*k) {
                     let got = self.core.withdraw_rule(rule);
                     let wanted = self.model.withdraw(rule);
                     self.compare(got, wanted);
                 }
             }
-            Op::ClientLost(parity) => self.lose_client(*parity),
-            _ => self.send_request(op),
+            Step::ClientLost(parity) => self.lose_client(*parity),
+            _ => self.send_request(step),
         }
         self.clear_up();
     }
 
-    fn send_request(&mut self, op: &Op) {
-        let (Op::Start(k)
-        | Op::Unschedule(k)
-        | Op::Cancel(k)
-        | Op::Abort(k)
-        | Op::Unload(k)
-        | Op::Behave { command: k, .. }) = op
+    fn send_request(&mut self, step: &Step) {
+        let (Step::Start(k)
+        | Step::Unschedule(k)
+        | Step::Cancel(k)
+        | Step::Abort(k)
+        | Step::Unload(k)
+        | Step::Behave { command: k, .. }) = step
         else {
             return;
         };
@@ -250,16 +135,16 @@ impl CoreAndModel {
             return;
         };
         let (core, bank, model) = (&mut self.core, &mut self.bank, &mut self.model);
-        let (got, wanted) = match op {
-            Op::Start(_) => (no_alloc(|| core.start(id, bank)), model.start(id)),
-            Op::Unschedule(_) => (no_alloc(|| core.unschedule(id)), model.unschedule(id)),
-            Op::Cancel(_) => (no_alloc(|| core.cancel(id)), model.cancel(id)),
-            Op::Abort(_) => {
+        let (got, wanted) = match step {
+            Step::Start(_) => (no_alloc(|| core.start(id, bank)), model.start(id)),
+            Step::Unschedule(_) => (no_alloc(|| core.unschedule(id)), model.unschedule(id)),
+            Step::Cancel(_) => (no_alloc(|| core.cancel(id)), model.cancel(id)),
+            Step::Abort(_) => {
                 let got = no_alloc(|| core.abort(id, AbortReason::Request, bank));
                 (got, model.abort(id, AbortReason::Request))
             }
-            Op::Unload(_) => return self.unload(id),
-            Op::Behave {
+            Step::Unload(_) => return self.unload(id),
+            Step::Behave {
                 end, flag, speed, ..
             } => {
                 behave(core, model, id, (*end, *flag, f64::from(*speed)));

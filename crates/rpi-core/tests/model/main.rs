@@ -5,27 +5,29 @@ mod cell;
 mod expr;
 mod history;
 mod model;
+mod steps;
 
-use history::{CoreAndModel, Op, op};
+use history::CoreAndModel;
 use proptest::prelude::*;
+use steps::{Step, step};
 
 rpi_testkit::trap_allocations!();
 
 /// Number of histories. `cargo xtask soak` sets a larger one.
 fn histories() -> u32 {
-    let asked = std::env::var("RPI_HISTORIES").ok();
-    asked.and_then(|n| n.parse().ok()).unwrap_or(1000)
+    let requested = std::env::var("RPI_HISTORIES").ok();
+    requested.and_then(|n| n.parse().ok()).unwrap_or(1000)
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: histories(), max_shrink_iters: 20_000, ..ProptestConfig::default() })]
 
     #[test]
-    fn core_and_model_agree(ops in prop::collection::vec(op(), 1..120)) {
+    fn core_and_model_agree(steps in prop::collection::vec(step(), 1..120)) {
         let mut pair = CoreAndModel::new();
-        for op in &ops {
-            pair.carry_out(op);
-            pair.agree().map_err(|what| TestCaseError::fail(format!("after {op:?}: {what}")))?;
+        for step in &steps {
+            pair.carry_out(step);
+            pair.agree().map_err(|what| TestCaseError::fail(format!("after {step:?}: {what}")))?;
         }
     }
 }
@@ -37,12 +39,12 @@ fn histories_are_eventful() {
     let mut runner = proptest::test_runner::TestRunner::deterministic();
     let mut tally = history::EventCounts::default();
     for _ in 0..200 {
-        let ops: Vec<Op> = prop::collection::vec(op(), 100)
+        let steps: Vec<Step> = prop::collection::vec(step(), 100)
             .new_tree(&mut runner)
             .expect("it can be made")
             .current();
         let mut pair = CoreAndModel::new();
-        ops.iter().for_each(|op| pair.carry_out(op));
+        steps.iter().for_each(|step| pair.carry_out(step));
         tally.add(&pair.tally);
     }
     assert!(tally.is_eventful(), "{tally:?}");

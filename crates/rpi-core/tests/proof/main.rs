@@ -61,7 +61,7 @@ impl Model for Switching {
             ),
             Property::sometimes("a takeover in motion", |_, s: &Snapshot| s.saw_takeover()),
             Property::sometimes("a device brakes", |_, s: &Snapshot| s.saw_braking()),
-            Property::sometimes("a loser is given up", |_, s: &Snapshot| s.saw_loser()),
+            Property::sometimes("a loser is dropped", |_, s: &Snapshot| s.saw_loser()),
         ]
     }
 

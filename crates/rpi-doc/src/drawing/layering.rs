@@ -14,7 +14,7 @@ pub(super) enum LayerConstraint {
     Free,
 }
 
-/// Edge between boxes.
+/// Edge of the layered graph, between two boxes of a drawing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Edge {
     pub(super) from: usize,

@@ -24,7 +24,7 @@ const LANE_HEIGHT: f64 = 14.0;
 /// Number of sweeps that move boxes towards their neighbours.
 const SWEEPS: usize = 10;
 
-/// Scene with coordinates.
+/// Drawing with coordinates for all boxes and lines, ready to be written as SVG.
 pub(super) struct SceneLayout {
     pub(super) width: f64,
     pub(super) height: f64,
@@ -43,7 +43,7 @@ pub(super) struct BoxLayout {
     pub(super) inner: Option<SceneLayout>,
 }
 
-/// Line with coordinates.
+/// Line of a drawing, with the coordinates of its points.
 #[derive(Clone, Default)]
 pub(super) struct LineLayout {
     /// SVG path data.

@@ -7,10 +7,10 @@
 //! |---|---|
 //! | `scene.rs` | data model of a drawing |
 //! | `reads.rs` | flows read by an expression |
-//! | `flow.rs` | from a body to a scene |
+//! | `body_scene.rs` | from a body to a scene |
 //! | `links.rs` | data flow lines through borders |
 //! | `task.rs` | from a task to a scene |
-//! | `layers.rs` | order of boxes: layers from left to right, few crossings |
+//! | `layering.rs` | order of boxes: layers from left to right, few crossings |
 //! | `layout.rs` | coordinates of boxes and lines |
 //! | `svg.rs` | SVG output |
 
@@ -34,7 +34,7 @@ const MAX_OPEN_BOXES: usize = 28;
 /// Number of boxes above which there is no drawing.
 const MAX_BOXES: usize = 400;
 
-/// Drawing of a declaration.
+/// Drawing of the net of one declaration, or of the steps of a task.
 pub(crate) struct DeclarationDrawing {
     drawing: Drawing,
     /// Whether the drawing is small enough to be shown initially.

@@ -11,7 +11,7 @@ const DRAWN_PREDECLARED: &[&str] = &["cancel", "takeover", "predecessor"];
 /// Source of a value.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Source {
-    /// Flow.
+    /// Flow of the body.
     Flow(DefId),
     /// Port of a device.
     Port(DefId, DefId),
@@ -19,7 +19,7 @@ pub(super) enum Source {
     Predeclared(String),
 }
 
-/// Read of a value.
+/// Read of a value by an expression: its source, and whether the value may be old or absent.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Read {
     pub(super) key: Source,

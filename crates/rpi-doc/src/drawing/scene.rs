@@ -23,22 +23,22 @@ pub(super) struct Scene {
     pub(super) links: Vec<Link>,
 }
 
-/// Kind of a box.
+/// Kind of a box, which decides its shape and colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
     /// Flow that enters.
     Input,
     /// Flow that is read outside.
     Output,
-    /// Equation.
+    /// Box of an equation that is not a call.
     Equation,
     /// Equation that defines an out-port or actuator.
     OutputEquation,
     /// Result or export of a command.
     Result,
-    /// Fragment.
+    /// Box of a fragment, which contains the boxes of its body.
     Fragment,
-    /// Automaton.
+    /// Box of an automaton with its states.
     Automaton,
     /// State of an automaton.
     State,
@@ -66,7 +66,7 @@ impl Role {
     }
 }
 
-/// Box.
+/// Box of a drawing, without coordinates.
 pub(super) struct Shape {
     pub(super) role: Role,
     /// First line of text, emphasised.
@@ -102,7 +102,7 @@ pub(super) struct End {
     pub(super) port: Option<ShapeId>,
 }
 
-/// Line between boxes.
+/// Line from the box that computes a value to a box that reads it.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct Link {
     pub(super) from: End,

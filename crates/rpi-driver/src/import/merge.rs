@@ -17,7 +17,7 @@ use rpi_prims::{PrimId, registry};
 
 use super::links;
 
-/// Net with merged writers.
+/// Net in which each actuator port has one writer: several writers of the imported net are merged into a selection.
 pub(super) struct MergedNet {
     pub(super) net: Net,
     /// For each node the corresponding node of the original net; `None` for a new node.

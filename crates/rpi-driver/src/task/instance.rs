@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use crate::program::AnalysedProgram;
 
-/// Command with its arguments.
+/// Command of a task, with the arguments of a call.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Instance {
     /// Name of the net: `MoveTo(arm, home)`.

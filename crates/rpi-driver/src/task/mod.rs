@@ -15,6 +15,8 @@ pub(crate) use instance::Instance;
 use instance::Instances;
 
 use plan::PlanError;
+use std::fmt;
+
 use rpi_diag::Diagnostic;
 use rpi_image::plan::Target;
 use rpi_sema::elab::task_too_large;
@@ -22,20 +24,32 @@ use rpi_sema::typed::{UnitId, UnitKind};
 
 use crate::program::AnalysedProgram;
 
-/// Task of a program.
+/// Task of a program, with its plan.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Task {
     /// Name of the task.
     pub name: String,
     /// Plan of the task, or the reason why it cannot be run.
-    pub plan: Result<TaskPlan, String>,
+    pub plan: Result<TaskPlan, TaskPlanError>,
 }
+
+/// Reason why a task cannot be run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TaskPlanError(String);
+
+impl fmt::Display for TaskPlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for TaskPlanError {}
 
 /// Node of a plan. A command is identified by its name, with the arguments if these differ from the parameter names:
 /// `MoveTo(arm, home)`.
 pub type TaskNode = rpi_image::plan::PlanNode<String>;
 
-/// Plan of a task.
+/// Plan of a task: the order of its commands, with branches on their results.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct TaskPlan {
     /// Nodes of the plan; targets are indices into this list.
@@ -60,7 +74,7 @@ pub(crate) fn tasks(
         let task = front.checked.unit(unit);
         let plan = match plan::plan(front, decl, unit, &mut instances) {
             Ok(plan) => Ok(plan),
-            Err(PlanError::Message(why)) => Err(why),
+            Err(PlanError::Message(why)) => Err(TaskPlanError(why)),
             Err(PlanError::TooLarge) => {
                 diagnostics.push(task_too_large(task));
                 break;
@@ -88,7 +102,7 @@ mod tests {
         compile(&input).expect("it is text")
     }
 
-    fn planned(task: &str) -> Result<TaskPlan, String> {
+    fn planned(task: &str) -> Result<TaskPlan, TaskPlanError> {
         let mut compiled = compiled(&format!("{COMMANDS}{task}"));
         assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
         compiled.tasks.pop().expect("there is a task").plan
@@ -211,7 +225,7 @@ mod tests {
             ),
             ("task T (n: int) let Wait(n + 1); tel", "no value"),
         ] {
-            let why = planned(task).unwrap_err();
+            let why = planned(task).unwrap_err().to_string();
             assert!(why.contains(word), "{why}");
         }
     }

@@ -21,14 +21,14 @@ pub(super) enum PlanError {
 }
 
 impl From<String> for PlanError {
-    fn from(said: String) -> Self {
-        PlanError::Message(said)
+    fn from(output: String) -> Self {
+        PlanError::Message(output)
     }
 }
 
 impl From<&str> for PlanError {
-    fn from(said: &str) -> Self {
-        PlanError::Message(said.to_owned())
+    fn from(output: &str) -> Self {
+        PlanError::Message(output.to_owned())
     }
 }
 

@@ -82,8 +82,8 @@ impl<'a> Verifier<'a> {
 
     /// Checks that slots are constants.
     pub(super) fn check_constant(&mut self, c: SlotRange) {
-        let fits = c.end() <= self.image.layout.constants;
-        self.require(fits, || {
+        let is_constant = c.end() <= self.image.layout.constants;
+        self.require(is_constant, || {
             format!("slots {}..{} are not constant", c.start, c.end())
         });
     }

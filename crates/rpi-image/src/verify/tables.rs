@@ -44,9 +44,11 @@ impl Verifier<'_> {
         });
         for (k, &(cell, bits)) in init.iter().enumerate() {
             self.location = ErrorLocation::Table("initial content", k);
-            let fits =
+            let is_valid =
                 cell != FALSE && cell < self.image.layout.state && (cell != TRUE || bits == 1);
-            self.require(fits, || format!("slot {cell} cannot start as {bits:#x}"));
+            self.require(is_valid, || {
+                format!("slot {cell} cannot start as {bits:#x}")
+            });
         }
         let is_true = init.first() == Some(&(TRUE, 1));
         self.require(is_true, || format!("slot {TRUE} must start as 1"));
@@ -87,8 +89,8 @@ impl Verifier<'_> {
             // Even an empty state must start inside the memory.
             let inside = within.start <= f.state.start || f.state.len == 0;
             let end = if f.state.len == 0 { l.end } else { within.end };
-            let fits = inside && f.state.end() <= end;
-            self.require(fits, || {
+            let is_valid = inside && f.state.end() <= end;
+            self.require(is_valid, || {
                 format!("state {:?} lies outside {within:?}", f.state)
             });
             self.require(f.active < l.end, || {
@@ -99,25 +101,25 @@ impl Verifier<'_> {
     }
 
     fn check_locations(&mut self) {
-        let places = self.image.locations.len();
+        let places = self.image.debug.locations.len();
         let known = |p: u32| (p as usize) < places;
         self.location = ErrorLocation::Table("origin", 0);
-        let origins = &self.image.origins;
+        let origins = &self.image.debug.origins;
         let ascending = origins.windows(2).all(|w| w[0].0 < w[1].0);
         self.require(ascending && origins.iter().all(|o| known(o.1)), || {
             "invalid origins".into()
         });
-        let trace = &self.image.step_locations;
-        let fits = trace.is_empty() || trace.len() == self.image.steps.len();
+        let trace = &self.image.debug.step_locations;
+        let is_valid = trace.is_empty() || trace.len() == self.image.steps.len();
         self.require(
-            fits && trace.iter().all(|&p| p == u32::MAX || known(p)),
+            is_valid && trace.iter().all(|&p| p == u32::MAX || known(p)),
             || "invalid trace".into(),
         );
-        for (k, p) in self.image.probes.iter().enumerate() {
+        for (k, p) in self.image.debug.probes.iter().enumerate() {
             self.location = ErrorLocation::Table("probe", k);
             self.signal(p.value);
-            let fits = known(p.location) && (p.fragment as usize) < self.image.fragments.len();
-            self.require(fits, || "invalid location or fragment".into());
+            let is_valid = known(p.location) && (p.fragment as usize) < self.image.fragments.len();
+            self.require(is_valid, || "invalid location or fragment".into());
         }
     }
 
@@ -171,16 +173,16 @@ impl Verifier<'_> {
 
     fn external(&mut self, c: SlotRange) {
         let l = self.image.layout;
-        let fits = l.constants <= c.start && c.end() <= l.external;
-        self.require(fits, || {
+        let is_valid = l.constants <= c.start && c.end() <= l.external;
+        self.require(is_valid, || {
             format!("slots {}..{} are not external", c.start, c.end())
         });
     }
 
     fn signal(&mut self, s: Signal) {
         let (cells, present) = (s.slots(), s.present);
-        let fits = cells.end() <= self.image.layout.end && present < self.image.layout.end;
-        self.require(fits, || {
+        let is_valid = cells.end() <= self.image.layout.end && present < self.image.layout.end;
+        self.require(is_valid, || {
             format!(
                 "slots {}..{} or presence slot {present} are out of range",
                 cells.start,

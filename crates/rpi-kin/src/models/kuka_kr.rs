@@ -19,7 +19,7 @@ pub static KR_6_R900: ArmModel = ArmModel {
     inverse: InverseKinematics::Opw(KR_6_R900_LENGTHS),
 };
 
-/// KR 16-2.
+/// Six-axis arm KUKA KR 16-2.
 pub static KR_16_2: ArmModel = ArmModel {
     id: "kuka-kr16-2",
     display_name: "KUKA KR 16-2",

@@ -26,6 +26,7 @@ impl ElbowCircle {
         let level = libm::sqrt(axis.x * axis.x + axis.y * axis.y);
         let vertical = level <= VERTICAL_TOLERANCE;
         let up = if vertical {
+            // Perpendicular to the axis. Its length is not 0, because the axis is vertical.
             let turned = Vector3::new(axis.z, 0.0, -axis.x);
             turned / libm::sqrt(turned.norm_squared())
         } else {

@@ -62,13 +62,44 @@ impl Geometry {
         if hint.iter().chain(elbow).any(|joint| !joint.is_finite()) {
             return Err(InverseKinematicsError::NotFinite);
         }
+        let elbow = ElbowPosition::from_joints(self, &self.apply_sense(elbow));
+        self.solve(flange, hint, ranges, |circle| {
+            elbow.map_or(SinCos { sin: 0.0, cos: 1.0 }, |elbow| {
+                elbow.arm_angle_on(circle)
+            })
+        })
+    }
+
+    /// As [`inverse`](Self::inverse), but with the arm angle `arm_angle` (rad) instead of that of the hint.
+    ///
+    /// # Errors
+    /// As [`inverse`](Self::inverse).
+    pub fn inverse_at_arm_angle(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        arm_angle: f64,
+        ranges: &[Range; 7],
+    ) -> Result<Solution, InverseKinematicsError> {
+        if !arm_angle.is_finite() || hint.iter().any(|joint| !joint.is_finite()) {
+            return Err(InverseKinematicsError::NotFinite);
+        }
+        self.solve(flange, hint, ranges, |_| SinCos::from_angle(arm_angle))
+    }
+
+    fn solve(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        ranges: &[Range; 7],
+        kept_arm_angle: impl FnOnce(&ElbowCircle) -> SinCos,
+    ) -> Result<Solution, InverseKinematicsError> {
         let reach = self.elbow_triangle(flange)?;
-        let (hint, elbow) = (
-            self.apply_sense(hint),
-            ElbowPosition::from_joints(self, &self.apply_sense(elbow)),
-        );
+        let hint = self.apply_sense(hint);
         let ranges = canonical_ranges(ranges, &self.sense);
-        let search = Search::new(&reach, elbow, &hint, &ranges);
+        let circle = ElbowCircle::new(reach.line);
+        let kept = kept_arm_angle(&circle);
+        let search = Search::new(&reach, circle, kept, &hint, &ranges);
         let found = search
             .keep_arm_angle()
             .or_else(|| search.change_arm_angle())
@@ -116,14 +147,11 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(
         reach: &'a ElbowTriangle,
-        elbow: Option<ElbowPosition>,
+        circle: ElbowCircle,
+        kept: SinCos,
         hint: &'a Joints,
         ranges: &'a [Range; 7],
     ) -> Self {
-        let circle = ElbowCircle::new(reach.line);
-        let kept = elbow.map_or(SinCos { sin: 0.0, cos: 1.0 }, |elbow| {
-            elbow.arm_angle_on(&circle)
-        });
         let first = first_branch(reach, &circle.direction(kept), hint);
         let turned = |branch: Branch| -> Joints {
             let joints = branch.apply(&first);
@@ -184,6 +212,7 @@ impl<'a> Search<'a> {
     fn candidates(&self, ranges: &[Range; 7]) -> [f64; MAX_LIMIT_ARM_ANGLES] {
         let inner = ranges.map(|range| range.shrunk(LIMIT_MARGIN));
         let mut angles = limit_arm_angles(self.reach, &self.circle, &inner);
+        // Unused entries are NaN. `abs` makes their distance a positive NaN, which `total_cmp` orders last.
         angles.sort_unstable_by(|one, other| self.distance(*one).total_cmp(&self.distance(*other)));
         angles
     }
@@ -198,6 +227,8 @@ impl<'a> Search<'a> {
             return None;
         }
         let moved = wrap(arm_angle - self.nearest.arm_angle);
+        // The kept sine and cosine are used unchanged: computed again from the angle they would differ in the last
+        // bits.
         let elbow = if moved == 0.0 {
             self.kept_arm_angle
         } else {

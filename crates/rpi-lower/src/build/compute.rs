@@ -1,18 +1,36 @@
 //! Lowering of nodes whose primitives have code of their own.
 
-use super::inputs::{Flow, InputFlow};
+use super::flows::{Flow, InputFlow};
 use super::{Builder, Flows, InputFlows};
 use crate::flat_net::{OpKind, ScopeId};
-use crate::registers::{Region, Register};
+use crate::registers::{Region, Register, Registers};
 use rpi_image::image::Form;
-use rpi_image::operands::OperandRole;
+use rpi_image::operands::{Operand, OperandRole, operand_layout};
 use rpi_image::{ParamType, Presence, PrimDesc, SizeArgs, StateSize, Type, Value};
 use rpi_net::passes::FlowPresence;
-use rpi_net::{NodeId, PortRef};
+use rpi_net::{Node, NodeId, PortRef};
+use rpi_prims::PrimId;
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
+use std::rc::Rc;
 
 /// Strict primitives with at least this much work are skipped instead of run on stale values.
 const EXPENSIVE_WORK: u32 = 32;
+
+/// Operand layouts of primitives, computed once each.
+#[derive(Default)]
+pub(super) struct OperandLayouts {
+    by_form: FxHashMap<(PrimId, Form), Rc<[Operand]>>,
+}
+
+impl OperandLayouts {
+    /// The operands of a primitive in the order of an operation's words.
+    fn get(&mut self, prim: PrimId, form: Form) -> Rc<[Operand]> {
+        let layout = self.by_form.entry((prim, form));
+        let layout = layout.or_insert_with(|| operand_layout(prim.desc(), form).into());
+        Rc::clone(layout)
+    }
+}
 
 impl Builder<'_> {
     pub(super) fn compute(&mut self, id: NodeId) {
@@ -33,13 +51,13 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// The scope in which a strict primitive runs and the presence of its outputs; `None` if it never runs. Opens a new
-    /// scope for an expensive primitive (`dear`).
+    /// The scope in which a strict primitive runs and the presence of its outputs; `None` if it never runs. Opens a
+    /// new scope if `is_expensive`.
     pub(super) fn open_guard(
         &mut self,
         id: NodeId,
         links: &[InputFlow],
-        dear: bool,
+        is_expensive: bool,
     ) -> Option<(ScopeId, Register)> {
         let scope = self.scope_of(id);
         let connected = links.iter().filter(|l| !l.is_open);
@@ -49,12 +67,12 @@ impl Builder<'_> {
         match present {
             Register::FALSE => None,
             Register::TRUE => Some((scope, present)),
-            _ if dear => Some((self.flat.open(scope, present), present)),
+            _ if is_expensive => Some((self.flat.open(scope, present), present)),
             _ => Some((scope, present)),
         }
     }
 
-    /// Closes the scope opened by [`Builder::guarded`], if any.
+    /// Closes the scope opened by [`Builder::open_guard`], if any.
     pub(super) fn close_guard(&mut self, id: NodeId, scope: ScopeId) {
         if scope != self.scope_of(id) {
             self.flat.close(scope);
@@ -63,9 +81,9 @@ impl Builder<'_> {
 
     fn strict(&mut self, id: NodeId, links: &[InputFlow]) {
         let desc = self.desc(id);
-        let dear =
+        let is_expensive =
             !matches!(desc.state, StateSize::None) || desc.may_fault || desc.work >= EXPENSIVE_WORK;
-        let Some((scope, present)) = self.open_guard(id, links, dear) else {
+        let Some((scope, present)) = self.open_guard(id, links, is_expensive) else {
             return;
         };
         let outputs = self.outputs(id, present);
@@ -86,7 +104,7 @@ impl Builder<'_> {
             outputs.push(flow);
             if self.plan.presences.own(port) == FlowPresence::Total {
                 flow.present = Register::TRUE;
-                self.set(port, flow);
+                self.flows.set(port, flow);
             }
         }
         self.run(id, Form::Optional, self.scope_of(id), links, &outputs);
@@ -114,13 +132,15 @@ impl Builder<'_> {
     ) {
         let node = self.net.node(id);
         let mut words: SmallVec<[u32; 12]> = SmallVec::new();
-        let fields = self.fields(node.prim, form);
+        let fields = self.layouts.get(node.prim, form);
         for field in fields.iter() {
             let (flow, ty) = match field.role {
                 OperandRole::Input(k) => (links[k].flow, links[k].ty),
                 OperandRole::Output(k) => (outputs[k], node.outputs[k]),
-                OperandRole::Param(k) => self.param(node.desc(), k, &node.params[k]),
-                OperandRole::State => self.state(id),
+                OperandRole::Param(k) => {
+                    param(&mut self.flat.registers, node.desc(), k, &node.params[k])
+                }
+                OperandRole::State => state(&mut self.flat.registers, node, self.options.dt()),
             };
             words.push(flow.value.0);
             words.extend_from_slice(&sizes(ty)[..field.size_words]);
@@ -131,46 +151,6 @@ impl Builder<'_> {
         self.flat
             .push(scope, OpKind::Run(node.prim, form), &words, id.0);
     }
-
-    fn param(&mut self, desc: &PrimDesc, k: usize, value: &Value) -> (Flow, Type) {
-        let flow = Flow {
-            value: self.flat.registers.value(value),
-            present: Register::TRUE,
-        };
-        let declared = match desc.params[k].ty {
-            ParamType::Scalar(s) | ParamType::Array(s) => Type::Scalar(s),
-            ParamType::Str => Type::Scalar(rpi_image::Scalar::Bool),
-        };
-        (flow, value.ty().unwrap_or(declared))
-    }
-
-    /// A register for the state of a node, with its initial content.
-    fn state(&mut self, id: NodeId) -> (Flow, Type) {
-        let node = self.net.node(id);
-        let args = SizeArgs {
-            params: &node.params,
-            dt: self.options.dt(),
-        };
-        let cells = match node.desc().state {
-            StateSize::None => 0,
-            StateSize::Fixed(n) => n,
-            StateSize::Computed(size) => size(&args),
-        };
-        let region = Region::State(node.fragment);
-        let value = match node.prim.prim().init {
-            None => self.flat.registers.add(region, cells),
-            Some(init) => {
-                let mut content = vec![0; cells as usize];
-                init(&args, &mut content);
-                self.flat.registers.add_with_initial(region, &content)
-            }
-        };
-        let flow = Flow {
-            value,
-            present: Register::TRUE,
-        };
-        (flow, Type::Array(rpi_image::Scalar::Int, cells))
-    }
 }
 
 /// The out-ports of a node.
@@ -178,6 +158,42 @@ pub(super) fn ports(id: NodeId, desc: &'static PrimDesc) -> impl Iterator<Item =
     (0..)
         .zip(desc.outputs)
         .map(move |(port, _)| PortRef { node: id, port })
+}
+
+/// The register of parameter `k`.
+fn param(registers: &mut Registers, desc: &PrimDesc, k: usize, value: &Value) -> (Flow, Type) {
+    let flow = Flow::total(registers.value(value));
+    let declared = match desc.params[k].ty {
+        ParamType::Scalar(s) | ParamType::Array(s) => Type::Scalar(s),
+        ParamType::Str => Type::Scalar(rpi_image::Scalar::Bool),
+    };
+    (flow, value.ty().unwrap_or(declared))
+}
+
+/// A register for the state of a node, with its initial content.
+fn state(registers: &mut Registers, node: &Node, dt: f64) -> (Flow, Type) {
+    let args = SizeArgs {
+        params: &node.params,
+        dt,
+    };
+    let cells = match node.desc().state {
+        StateSize::None => 0,
+        StateSize::Fixed(n) => n,
+        StateSize::Computed(size) => size(&args),
+    };
+    let region = Region::State(node.fragment);
+    let value = match node.prim.prim().init {
+        None => registers.add(region, cells),
+        Some(init) => {
+            let mut content = vec![0; cells as usize];
+            init(&args, &mut content);
+            registers.add_with_initial(region, &content)
+        }
+    };
+    (
+        Flow::total(value),
+        Type::Array(rpi_image::Scalar::Int, cells),
+    )
 }
 
 /// Length word of an array, or the two shape words of a matrix.
@@ -191,6 +207,6 @@ fn sizes(ty: Type) -> [u32; 2] {
 
 /// True if all inputs are certainly present and the primitive has a form without presences.
 fn is_total(id: NodeId, builder: &Builder<'_>, links: &[InputFlow]) -> bool {
-    let there = links.iter().all(|l| l.flow.present == Register::TRUE);
-    there && builder.net.node(id).prim.prim().total.is_some()
+    let are_present = links.iter().all(|l| l.flow.present == Register::TRUE);
+    are_present && builder.net.node(id).prim.prim().total.is_some()
 }

@@ -4,42 +4,83 @@ use super::Builder;
 use crate::flat_net::{ScopeId, index};
 use crate::registers::{Region, Register};
 use rpi_image::image::{self, SlotRange};
-use rpi_net::{AbsentPolicy, Activation, FragmentId, PortRef, Restart};
+use rpi_net::{AbsentPolicy, Activation, FragmentId, Net, PortRef, Restart};
 
-impl Builder<'_> {
-    /// Adds one table entry per fragment of the net. The activation is filled in when the fragment is built.
-    pub(super) fn fragments_table(&mut self) {
-        for id in self.net.fragment_ids() {
-            let fragment = self.net.fragment(id);
-            let parent = fragment.parent;
-            self.flat.tables.fragments.push(image::Fragment {
-                path: parent.map_or(String::new(), |p| self.net.path(p, &fragment.name)),
-                parent: parent.map(|p| p.0),
-                active: Register::TRUE.0,
-                state: SlotRange::default(),
-            });
+/// Scopes and activations of the fragments that have been entered.
+pub(super) struct FragmentScopes {
+    /// The scope of each fragment.
+    scopes: Vec<ScopeId>,
+    /// For each fragment, whether it is active if its parent is.
+    active: Vec<Register>,
+    /// Number of entries into each fragment so far.
+    entry_counts: Vec<u32>,
+}
+
+impl FragmentScopes {
+    pub(super) fn new(fragments: usize) -> Self {
+        FragmentScopes {
+            scopes: vec![ScopeId::ROOT; fragments],
+            active: vec![Register::TRUE; fragments],
+            entry_counts: vec![0; fragments],
         }
     }
 
+    pub(super) fn scope(&self, fragment: FragmentId) -> ScopeId {
+        self.scopes[fragment.index()]
+    }
+
+    /// Whether a fragment is active if its parent is.
+    pub(super) fn active(&self, fragment: FragmentId) -> Register {
+        self.active[fragment.index()]
+    }
+
+    fn was_entered(&self, fragment: FragmentId) -> bool {
+        self.entry_counts[fragment.index()] > 0
+    }
+
+    /// Counts an entry into a fragment. Returns the number of entries before it.
+    pub(super) fn count_entry(&mut self, fragment: FragmentId) -> usize {
+        let count = &mut self.entry_counts[fragment.index()];
+        *count += 1;
+        *count as usize - 1
+    }
+}
+
+/// One table entry per fragment of the net. The activation is filled in when the fragment is built.
+pub(super) fn fragment_table(net: &Net) -> Vec<image::Fragment> {
+    let entry = |id: FragmentId| {
+        let fragment = net.fragment(id);
+        let parent = fragment.parent;
+        image::Fragment {
+            path: parent.map_or(String::new(), |p| net.path(p, &fragment.name)),
+            parent: parent.map(|p| p.0),
+            active: Register::TRUE.0,
+            state: SlotRange::default(),
+        }
+    };
+    net.fragment_ids().map(entry).collect()
+}
+
+impl Builder<'_> {
     pub(super) fn fragment(&mut self, id: FragmentId) {
         let net = self.net;
         let fragment = net.fragment(id);
         let Some(parent) = fragment.parent else {
             return;
         };
-        let is_again = self.entry_counts[id.index()] > 0;
+        let is_again = self.fragments.was_entered(id);
         let active = match is_again {
-            true => self.active[id.index()],
+            true => self.fragments.active(id),
             false => self.activity(id, parent),
         };
-        self.active[id.index()] = active;
+        self.fragments.active[id.index()] = active;
         self.flat.tables.fragments[id.index()].active = active.0;
         if active == Register::TRUE && fragment.restart == Restart::Never {
-            self.scope[id.index()] = self.scope[parent.index()];
+            self.fragments.scopes[id.index()] = self.fragments.scope(parent);
             return self.items(id);
         }
-        let scope = self.flat.open(self.scope[parent.index()], active);
-        self.scope[id.index()] = scope;
+        let scope = self.flat.open(self.fragments.scope(parent), active);
+        self.fragments.scopes[id.index()] = scope;
         // The schedule may enter a fragment several times in a cycle; only the first entry may reset it.
         if !is_again {
             self.restart(id, parent, scope);
@@ -59,7 +100,7 @@ impl Builder<'_> {
             return Register::TRUE;
         };
         let flow = self.seen_from(condition, parent).flow;
-        let scope = self.scope[parent.index()];
+        let scope = self.fragments.scope(parent);
         match absent {
             AbsentPolicy::Inactive => {
                 self.logic
@@ -85,8 +126,8 @@ impl Builder<'_> {
     /// the parent does not end the activation of the child.
     fn was_active(&mut self, id: FragmentId, parent: FragmentId) -> Register {
         let was = self.flat.registers.add(Region::State(parent), 1);
-        let active = self.active[id.index()];
-        let outer = self.scope[parent.index()];
+        let active = self.fragments.active(id);
+        let outer = self.fragments.scope(parent);
         self.flat.scopes[outer.index()].latches.push((active, was));
         was
     }
@@ -102,10 +143,10 @@ impl Builder<'_> {
         let outer = self.flat.scopes[scope.index()]
             .parent
             .unwrap_or(ScopeId::ROOT);
-        let asked = self
+        let requested = self
             .logic
             .and(&mut self.flat, outer, flow.value, flow.present);
-        self.logic.not(&mut self.flat, outer, asked)
+        self.logic.not(&mut self.flat, outer, requested)
     }
 
     /// Adds the latches of all delays.

@@ -81,6 +81,7 @@ static FORMS: &[CForm] = &[
     total("Rpi::DoubleCeiling", &["ceil({a})"]),
     total("Rpi::DoubleRound", &["round({a})"]),
     total("Rpi::DoubleExponential", &["exp({a})"]),
+    total("Rpi::DoubleHyperbolicTangent", &["tanh({a})"]),
     total("Rpi::DoubleAtan", &["atan({a})"]),
     total("Rpi::BooleanXor", &["{a} != {b}"]),
     total("Rpi::BooleanEquals", &["{a} == {b}"]),
@@ -169,14 +170,14 @@ static FORMS: &[CForm] = &[
 
 /// The C code of a primitive; `None` if it has no C form.
 pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
-    let fits = |row: &&CForm| {
+    let is_form_of = |row: &&CForm| {
         row.form == form
             && match row.name.strip_prefix('*') {
                 Some(end) => name.ends_with(end) && !name.contains("Array"),
                 None => row.name == name,
             }
     };
-    FORMS.iter().find(fits)
+    FORMS.iter().find(is_form_of)
 }
 
 impl CForm {

@@ -5,9 +5,13 @@
 //! as `sin` that differ between C libraries in the last place. The caller handles the devices: sensors are inputs,
 //! set-points outputs.
 
+mod declarations;
 mod forms;
+mod literals;
 mod names;
+mod operands;
 mod types;
+mod variables;
 mod writer;
 
 use crate::options::{LowerOptions, Observe};

@@ -70,6 +70,14 @@ pub(super) fn identifier(text: &str) -> String {
     format!("{prefix}{plain}{suffix}")
 }
 
+/// Name of element `k` of a variable with `cells` elements.
+pub(super) fn indexed(name: &str, cells: u32, k: u32) -> String {
+    match cells {
+        1 => name.to_owned(),
+        _ => format!("{name}_{k}"),
+    }
+}
+
 fn unique(name: String, taken: &mut HashSet<String>) -> String {
     let mut candidate = name.clone();
     let mut k = 2;

@@ -65,7 +65,7 @@ impl Writer<'_> {
         let steps = &mut self.image.steps;
         if skip.is_some_and(|at| at + 1 == steps.len()) {
             steps.pop();
-            self.image.step_locations.pop();
+            self.image.debug.step_locations.pop();
         } else {
             land(steps, skip);
         }
@@ -85,6 +85,7 @@ impl Writer<'_> {
         let at = steps(self.image).len();
         steps(self.image).push(Step::Skip { unless, target: 0 });
         self.image
+            .debug
             .step_locations
             .resize(self.image.steps.len(), crate::flat_net::NO_NODE);
         Some(at)
@@ -92,7 +93,7 @@ impl Writer<'_> {
 
     fn step(&mut self, step: Step, node: u32) {
         self.image.steps.push(step);
-        self.image.step_locations.push(node);
+        self.image.debug.step_locations.push(node);
     }
 
     fn op(&mut self, op: Op) {

@@ -28,10 +28,10 @@ pub(super) fn write(
         net.node_ids().for_each(|id| _ = places.location_of(id));
         probes(net, flat, layouts, image);
     } else {
-        image.step_locations.clear();
+        image.debug.step_locations.clear();
     }
     origins(flat, layouts, &mut places, image);
-    image.locations = places.places;
+    image.debug.locations = places.places;
 }
 
 /// Locations that are referenced by the image.
@@ -69,7 +69,7 @@ fn location(net: &Net, id: NodeId) -> SourceLocation {
 fn probes(net: &Net, flat: &FlatNet, layouts: &MemoryLayout, image: &mut Image) {
     for &(place, port, signal) in &flat.tables.probes {
         let node = net.node(NodeId(place));
-        image.probes.push(Probe {
+        image.debug.probes.push(Probe {
             location: place,
             port: node.desc().outputs[usize::from(port)].name.to_owned(),
             value: Signal {
@@ -100,7 +100,7 @@ fn origins(
         found.entry(cell).or_insert(*node);
     }
     let place = |(cell, node)| (cell, places.location_of(NodeId(node)));
-    image.origins = found.into_iter().map(place).collect();
+    image.debug.origins = found.into_iter().map(place).collect();
 }
 
 /// The register that identifies a fault of an operation: the first that it writes, or else the first that it reads.

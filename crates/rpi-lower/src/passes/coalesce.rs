@@ -20,12 +20,12 @@ pub(super) fn coalesce(flat: &mut FlatNet, _: CycleTime) {
         let scope = ScopeId(k as u32);
         let latches = std::mem::take(&mut flat.scopes[k].latches);
         let kept = latches.into_iter().filter(|&(from, to)| {
-            let fits = !moved[from.index()] && facts.can_coalesce(flat, scope, from, to);
-            if fits {
+            let is_merged = !moved[from.index()] && facts.can_coalesce(flat, scope, from, to);
+            if is_merged {
                 moved[from.index()] = true;
                 renames.set(from, to);
             }
-            !fits
+            !is_merged
         });
         flat.scopes[k].latches = kept.collect();
     }

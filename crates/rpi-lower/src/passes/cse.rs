@@ -24,9 +24,9 @@ pub(super) fn eliminate(flat: &mut FlatNet, _: CycleTime) {
             continue;
         }
         if let Some(earlier) = known.find_or_insert(flat, number, scope) {
-            let given = flat.writes(flat.ops[earlier as usize]);
-            for (mine, other) in flat.writes(op).zip(given) {
-                renames.set(mine, other);
+            let results = flat.writes(flat.ops[earlier as usize]);
+            for (own, other) in flat.writes(op).zip(results) {
+                renames.set(own, other);
             }
             dropped[number as usize] = true;
         }

@@ -52,10 +52,10 @@ pub(super) fn read_state_directly(flat: &mut FlatNet, _: CycleTime) {
     let mut dropped = vec![false; flat.ops.len()];
     for (number, _) in ops_in_order(flat) {
         let op = flat.ops[number as usize];
-        if let Some((kept, given)) = delay(flat, op)
-            && !read_late[given.index()]
+        if let Some((kept, output)) = delay(flat, op)
+            && !read_late[output.index()]
         {
-            renames.set(given, kept);
+            renames.set(output, kept);
             dropped[number as usize] = true;
         }
     }
@@ -130,8 +130,8 @@ impl DelayFacts {
         let order = ops_in_order(flat);
         for &(number, _) in &order {
             let op = flat.ops[number as usize];
-            if let Some((kept, given)) = delay(flat, op) {
-                known.state_of[given.index()] = Some(kept);
+            if let Some((kept, output)) = delay(flat, op) {
+                known.state_of[output.index()] = Some(kept);
             }
             if let OpKind::Run(prim, Form::Total) = op.kind
                 && identities::identity_of(prim) == Some(Identity::Negation)
@@ -150,8 +150,8 @@ impl DelayFacts {
         known
     }
 
-    fn kept_of(&self, given: Register) -> Option<Register> {
-        self.state_of[given.index()]
+    fn kept_of(&self, output: Register) -> Option<Register> {
+        self.state_of[output.index()]
     }
 
     fn choice(&self, flat: &FlatNet, op: Op) -> Option<InitialChoice> {
@@ -205,8 +205,8 @@ impl DelayFacts {
             return None;
         }
         let [condition, constant, delayed] = at.map(|k| Register(flat.words(op)[k]));
-        let fits =
+        let is_initial_choice =
             flat.registers.region(constant) == Region::Constant && self.kept_of(delayed).is_some();
-        fits.then_some((condition, InitialChoice { delayed, constant }))
+        is_initial_choice.then_some((condition, InitialChoice { delayed, constant }))
     }
 }

@@ -20,7 +20,7 @@ pub(super) enum ExpectedName {
     Member(MemberPath),
     /// Unit of measure.
     Unit,
-    /// Module.
+    /// Name of a module, after `use`.
     Module,
     /// Any name. At the start of an argument, also the name of a parameter.
     Name(Option<ArgumentContext>),
@@ -99,7 +99,7 @@ fn excludes_names(piece: &SourceToken, offset: usize) -> bool {
     start < offset && (offset < end || to_line_end && offset == end)
 }
 
-/// Token before the cursor.
+/// Token before the cursor, which decides what may follow.
 #[derive(Clone, Copy)]
 struct CursorToken<'t> {
     text: &'t str,

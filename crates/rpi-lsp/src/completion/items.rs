@@ -134,7 +134,7 @@ impl<'s> ItemCollector<'s> {
         members.chain(self.parts(parts)).collect()
     }
 
-    /// Resolves a path.
+    /// Returns the declaration to which a path of names leads, such as `arm.pose`.
     fn resolve(&self, path: &MemberPath) -> Option<DefId> {
         let index = self.analysis.index();
         let root = index.resolve(FileId(0), self.offset, &path.root)?;

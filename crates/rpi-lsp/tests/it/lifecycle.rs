@@ -34,9 +34,9 @@ fn a_client_that_watches_files_is_asked_to() {
     let mut session = connect();
     let watched = json!({ "didChangeWatchedFiles": { "dynamicRegistration": true } });
     session.client.initialize(json!({ "workspace": watched }));
-    let asked = session.client.await_method("client/registerCapability");
+    let request = session.client.await_method("client/registerCapability");
     assert_eq!(
-        asked["registrations"][0]["method"],
+        request["registrations"][0]["method"],
         "workspace/didChangeWatchedFiles"
     );
     session.shut_down().unwrap();

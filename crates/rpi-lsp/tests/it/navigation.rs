@@ -36,69 +36,71 @@ fn the_program_of_these_tests_is_right() {
     session.shut_down().unwrap();
 }
 
+/// Text at the cursor, its number in the program, and what hovering shows.
+const HOVERS: &[(&str, usize, &[&str])] = &[
+    (
+        "work)",
+        0,
+        &[
+            "work: Pose = pose(450[mm]",
+            "constant",
+            "Where the work piece lies.",
+        ],
+    ),
+    (
+        "Go (",
+        0,
+        &["command Go (arm: Arm; there: Pose)", "Goes there and back."],
+    ),
+    ("Go(", 0, &["command Go", "Goes there and back."]),
+    ("way.done;", 0, &["flow of `Go`", "The way there."]),
+    (
+        "Line",
+        0,
+        &[
+            "fragment Line",
+            "A straight line from `from` to `to`",
+            "stdlib/motion.rpi",
+        ],
+    ),
+    (
+        "speed",
+        0,
+        &["speed: real[m/s]", "static parameter of `Line`"],
+    ),
+    (
+        "done;",
+        0,
+        &["done: bool", "out-port of `Line`", "always present"],
+    ),
+    ("slow =", 0, &["slow: real[m]", "always present"]),
+    ("slow ??", 0, &["slow: real[m]?", "may be absent"]),
+    ("pose;", 0, &["pose: Pose(", "out-port of `Line`"]),
+    (
+        "pose);",
+        0,
+        &["pose: Pose(", "port of `Arm`", "As last commanded"],
+    ),
+    ("Arm;", 0, &["device Arm", "An arm with `n` joints."]),
+    (
+        "Late when",
+        0,
+        &["fragment Late when way.done", "fragment in place of `Go`"],
+    ),
+    ("when way.done;", 0, &["when", "keyword"]),
+    ("250", 0, &["real[m/s]"]),
+    ("?? 0", 0, &["real[m]"]),
+    (
+        "at_end",
+        0,
+        &["finish at_end when way.done;", "result of `Go`"],
+    ),
+];
+
 #[test]
 fn hovering_tells_type_unit_presence_and_documentation() {
     let mut session = open(CELL);
-    let cases: &[(&str, usize, &[&str])] = &[
-        (
-            "work)",
-            0,
-            &[
-                "work: Pose = pose(450[mm]",
-                "constant",
-                "Where the work piece lies.",
-            ],
-        ),
-        (
-            "Go (",
-            0,
-            &["command Go (arm: Arm; there: Pose)", "Goes there and back."],
-        ),
-        ("Go(", 0, &["command Go", "Goes there and back."]),
-        ("way.done;", 0, &["flow of `Go`", "The way there."]),
-        (
-            "Line",
-            0,
-            &[
-                "fragment Line",
-                "A straight line from `from` to `to`",
-                "stdlib/motion.rpi",
-            ],
-        ),
-        (
-            "speed",
-            0,
-            &["speed: real[m/s]", "static parameter of `Line`"],
-        ),
-        (
-            "done;",
-            0,
-            &["done: bool", "out-port of `Line`", "always present"],
-        ),
-        ("slow =", 0, &["slow: real[m]", "always present"]),
-        ("slow ??", 0, &["slow: real[m]?", "may be absent"]),
-        ("pose;", 0, &["pose: Pose(", "out-port of `Line`"]),
-        (
-            "pose);",
-            0,
-            &["pose: Pose(", "port of `Arm`", "As last commanded"],
-        ),
-        ("Arm;", 0, &["device Arm", "An arm with `n` joints."]),
-        (
-            "Late when",
-            0,
-            &["fragment Late when way.done", "fragment in place of `Go`"],
-        ),
-        ("when way.done;", 0, &["when", "keyword"]),
-        ("250", 0, &["real[m/s]"]),
-        ("?? 0", 0, &["real[m]"]),
-        (
-            "at_end",
-            0,
-            &["finish at_end when way.done;", "result of `Go`"],
-        ),
-    ];
-    for (what, n, expected) in cases {
+    for (what, n, expected) in HOVERS {
         let shown = session.hover(&position(CELL, what, *n));
         for part in *expected {
             assert!(shown.contains(part), "`{what}` shows no `{part}`:\n{shown}");

@@ -53,8 +53,7 @@ impl Arc {
         let normal = one.cross(&other);
         let area = normal.norm_squared();
         let sides = one.norm_squared() * other.norm_squared();
-        // Not `<`: a NaN is not an arc either.
-        if !(area > COLINEAR * COLINEAR * sides) {
+        if area <= COLINEAR * COLINEAR * sides || area.is_nan() {
             return Err(ArcError::Colinear);
         }
         let to_centre = (normal.cross(&one) * other.norm_squared()

@@ -76,7 +76,7 @@ impl Corner {
             lengths: [0.0; INTERVALS + 1],
         };
         for k in 0..INTERVALS {
-            let (from, to) = (knot(k), knot(k + 1));
+            let (from, to) = (interval_start(k), interval_start(k + 1));
             corner.lengths[k + 1] = corner.lengths[k] + corner.length_between(from, to);
         }
         corner
@@ -127,9 +127,9 @@ impl Corner {
     fn curve_parameter(&self, s: f64) -> f64 {
         let k = self.lengths[1..INTERVALS].partition_point(|length| *length <= s);
         let (low, high) = (self.lengths[k], self.lengths[k + 1]);
-        let mut u = knot(k) + (s - low) / (high - low) / INTERVALS as f64;
+        let mut u = interval_start(k) + (s - low) / (high - low) / INTERVALS as f64;
         for _ in 0..3 {
-            let off = low + self.length_between(knot(k), u) - s;
+            let off = low + self.length_between(interval_start(k), u) - s;
             u -= off / libm::sqrt(self.derivative(u).norm_squared());
         }
         u
@@ -164,7 +164,7 @@ impl Corner {
     }
 }
 
-fn knot(k: usize) -> f64 {
+fn interval_start(k: usize) -> f64 {
     k as f64 / INTERVALS as f64
 }
 

@@ -22,7 +22,9 @@ use rpi_kin::Pose;
 /// Maximum number of pieces of a path of the tool.
 pub const MAX_PIECES: usize = 16;
 
-/// A piece of a path of the tool.
+/// A piece of a path of the tool. It is held by value, because paths are replaced in the cycle, where nothing may be
+/// allocated.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Piece {
     /// A straight line.
@@ -33,7 +35,8 @@ pub enum Piece {
     Corner(Corner),
 }
 
-/// A path.
+/// A path, held by value like its pieces.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Path {
     /// A path of the tool: pieces in order.

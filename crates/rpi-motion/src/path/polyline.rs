@@ -71,7 +71,7 @@ impl ToolPath {
         let mut begin = 0.0;
         for k in 0..points.len() - 1 {
             let here = line(k);
-            if !(here.length() > SHORTEST) {
+            if is_short(here.length()) {
                 return Err(ZoneError::SamePoint(k));
             }
             let Some(zone) = zones.get(k) else {
@@ -95,11 +95,16 @@ impl ToolPath {
     }
 }
 
+/// Whether a length is too small for a line, or not a number.
+fn is_short(length: f64) -> bool {
+    length <= SHORTEST || length.is_nan()
+}
+
 fn checked_zone(before: &Line, after: &Line, zone: f64, point: usize) -> Result<f64, ZoneError> {
-    if !(after.length() > SHORTEST) {
+    if is_short(after.length()) {
         return Err(ZoneError::SamePoint(point));
     }
-    if !(zone > 0.0) {
+    if zone <= 0.0 || zone.is_nan() {
         return Err(ZoneError::NoZone(point));
     }
     if !(before.is_by_length() && after.is_by_length()) {

@@ -2,15 +2,20 @@
 //!
 //! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
 
+mod controls;
 mod random;
+mod refusals;
 mod watch;
 
 use random::{KINDS, Kind, Random};
 use rpi_kin::{ArmModel, Pose, models};
 use rpi_motion::{Arm, Controls, MotionCore, Path, check_path};
+use rpi_testkit::no_alloc;
 use watch::{PERIOD, Watch};
 
-const ARMS: [&ArmModel; 4] = [
+rpi_testkit::trap_allocations!();
+
+pub(crate) const ARMS: [&ArmModel; 4] = [
     &models::kuka_lbr::LWR_4_PLUS,
     &models::kuka_kr::KR_6_R900,
     &models::universal_robots::UR5E,
@@ -20,7 +25,7 @@ const ARMS: [&ArmModel; 4] = [
 /// Takeovers of one chain.
 const CHAIN: usize = 10;
 
-fn number(name: &str, default: u64) -> u64 {
+pub(crate) fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect("a number"))
 }
 
@@ -49,10 +54,10 @@ fn motion(
             continue;
         };
         let default = random.unit() < 0.3;
-        let asked = random::asked(kind, random, default);
+        let requested = random::requested(kind, random, default);
         counts.checked += usize::from(kind == Kind::Line);
-        if check_path(arm, path, watch.joints(), asked).is_ok() {
-            return Some((path, asked));
+        if check_path(arm, path, watch.joints(), requested).is_ok() {
+            return Some((path, requested));
         }
         counts.refused_by_check += usize::from(kind == Kind::Line);
     }
@@ -65,11 +70,10 @@ fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
     let mut watch = Watch::standing(&random::joints(model, &mut random));
     let mut core = MotionCore::new(arm, PERIOD);
     for number in 0..CHAIN {
-        let Some((path, asked)) = motion(model, &arm, &watch, &mut random, counts) else {
+        let Some((path, requested)) = motion(model, &arm, &watch, &mut random, counts) else {
             return;
         };
-        core.begin(path, &watch.state(), asked)
-            .expect("the check accepted it");
+        no_alloc(|| core.begin(path, &watch.state(), requested)).expect("the check accepted it");
         counts.takeovers += 1;
         let cycles = match () {
             () if number + 1 == CHAIN => 60_000,
@@ -108,9 +112,8 @@ fn run(
     counts: &mut Counts,
 ) -> bool {
     for _ in 0..cycles {
-        let at = core
-            .next_set_point(Controls::default())
-            .expect("the path was checked");
+        let at =
+            no_alloc(|| core.next_set_point(Controls::default())).expect("the path was checked");
         watch.push(arm, &at.joints);
         if at.on_path
             && let Path::Tool(path) = path
@@ -128,7 +131,7 @@ fn run(
 
 #[test]
 fn takeovers_at_random_moments_keep_every_limit() {
-    let (chains, first) = (number("RPI_TAKEOVERS", 4), number("RPI_SEED", 1));
+    let (chains, first) = (number("RPI_TAKEOVERS", 50), number("RPI_SEED", 1));
     for model in ARMS {
         let mut counts = Counts::default();
         (first..first + chains).for_each(|seed| chain(model, seed, &mut counts));

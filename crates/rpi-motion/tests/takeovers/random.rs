@@ -107,7 +107,7 @@ pub(crate) fn path(
 }
 
 /// Random bounds for the tool, or the defaults of the library.
-pub(crate) fn asked(kind: Kind, random: &mut Random, default: bool) -> Bounds {
+pub(crate) fn requested(kind: Kind, random: &mut Random, default: bool) -> Bounds {
     let (speed, acceleration, jerk) = match (kind, default) {
         (Kind::JointLine, _) => (10.0, 100.0, 1000.0),
         (_, true) => (0.25, 0.5, 5.0),

@@ -27,8 +27,9 @@ impl Watch {
         let [a, b, c, d] = &self.last;
         for (axis, limits) in arm.limits().iter().enumerate() {
             let velocity = (d[axis] - c[axis]) / PERIOD;
-            let acceleration = (d[axis] - 2.0 * c[axis] + b[axis]) / PERIOD.powi(2);
-            let jerk = (d[axis] - 3.0 * c[axis] + 3.0 * b[axis] - a[axis]) / PERIOD.powi(3);
+            let acceleration = (d[axis] - 2.0 * c[axis] + b[axis]) / (PERIOD * PERIOD);
+            let jerk =
+                (d[axis] - 3.0 * c[axis] + 3.0 * b[axis] - a[axis]) / (PERIOD * PERIOD * PERIOD);
             let shares = [
                 velocity.abs() / limits.velocity,
                 acceleration.abs() / limits.acceleration,
@@ -50,7 +51,7 @@ impl Watch {
         let [_, b, c, d] = &self.last;
         let velocity = core::array::from_fn(|axis| (d[axis] - c[axis]) / PERIOD);
         let acceleration =
-            core::array::from_fn(|axis| (d[axis] - 2.0 * c[axis] + b[axis]) / PERIOD.powi(2));
+            core::array::from_fn(|axis| (d[axis] - 2.0 * c[axis] + b[axis]) / (PERIOD * PERIOD));
         JointState::from_differences(*d, velocity, acceleration, PERIOD)
     }
 

@@ -1,20 +1,15 @@
 //! Translates primitives to Lustre equations, one primitive at a time.
 
-use super::flows::{ObservedFlow, PresenceCondition, Writer};
+use super::observed_flow::{ObservedFlow, PresenceCondition};
+use super::operations::{self, Equation};
 use super::operators::{Check, check, fill, guarded, is_partial, operator};
+use super::translator::Translator;
 use super::value::{literal, neutral, type_name};
 use crate::net::{Input, NodeId, PortRef};
 use crate::passes::FlowPresence;
 use rpi_image::{CommandFlow, Fallback, PortType, Role, Scalar, Type, Value};
-use std::collections::BTreeSet;
 
-/// Lustre expressions of a flow's value and presence.
-struct Equation {
-    value: String,
-    presence: PresenceCondition,
-}
-
-impl Writer<'_> {
+impl Translator<'_> {
     /// Writes the equation of a primitive, its assertion, or an input if the primitive has no Lustre equivalent.
     pub(super) fn write_primitive(&mut self, id: NodeId) {
         let node = self.net().node(id);
@@ -43,10 +38,11 @@ impl Writer<'_> {
     fn check(&mut self, id: NodeId, check: Check) {
         let condition = self.operand(id, 0);
         let fragment = self.net().node(id).fragment;
-        let claimed = condition.and_then(|condition| self.guarded_condition(fragment, &condition));
+        let claimed =
+            condition.and_then(|condition| self.fragments.guarded_condition(fragment, &condition));
         match check {
-            Check::Assume => self.assumptions.extend(claimed),
-            Check::Property => self.properties.extend(claimed),
+            Check::Assume => self.node.assumptions.extend(claimed),
+            Check::Property => self.node.properties.extend(claimed),
         }
     }
 
@@ -80,11 +76,12 @@ impl Writer<'_> {
             presence: active.presence.and(&value.presence),
         };
         let claimed = self
+            .fragments
             .guarded_condition(fragment, &claim)
             .filter(|_| !ends.is_empty());
         match is_given {
-            true => self.assumptions.extend(claimed),
-            false => self.properties.extend(claimed),
+            true => self.node.assumptions.extend(claimed),
+            false => self.node.properties.extend(claimed),
         }
     }
 
@@ -93,56 +90,10 @@ impl Writer<'_> {
             return;
         };
         let name = self.flow(port);
-        self.locals.push(format!("{name}: {ty}"));
-        self.equations.push(format!("{name} = {}", result.value));
+        self.node.define(&name, ty, &result.value);
         if self.analysis.presences.own(port) == FlowPresence::Optional {
-            self.locals.push(format!("{name}_is: bool"));
-            self.equations
-                .push(format!("{name}_is = {}", result.presence.text()));
-        }
-    }
-
-    /// Adds an input of the Lustre node for each input of the net, named by its key.
-    pub(super) fn add_inputs(&mut self) {
-        let read = self.net().nodes.iter().flat_map(|node| &node.inputs);
-        let read: BTreeSet<PortRef> = read.filter_map(Input::port).collect();
-        for id in self.net().node_ids() {
-            let node = self.net().node(id);
-            let port = PortRef { node: id, port: 0 };
-            let is_total = self.analysis.presences.own(port) == FlowPresence::Total;
-            let key = node.params.iter().find_map(Value::as_str);
-            let (Role::Input, Some(Type::Scalar(scalar)), Some(key), true) =
-                (node.desc().role, node.outputs.first(), key, is_total)
-            else {
-                continue;
-            };
-            let (key, scalar) = (key.to_owned(), *scalar);
-            let Some(name) = self.input(&key, scalar) else {
-                continue;
-            };
-            // The time of the last update has no Lustre form; its presence says whether the input was updated.
-            let updated = PortRef { node: id, port: 1 };
-            if read.contains(&updated) {
-                self.inputs.push(format!("{name}_is: bool"));
-                self.map_to_input(updated, name.clone());
-            }
-            self.map_to_input(port, name);
-        }
-    }
-
-    /// Adds inputs for the flows that the control core supplies to a command, except the period, which is a constant.
-    pub(super) fn add_core_inputs(&mut self) {
-        for id in self.net().node_ids() {
-            let node = self.net().node(id);
-            let (Role::Flow(flow), desc) = (node.desc().role, node.desc()) else {
-                continue;
-            };
-            if matches!(flow, CommandFlow::Period | CommandFlow::PeriodTicks) {
-                continue;
-            }
-            if let Some(name) = self.core_input(desc, node.origin.span) {
-                self.map_to_input(PortRef { node: id, port: 0 }, name);
-            }
+            let presence = result.presence.text();
+            self.node.define(&format!("{name}_is"), "bool", &presence);
         }
     }
 
@@ -179,12 +130,12 @@ impl Writer<'_> {
 
     /// Value and presence of an in-port as its primitive sees it; `None` if the value has no Lustre form, or if an
     /// unconnected in-port has a default.
-    fn operand(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
+    pub(super) fn operand(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
         let seen = self.operand_presence(id, k)?;
         seen.value.is_some().then_some(seen)
     }
 
-    /// Like [`Writer::operand`], for primitives that may read only the presence: the value may have no Lustre form.
+    /// Like [`Translator::operand`], for primitives that may read only the presence: the value may have no Lustre form.
     fn operand_presence(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
         let node = self.net().node(id);
         let declared = node.desc().inputs.get(k)?;
@@ -199,7 +150,7 @@ impl Writer<'_> {
         Some(self.seen(fragment, &input, scalar))
     }
 
-    fn operands(&mut self, id: NodeId) -> Option<Vec<ObservedFlow>> {
+    pub(super) fn operands(&mut self, id: NodeId) -> Option<Vec<ObservedFlow>> {
         let count = self.net().node(id).inputs.len();
         (0..count).map(|k| self.operand(id, k)).collect()
     }
@@ -220,14 +171,14 @@ impl Writer<'_> {
                 let tick = literal(&Value::real(self.period_ns as f64))?;
                 self.strict(id, scalar, &format!("real {{0}} * {tick} / 1000000000.0"))
             }
-            "BooleanAnd" => self.kleene(id, "and"),
-            "BooleanOr" => self.kleene(id, "or"),
-            "BooleanImplies" => self.kleene(id, "=>"),
+            "BooleanAnd" => operations::kleene(&self.operands(id)?, "and"),
+            "BooleanOr" => operations::kleene(&self.operands(id)?, "or"),
+            "BooleanImplies" => operations::kleene(&self.operands(id)?, "=>"),
             "IntEquals" | "DoubleEquals" => self.equals(id),
-            _ if plain.ends_with("Conditional") => self.conditional(id),
-            _ if plain.ends_with("Coalesce") => self.coalesce(id),
+            _ if plain.ends_with("Conditional") => operations::conditional(&self.operands(id)?),
+            _ if plain.ends_with("Coalesce") => operations::coalesce(&self.operands(id)?),
             _ if plain.ends_with("Hold") => self.hold(id, scalar),
-            _ if plain.ends_with("SetNull") => self.set_null(id),
+            _ if plain.ends_with("SetNull") => operations::set_null(&self.operands(id)?),
             _ => None,
         }
     }
@@ -255,7 +206,7 @@ impl Writer<'_> {
         let value = fill(template, &values);
         let node = self.net().node(id);
         let computed = match is_partial(node.desc().name) {
-            true => self.active(node.fragment).and(&is),
+            true => self.fragments.active(node.fragment).and(&is),
             false => is.clone(),
         };
         let value = match (&computed, node.desc().may_fault) {
@@ -268,48 +219,6 @@ impl Writer<'_> {
             }
             _ => value,
         };
-        Some(Equation {
-            value,
-            presence: is,
-        })
-    }
-
-    /// Strong Kleene logic for `and`, `or` and `=>` (`not a or b`): one operand may decide the result alone.
-    fn kleene(&mut self, id: NodeId, op: &str) -> Option<Equation> {
-        let seen = self.operands(id)?;
-        let [a, b] = &seen[..] else {
-            return None;
-        };
-        let (x, y) = (a.value.clone()?, b.value.clone()?);
-        let both = a.presence.and(&b.presence);
-        if both == PresenceCondition::Always {
-            let value = format!("{x} {op} {y}");
-            return Some(Equation {
-                value,
-                presence: both,
-            });
-        }
-        let (x, op) = match op {
-            "=>" => (format!("(not {x})"), "or"),
-            _ => (x, op),
-        };
-        // An absent operand counts as the neutral element, which does not decide.
-        let neutral = |value: &str, is: &PresenceCondition| match op {
-            "and" => format!("(not {} or {value})", is.text()),
-            _ => format!("({} and {value})", is.text()),
-        };
-        let decides = |value: &str, is: &PresenceCondition| match op {
-            "and" => format!("({} and not {value})", is.text()),
-            _ => format!("({} and {value})", is.text()),
-        };
-        let value = format!(
-            "{} {op} {}",
-            neutral(&x, &a.presence),
-            neutral(&y, &b.presence)
-        );
-        let [by_x, by_y] = [decides(&x, &a.presence), decides(&y, &b.presence)];
-        let any = format!("({} or {by_x} or {by_y})", both.text());
-        let is = PresenceCondition::While(vec![any]);
         Some(Equation {
             value,
             presence: is,
@@ -329,146 +238,5 @@ impl Writer<'_> {
         let epsilon = literal(&epsilon?)?;
         let template = format!("({{0}} - {{1}} <= {epsilon}) and ({{1}} - {{0}} <= {epsilon})");
         self.strict(id, Scalar::Bool, &template)
-    }
-
-    /// Conditional: the branch that is not selected may be absent.
-    fn conditional(&mut self, id: NodeId) -> Option<Equation> {
-        let seen = self.operands(id)?;
-        let [condition, yes, no] = &seen[..] else {
-            return None;
-        };
-        let (c, a, b) = (
-            condition.value.clone()?,
-            yes.value.clone()?,
-            no.value.clone()?,
-        );
-        let chosen = match (&yes.presence, &no.presence) {
-            (a, b) if a == b => a.clone(),
-            (a, b) => PresenceCondition::While(vec![format!(
-                "(if {c} then {} else {})",
-                a.text(),
-                b.text()
-            )]),
-        };
-        Some(Equation {
-            value: format!("if {c} then {a} else {b}"),
-            presence: condition.presence.and(&chosen),
-        })
-    }
-
-    /// First operand if it is present, otherwise the second.
-    fn coalesce(&mut self, id: NodeId) -> Option<Equation> {
-        let seen = self.operands(id)?;
-        let [first, second] = &seen[..] else {
-            return None;
-        };
-        let (a, b) = (first.value.clone()?, second.value.clone()?);
-        Some(match (&first.presence, &second.presence) {
-            (PresenceCondition::Always, _) => Equation {
-                value: a,
-                presence: PresenceCondition::Always,
-            },
-            (PresenceCondition::Never, is) => Equation {
-                value: b,
-                presence: is.clone(),
-            },
-            (is, other) => Equation {
-                value: format!("if {} then {a} else {b}", is.text()),
-                presence: match other {
-                    PresenceCondition::Always => PresenceCondition::Always,
-                    other => PresenceCondition::While(vec![format!(
-                        "({} or {})",
-                        is.text(),
-                        other.text()
-                    )]),
-                },
-            },
-        })
-    }
-
-    /// Last value that was present; the initial value before the first one.
-    fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
-        let seen = self.operands(id)?;
-        let [given, initial] = &seen[..] else {
-            return None;
-        };
-        let (x, start) = (given.value.clone()?, initial.value.clone()?);
-        let (fragment, is) = (self.net().node(id).fragment, given.presence.text());
-        let like = self.flow(PortRef { node: id, port: 0 });
-        let seen_before = |before: &str| format!("({is} or {before})");
-        let before = self.add_state(
-            fragment,
-            &format!("{like}_seen"),
-            "bool",
-            "false",
-            seen_before,
-        );
-        let last = |last: &str| format!("(if {is} then {x} else {last})");
-        let (ty, first) = (type_name(scalar)?, neutral(scalar)?);
-        let last = self.add_state(fragment, &format!("{like}_last"), ty, first, last);
-        Some(Equation {
-            value: format!("if {is} then {x} else if {before} then {last} else {start}"),
-            presence: match &initial.presence {
-                PresenceCondition::Always => PresenceCondition::Always,
-                other => PresenceCondition::While(vec![format!(
-                    "({is} or {before} or {})",
-                    other.text()
-                )]),
-            },
-        })
-    }
-
-    /// Operand that is present unless the second operand is true or absent.
-    fn set_null(&mut self, id: NodeId) -> Option<Equation> {
-        let seen = self.operands(id)?;
-        let [given, null] = &seen[..] else {
-            return None;
-        };
-        let kept = PresenceCondition::While(vec![format!("(not {})", null.value.clone()?)]);
-        Some(Equation {
-            value: given.value.clone()?,
-            presence: given.presence.and(&null.presence).and(&kept),
-        })
-    }
-
-    fn delay(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
-        let given = self.operand(id, 0)?;
-        let node = self.net().node(id);
-        let (fragment, port) = (node.fragment, PortRef { node: id, port: 0 });
-        let (ty, first) = (type_name(scalar)?, neutral(scalar)?);
-        let value = given.value?;
-        let like = self.flow(port);
-        let kept = |_: &str| format!("({value})");
-        let before = self.add_state(fragment, &format!("{like}_before"), ty, first, kept);
-        if self.analysis.presences.own(port) != FlowPresence::Optional {
-            let is = PresenceCondition::Always;
-            return Some(Equation {
-                value: before,
-                presence: is,
-            });
-        }
-        let there = given.presence.text();
-        let at_first = match node.desc().outputs[0].presence {
-            rpi_image::Presence::Maybe => "false",
-            _ => "true",
-        };
-        let there = |_: &str| format!("({there})");
-        let is = self.add_state(fragment, &format!("{like}_was"), "bool", at_first, there);
-        Some(Equation {
-            value: before,
-            presence: PresenceCondition::While(vec![is]),
-        })
-    }
-
-    /// Boolean that is true in the first cycle of the fragment.
-    fn first(&mut self, id: NodeId) -> Option<Equation> {
-        let fragment = self.net().node(id).fragment;
-        let like = self.flow(PortRef { node: id, port: 0 });
-        let later = |_: &str| "true".to_owned();
-        let seen = self.add_state(fragment, &format!("{like}_seen"), "bool", "false", later);
-        Some(Equation {
-            value: format!("not {seen}"),
-            presence: PresenceCondition::Always,
-        })
     }
 }

@@ -12,25 +12,37 @@
 //! | `names.rs` | valid Lustre names |
 //! | `operators.rs` | table of primitives that are Lustre expressions |
 //! | `value.rs` | literals |
-//! | `flows.rs` | value and presence of flows, activation of fragments |
+//! | `node.rs` | text of the Lustre node |
+//! | `observed_flow.rs` | value and presence of a flow as expressions |
+//! | `translator.rs` | names, values and presences of the flows of a net |
+//! | `activation.rs` | flows for the activation and reset of fragments, and states |
+//! | `fragment_activations.rs` | expressions of these flows |
+//! | `inputs.rs` | inputs of the Lustre node |
 //! | `equations.rs` | equations of primitives |
+//! | `operations.rs` | equations of primitives that are not strict |
+//! | `stateful.rs` | equations of primitives with state |
 //! | `outputs.rs` | outputs, and the results of a command |
-//! | `needed.rs` | removal of unused local flows |
+//! | `dead_flows.rs` | removal of unused local flows |
 
+mod activation;
 mod dead_flows;
 mod equations;
-mod flows;
+mod fragment_activations;
+mod inputs;
 mod names;
+mod node;
+mod observed_flow;
+mod operations;
 mod operators;
 mod outputs;
+mod stateful;
+mod translator;
 mod value;
 
 use crate::Column;
 use crate::passes::Analysis;
-use dead_flows::remove_dead_flows;
-use flows::Writer;
 use rpi_diag::Diagnostic;
-use std::fmt::Write as _;
+use translator::Translator;
 
 /// Ports of the Lustre node in order, by the keys of the net. Without outputs, all exports become outputs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,65 +69,28 @@ pub fn to_lustre(
     boundary: &NodeInterface<'_>,
     period_ns: u64,
 ) -> LustreProgram {
-    let mut writer = Writer::new(analysis, period_ns);
+    let mut translator = Translator::new(analysis, period_ns);
     for column in boundary.inputs {
-        writer.input(&column.key, column.scalar);
+        translator.input(&column.key, column.scalar);
     }
-    writer.add_inputs();
+    translator.add_inputs();
     let exports = outputs::exports(&analysis.net, boundary);
     let results = outputs::results(&analysis.net, boundary);
     let keys = exports.iter().map(|export| &export.0);
     for key in keys.chain(results.iter().map(|result| &result.name)) {
-        writer.reserve(key);
+        translator.reserve(key);
     }
-    writer.add_core_inputs();
-    writer.fragments();
+    translator.add_core_inputs();
+    translator.fragments();
     for id in analysis.net.node_ids() {
-        writer.write_primitive(id);
+        translator.write_primitive(id);
     }
     for (key, ty, source) in exports {
-        writer.output(&key, ty, source);
+        translator.output(&key, ty, source);
     }
-    writer.write_results(results);
-    writer.finish()
-}
-
-impl Writer<'_> {
-    fn finish(mut self) -> LustreProgram {
-        let others = [&self.assumptions[..], &self.properties[..]].concat();
-        (self.locals, self.equations) = remove_dead_flows(self.locals, self.equations, &others);
-        let mut text = String::new();
-        let _ = writeln!(text, "node {} (", self.node_name);
-        put_list(&mut text, &self.inputs);
-        text.push_str(")\nreturns (\n");
-        put_list(&mut text, &self.outputs);
-        text.push_str(");\n");
-        if !self.locals.is_empty() {
-            text.push_str("var\n");
-            for local in &self.locals {
-                let _ = writeln!(text, "  {local};");
-            }
-        }
-        text.push_str("let\n  --%MAIN;\n");
-        for equation in &self.equations {
-            let _ = writeln!(text, "  {equation};");
-        }
-        for assumption in &self.assumptions {
-            let _ = writeln!(text, "  assert {assumption};");
-        }
-        for claim in &self.properties {
-            let _ = writeln!(text, "  --%PROPERTY {claim};");
-        }
-        text.push_str("tel\n");
-        LustreProgram {
-            text,
-            diagnostics: self.diagnostics,
-        }
+    translator.write_results(results);
+    LustreProgram {
+        text: translator.node.into_text(),
+        diagnostics: translator.diagnostics,
     }
-}
-
-fn put_list(text: &mut String, declarations: &[String]) {
-    let lines: Vec<String> = declarations.iter().map(|d| format!("  {d}")).collect();
-    text.push_str(&lines.join(";\n"));
-    text.push('\n');
 }

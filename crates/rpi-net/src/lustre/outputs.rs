@@ -1,7 +1,8 @@
 //! Outputs of the Lustre node: exports, and the results of a command.
 
 use super::NodeInterface;
-use super::flows::{PresenceCondition, Writer};
+use super::observed_flow::PresenceCondition;
+use super::translator::Translator;
 use super::value::type_name;
 use crate::net::{
     AbsentPolicy, FragmentId, Input, Net, PortRef, ResultKind, ResultPort, Termination,
@@ -13,8 +14,8 @@ use rpi_prims::registry;
 pub(super) fn exports(net: &Net, boundary: &NodeInterface<'_>) -> Vec<(String, Scalar, PortRef)> {
     let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
     if !boundary.outputs.is_empty() {
-        let asked = boundary.outputs.iter();
-        let found = asked.filter_map(|column| Some((column, exported(&column.key)?)));
+        let requested = boundary.outputs.iter();
+        let found = requested.filter_map(|column| Some((column, exported(&column.key)?)));
         let row = found.map(|(column, export)| (column.key.clone(), column.scalar, export.source));
         return row.collect();
     }
@@ -36,10 +37,10 @@ pub(super) fn results<'n>(net: &'n Net, boundary: &NodeInterface<'_>) -> &'n [Re
     }
 }
 
-impl Writer<'_> {
+impl Translator<'_> {
     /// Reserves the name of an output.
     pub(super) fn reserve(&mut self, key: &str) {
-        let name = self.names.fresh(key);
+        let name = self.node.names.fresh(key);
         self.reserved.insert(key.to_owned(), name);
     }
 
@@ -50,19 +51,18 @@ impl Writer<'_> {
             return;
         };
         let output = self.reserved_name(key);
-        self.outputs.push(format!("{output}: {name}"));
-        self.equations.push(format!("{output} = {value}"));
+        self.node.add_output(&output, name);
+        self.node.add_equation(&output, &value);
         if seen.presence != PresenceCondition::Always {
-            let companion = self.names.fresh(&format!("{output}_is"));
-            self.outputs.push(format!("{companion}: bool"));
-            self.equations
-                .push(format!("{companion} = {}", seen.presence.text()));
+            let companion = self.node.names.fresh(&format!("{output}_is"));
+            self.node.add_output(&companion, "bool");
+            self.node.add_equation(&companion, &seen.presence.text());
         }
     }
 
     fn reserved_name(&mut self, key: &str) -> String {
         let reserved = self.reserved.get(key).cloned();
-        reserved.unwrap_or_else(|| self.names.fresh(key))
+        reserved.unwrap_or_else(|| self.node.names.fresh(key))
     }
 
     /// Adds an output for each result. At most one is true: a `fail` comes first, then the first result in the text.
@@ -71,18 +71,20 @@ impl Writer<'_> {
             .iter()
             .map(|result| self.reserved_name(&result.name))
             .collect();
-        let declared = names.iter().map(|name| format!("{name}: bool"));
-        self.outputs.extend(declared);
+        for name in &names {
+            self.node.add_output(name, "bool");
+        }
         let is_fail = |k: &usize| results[*k].kind == ResultKind::Fail;
         let (fails, others): (Vec<usize>, Vec<usize>) = (0..results.len()).partition(is_fail);
         let mut earlier: Vec<&str> = Vec::new();
         for k in fails.into_iter().chain(others) {
             let condition = self.result_condition(&results[k]);
             let name = &names[k];
-            self.equations.push(match earlier.is_empty() {
-                true => format!("{name} = {condition}"),
-                false => format!("{name} = {condition} and not ({})", earlier.join(" or ")),
-            });
+            let value = match earlier.is_empty() {
+                true => condition,
+                false => format!("{condition} and not ({})", earlier.join(" or ")),
+            };
+            self.node.add_equation(name, &value);
             earlier.push(name);
         }
     }

@@ -5,7 +5,8 @@ use super::{
     Dependencies, FlowPresence, Presences, Readers, Resource, Schedule, WorkBounds, Writers,
 };
 use super::{
-    causality, hoist, mark_live, schedule, setpoint_coverage, termination, verify, writers,
+    causality, hoist, mark_live, schedule, setpoint_coverage, termination, unused_flows, verify,
+    writers,
 };
 use crate::fragment_tree::FragmentTree;
 use crate::net::{FragmentId, Net, PortRef};
@@ -57,8 +58,8 @@ impl Analysis {
 
     fn run(&mut self, passes: &[Pass], forced: &ForcedOptional<'_>) -> Result<(), VerifyError> {
         for pass in passes {
-            let told = (pass.run)(self, forced)?;
-            self.summary.push((pass.name, told));
+            let summary = (pass.run)(self, forced)?;
+            self.summary.push((pass.name, summary));
         }
         Ok(())
     }
@@ -191,7 +192,7 @@ pub const PASSES: &[Pass] = &[
                 .map(Resource::to_string)
                 .collect();
             let methods = writers.methods();
-            let told = format!(
+            let summary = format!(
                 "{} resources{}{}; writer pairs: {proved} exclusive{}{}, {watched} checked at run time",
                 taken.len(),
                 if taken.is_empty() { "" } else { ": " },
@@ -200,7 +201,7 @@ pub const PASSES: &[Pass] = &[
                 methods.join(" and ")
             );
             a.writers = writers;
-            Ok(told)
+            Ok(summary)
         },
     },
     Pass {
@@ -230,9 +231,9 @@ pub const PASSES: &[Pass] = &[
         description: "some `finish` is reachable, and so is every result",
         run: |a, _| {
             let diagnostics = termination::check(a.proof_context());
-            let told = termination::summary(&a.net, diagnostics.len());
+            let summary = termination::summary(&a.net, diagnostics.len());
             a.diagnostics.extend(diagnostics);
-            Ok(told)
+            Ok(summary)
         },
     },
     Pass {
@@ -240,7 +241,7 @@ pub const PASSES: &[Pass] = &[
         description: "nodes with an external effect; flows that are never used",
         run: |a, _| {
             let live = mark_live::mark_live(&a.net);
-            a.diagnostics.extend(mark_live::check(&a.net, &live));
+            a.diagnostics.extend(unused_flows::check(&a.net, &live));
             let count = live.iter().filter(|l| **l).count();
             Ok(format!("{count} of {} nodes", live.len()))
         },

@@ -68,10 +68,10 @@ pub struct Read {
 /// offers a `pre` at each read.
 #[must_use]
 pub fn dependency_cycle(reads: &[Read]) -> Diagnostic {
-    let told = |read: &Read| format!("`{}` reads `{}` here", read.to, read.from);
+    let label = |read: &Read| format!("`{}` reads `{}` here", read.to, read.from);
     let steps = reads
         .iter()
-        .map(|read| (read.from.as_str(), read.span, told(read)));
+        .map(|read| (read.from.as_str(), read.span, label(read)));
     let mut diagnostic = cycle_diagnostic(&steps.collect::<Vec<_>>());
     let fix = |read: &Read| {
         let all: Vec<Span> = std::iter::once(read.span)

@@ -25,35 +25,35 @@ impl Conjunction {
         let mut found = Conjunction::default();
         let mut open = vec![(flow, true)];
         let mut seen = BTreeSet::new();
-        while let Some((input, wanted)) = open.pop() {
+        while let Some((input, polarity)) = open.pop() {
             let port = match input {
                 Input::Port(port) => *port,
-                Input::Const(value) if value.as_bool() == Some(wanted) => continue,
+                Input::Const(value) if value.as_bool() == Some(polarity) => continue,
                 Input::Const(_) | Input::Unconnected => return None,
             };
-            if seen.insert((port, wanted)) {
-                match part(net.node(port.node), wanted) {
+            if seen.insert((port, polarity)) {
+                match part(net.node(port.node), polarity) {
                     Part::Always => {}
                     Part::Never => return None,
-                    Part::AllInputs(inputs, wanted) => {
-                        open.extend(inputs.iter().map(|i| (i, wanted)))
+                    Part::AllInputs(inputs, polarity) => {
+                        open.extend(inputs.iter().map(|i| (i, polarity)))
                     }
-                    Part::Cancelled => found.add_cancelled(wanted)?,
-                    Part::Literal => found.add_literal(port, wanted)?,
+                    Part::Cancelled => found.add_cancelled(polarity)?,
+                    Part::Literal => found.add_literal(port, polarity)?,
                 }
             }
         }
         Some(found)
     }
 
-    fn add_cancelled(&mut self, wanted: bool) -> Option<()> {
-        let before = self.cancelled.replace(wanted);
-        before.is_none_or(|b| b == wanted).then_some(())
+    fn add_cancelled(&mut self, polarity: bool) -> Option<()> {
+        let before = self.cancelled.replace(polarity);
+        before.is_none_or(|b| b == polarity).then_some(())
     }
 
-    fn add_literal(&mut self, flow: PortRef, wanted: bool) -> Option<()> {
-        self.flows.insert((flow, wanted));
-        (!self.flows.contains(&(flow, !wanted))).then_some(())
+    fn add_literal(&mut self, flow: PortRef, polarity: bool) -> Option<()> {
+        self.flows.insert((flow, polarity));
+        (!self.flows.contains(&(flow, !polarity))).then_some(())
     }
 }
 
@@ -71,17 +71,17 @@ enum Part<'a> {
     Literal,
 }
 
-fn part(node: &Node, wanted: bool) -> Part<'_> {
+fn part(node: &Node, polarity: bool) -> Part<'_> {
     let constant = || node.params.first().and_then(Value::as_bool);
     match node.desc().role {
         Role::Flow(CommandFlow::Cancel) => Part::Cancelled,
-        Role::Constant if constant() == Some(wanted) => Part::Always,
+        Role::Constant if constant() == Some(polarity) => Part::Always,
         Role::Constant => Part::Never,
-        _ if node.prim == prim!("Core::BooleanNot") => Part::AllInputs(&node.inputs, !wanted),
-        _ if node.prim == prim!("Core::BooleanAnd") && wanted => {
+        _ if node.prim == prim!("Core::BooleanNot") => Part::AllInputs(&node.inputs, !polarity),
+        _ if node.prim == prim!("Core::BooleanAnd") && polarity => {
             Part::AllInputs(&node.inputs, true)
         }
-        _ if node.prim == prim!("Core::BooleanOr") && !wanted => {
+        _ if node.prim == prim!("Core::BooleanOr") && !polarity => {
             Part::AllInputs(&node.inputs, false)
         }
         _ => Part::Literal,

@@ -20,7 +20,7 @@ pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Diagnostic> 
     let others = others.filter(|id| !net.node(*id).inputs.is_empty());
     let mut elsewhere: Vec<Span> = others.map(|id| net.node(id).origin.span).collect();
     elsewhere.sort_unstable();
-    let mut told: BTreeMap<Vec<Span>, Vec<&str>> = BTreeMap::new();
+    let mut by_places: BTreeMap<Vec<Span>, Vec<&str>> = BTreeMap::new();
     for group in groups(net, &idle) {
         let mut flows: Vec<(Span, &str)> = group.iter().filter_map(|id| flow(net, *id)).collect();
         flows.sort_unstable();
@@ -28,10 +28,11 @@ pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Diagnostic> 
         let is_elsewhere = |span: &Span| elsewhere.binary_search(span).is_ok();
         if !flows.is_empty() && !flows.iter().any(|(span, _)| is_elsewhere(span)) {
             let (places, names) = flows.into_iter().unzip();
-            told.insert(places, names);
+            by_places.insert(places, names);
         }
     }
-    told.iter()
+    by_places
+        .iter()
         .map(|(places, names)| diagnostic(places, names))
         .collect()
 }

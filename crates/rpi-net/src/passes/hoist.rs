@@ -92,8 +92,8 @@ fn redirect(net: &mut Net, reader: Reader, to: PortRef) {
     }
 }
 
-/// Returns a name like `wanted` that is unused in a fragment.
-fn free_name(net: &Net, level: FragmentId, wanted: &str) -> String {
+/// Returns a name like `preferred` that is unused in a fragment.
+fn free_name(net: &Net, level: FragmentId, preferred: &str) -> String {
     let nodes = net
         .nodes
         .iter()
@@ -105,7 +105,7 @@ fn free_name(net: &Net, level: FragmentId, wanted: &str) -> String {
         .filter(|f| f.parent == Some(level))
         .map(|f| &f.name);
     let taken: BTreeSet<&String> = nodes.chain(fragments).collect();
-    let numbered = (2..).map(|n| format!("{wanted}_{n}"));
-    let mut names = std::iter::once(wanted.to_owned()).chain(numbered);
+    let numbered = (2..).map(|n| format!("{preferred}_{n}"));
+    let mut names = std::iter::once(preferred.to_owned()).chain(numbered);
     names.find(|n| !taken.contains(n)).unwrap_or_default()
 }

@@ -1,12 +1,7 @@
-//! Liveness: nodes with an effect outside the net, and unused flows of a program.
+//! Liveness: nodes with an effect outside the net, and all that they depend on.
 
-use super::dead_state;
-use crate::net::{
-    Activation, FragmentId, Input, Net, NodeId, Restart, Termination, strip_unnamed_calls,
-};
-use rpi_diag::{Code, Diagnostic, Span};
+use crate::net::{Activation, FragmentId, Input, Net, NodeId, Restart, Termination};
 use rpi_image::{PrimDesc, Role};
-use std::collections::BTreeSet;
 
 /// For each node, whether a result, an export or an effect depends on it.
 #[must_use]
@@ -104,59 +99,9 @@ fn conditions(net: &Net, id: FragmentId) -> impl Iterator<Item = NodeId> {
     activation.into_iter().chain(restart)
 }
 
-/// Returns a warning for each named flow of a program that is never used: no instance of it is read or is a port of a
-/// fragment. A name that begins with `_` suppresses the warning.
-pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Diagnostic> {
-    let used = used(net, live);
-    // Inputs are set from outside rather than computed, so an unused one is not reported here.
-    let dead = net.nodes.iter().zip(&used);
-    let dead = dead.filter(|(node, used)| !**used && node.desc().role != Role::Input);
-    let dead = dead.filter_map(|(n, _)| Some((n.origin.span, n.origin.flow.as_deref()?)));
-    let mut dead: Vec<(Span, &str)> = dead
-        .filter(|(span, name)| !span.is_none() && !name.starts_with('_'))
-        .collect();
-    if dead.is_empty() {
-        return dead_state::check(net, live, &used);
-    }
-    let elsewhere = net.nodes.iter().zip(&used).filter(|(_, used)| **used);
-    let mut elsewhere: Vec<Span> = elsewhere.map(|(node, _)| node.origin.span).collect();
-    elsewhere.sort_unstable();
-    dead.retain(|(span, _)| elsewhere.binary_search(span).is_err());
-    let mut reported: BTreeSet<Span> = BTreeSet::new();
-    dead.retain(|(span, _)| reported.insert(*span));
-    let dead = dead.into_iter().map(|(span, name)| unused(span, name));
-    dead.chain(dead_state::check(net, live, &used)).collect()
-}
-
-/// For each node, whether it is live, is read by another node or is a port of a fragment.
-fn used(net: &Net, live: &[bool]) -> Vec<bool> {
-    let mut used = live.to_vec();
-    let read = net.nodes.iter().flat_map(|node| &node.inputs);
-    for port in read.filter_map(Input::port) {
-        used[port.node.index()] = true;
-    }
-    port_sources(net).for_each(|id| used[id.index()] = true);
-    used
-}
-
 /// Nodes that are sources of fragment ports.
 pub(super) fn port_sources(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
     let ports = net.fragments.iter();
     let ports = ports.flat_map(|f| f.inputs.iter().chain(&f.outputs));
     ports.filter_map(|port| Some(port.source.port()?.node))
-}
-
-/// Returns the diagnostic for a flow that is never used.
-#[must_use]
-pub fn unused(span: Span, name: &str) -> Diagnostic {
-    let name = strip_unnamed_calls(name);
-    Diagnostic::new(Code::RPI3101, format!("`{name}` is never used"))
-        .primary(span, "computed here")
-        .help(
-            match name.contains(|c: char| !c.is_alphanumeric() && c != '_') {
-                // A path cannot be declared, so no name is suggested; the label shows which part is the flow's name.
-                true => "delete it, or start its name with `_` to keep it".to_owned(),
-                false => format!("delete it, or rename it to `_{name}` to keep it"),
-            },
-        )
 }

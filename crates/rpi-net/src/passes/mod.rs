@@ -18,6 +18,7 @@ pub mod presence;
 pub mod schedule;
 mod setpoint_coverage;
 mod termination;
+pub mod unused_flows;
 pub mod users;
 pub mod verify;
 pub mod work;

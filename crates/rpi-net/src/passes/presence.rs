@@ -351,9 +351,9 @@ fn same_activation(
     reader: FragmentId,
     common: FragmentId,
 ) -> bool {
-    let wanted = &net.fragment(gate).activation;
+    let activation = &net.fragment(gate).activation;
     tree.between(reader, common)
-        .any(|f| net.fragment(f).activation == *wanted)
+        .any(|f| net.fragment(f).activation == *activation)
 }
 
 /// Activity of a fragment as far as its condition is constant.

@@ -7,7 +7,7 @@ use super::Schedule;
 use super::fact_prover::{EffortBudget, Event, ProofContext, Prover};
 use super::model_check;
 use super::presence::FlowPresence;
-use super::writers::{Resource, Writers, are_alternatives, happening};
+use super::writers::{Resource, Writers, are_alternatives, write_event};
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Termination};
 use rpi_diag::{Code, Diagnostic};
 use rpi_image::{Presence, Role};
@@ -49,12 +49,12 @@ pub(crate) fn missing_setpoints(
     let effort = EffortBudget::default();
     let mut prover = None;
     let mut hard = 0;
-    let mut told: Vec<&Resource> = Vec::new();
+    let mut reported: Vec<&Resource> = Vec::new();
     let mut gaps = Vec::new();
     for (resource, own) in &writers.by_resource {
-        let is_told =
+        let is_reported =
             |r: &&Resource| is_same_port(r, resource) || are_alternatives(net, r, resource);
-        if told.iter().any(is_told) {
+        if reported.iter().any(is_reported) {
             continue;
         }
         let others = writers
@@ -62,7 +62,7 @@ pub(crate) fn missing_setpoints(
             .iter()
             .filter(|(r, _)| are_alternatives(net, r, resource));
         let all = own.iter().chain(others.flat_map(|(_, writers)| writers));
-        let all: Vec<Event> = all.map(|writer| happening(net, *writer)).collect();
+        let all: Vec<Event> = all.map(|writer| write_event(net, *writer)).collect();
         if all.iter().any(|one| is_always(background, one)) {
             continue;
         }
@@ -72,7 +72,7 @@ pub(crate) fn missing_setpoints(
             || schedule.is_some_and(|s| is_hard && model_check::always_one(background, s, &all));
         hard += usize::from(is_hard);
         if !is_covered {
-            told.push(resource);
+            reported.push(resource);
             gaps.extend(own.first().map(|writer| MissingSetpoint {
                 resource: resource.clone(),
                 writer: *writer,
@@ -94,8 +94,8 @@ fn is_same_port(a: &Resource, b: &Resource) -> bool {
 }
 
 /// Whether an event occurs in every cycle according to the presence analysis alone.
-fn is_always(background: ProofContext<'_>, happening: &Event) -> bool {
-    let (gates, open) = background.obstacles(happening);
+fn is_always(background: ProofContext<'_>, event: &Event) -> bool {
+    let (gates, open) = background.obstacles(event);
     gates.is_empty() && open.is_empty()
 }
 

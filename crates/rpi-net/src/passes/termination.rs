@@ -40,17 +40,22 @@ pub(crate) fn check(background: ProofContext<'_>) -> Vec<Diagnostic> {
     let alive: Vec<usize> = (0..results.len()).filter(|k| !dead[*k]).collect();
     let order = Precedence::new(results);
     let before = |k: &usize| Some((&results[*k], order.preceded_by(&proofs, *k)?));
-    let mut hidden: Vec<_> = alive.iter().filter_map(before).collect();
+    let hidden: Vec<_> = alive.iter().filter_map(before).collect();
     let hidden_finishes = hidden.iter().filter(|(r, _)| finishes(r)).count();
+    let share_diagnostic = !is_endless
+        && !background.net.is_test
+        && hidden_finishes == those(false).filter(finishes).count();
     if is_endless {
         diagnostics.push(endless(background, results, all));
-    } else if !background.net.is_test && hidden_finishes == those(false).filter(finishes).count() {
+    } else if share_diagnostic {
         // Again, all `finish` results share one diagnostic.
         let first = hidden.iter().find(|(r, _)| finishes(r));
         diagnostics.extend(first.map(|(r, first)| always_before(background.net, r, first)));
-        hidden.retain(|(r, _)| !finishes(r));
     }
-    diagnostics.extend(hidden.into_iter().map(|(r, first)| hidden_result(r, first)));
+    let apart = hidden
+        .iter()
+        .filter(|(r, _)| !(share_diagnostic && finishes(r)));
+    diagnostics.extend(apart.map(|(r, first)| hidden_result(r, first)));
     diagnostics
 }
 
@@ -170,8 +175,8 @@ fn precedence_labels(
 /// Flows that say whether a successor takes over.
 fn takeover(net: &Net) -> Vec<PortRef> {
     let is_takeover = |id: &_| net.node(*id).desc().role == Role::Flow(CommandFlow::Takeover);
-    let asked = net.node_ids().filter(is_takeover);
-    asked.map(|node| PortRef { node, port: 0 }).collect()
+    let takeovers = net.node_ids().filter(is_takeover);
+    takeovers.map(|node| PortRef { node, port: 0 }).collect()
 }
 
 fn waits_for_successor(net: &Net, finish: &ResultPort) -> Diagnostic {

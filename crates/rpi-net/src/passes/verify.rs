@@ -84,11 +84,11 @@ fn verify_node(net: &Net, id: NodeId) -> Result<(), VerifyError> {
         )));
     }
     for (input, port) in node.inputs.iter().zip(desc.inputs) {
-        let fits = match input_type(net, input)? {
+        let has_right_type = match input_type(net, input)? {
             None => matches!(port.fallback, Fallback::AbsentValue),
             Some(ty) => fits(port.ty, ty),
         };
-        if !fits {
+        if !has_right_type {
             return Err(VerifyError::new(format!(
                 "`{}` of `{name}` has the wrong type",
                 port.name

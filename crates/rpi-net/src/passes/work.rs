@@ -73,9 +73,9 @@ fn children(prover: &mut Prover<'_>, tree: &FragmentTree, id: FragmentId, of: &[
     }
     let mut groups: Vec<Vec<FragmentId>> = Vec::new();
     for child in sorted {
-        let fits =
+        let is_exclusive =
             |group: &&mut Vec<FragmentId>| group.iter().all(|f| are_exclusive(prover, *f, child));
-        match groups.iter_mut().find(fits) {
+        match groups.iter_mut().find(is_exclusive) {
             Some(group) => group.push(child),
             None => groups.push(vec![child]),
         }

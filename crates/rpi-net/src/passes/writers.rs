@@ -167,11 +167,11 @@ fn prove_pairs(background: ProofContext<'_>, pairs: &[[NodeId; 2]]) -> Vec<Write
     let effort = EffortBudget::default();
     let mut prover = Prover::new(background, &effort);
     let judged = &pairs[..pairs.len().min(MAX_PAIRS)];
-    let happenings: Vec<[Event; 2]> = judged
+    let events: Vec<[Event; 2]> = judged
         .iter()
-        .map(|pair| pair.map(|w| happening(background.net, w)))
+        .map(|pair| pair.map(|w| write_event(background.net, w)))
         .collect();
-    let exclusive = prover.never_together(&happenings);
+    let exclusive = prover.never_together(&events);
     let exclusive = exclusive.into_iter().chain(std::iter::repeat(false));
     let pair = |(writers, exclusive): (&[NodeId; 2], bool)| WriterPair {
         writers: *writers,
@@ -181,7 +181,7 @@ fn prove_pairs(background: ProofContext<'_>, pairs: &[[NodeId; 2]]) -> Vec<Write
 }
 
 /// Event that a writer writes: its fragment is active and its inputs are present.
-pub(crate) fn happening(net: &Net, writer: NodeId) -> Event {
+pub(crate) fn write_event(net: &Net, writer: NodeId) -> Event {
     let node = net.node(writer);
     Event {
         fragment: node.fragment,
@@ -200,11 +200,11 @@ fn solve_pairs(
         .filter(|pair| !pair.exclusive)
         .take(MAX_SOLVER_PAIRS);
     let open: Vec<[NodeId; 2]> = open.map(|pair| pair.writers).collect();
-    let happenings: Vec<[Event; 2]> = open
+    let events: Vec<[Event; 2]> = open
         .iter()
-        .map(|pair| pair.map(|writer| happening(background.net, writer)))
+        .map(|pair| pair.map(|writer| write_event(background.net, writer)))
         .collect();
-    let verdicts = model_check::decide(background, schedule, &happenings);
+    let verdicts = model_check::decide(background, schedule, &events);
     open.into_iter().zip(verdicts).collect()
 }
 
@@ -225,14 +225,14 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Diagnostic> {
             }
         }
     }
-    let told = reported.into_iter().map(|(resources, pair)| {
+    let diagnostics = reported.into_iter().map(|(resources, pair)| {
         let (resources, ordered) = in_text_order(net, resources, pair);
         match writers.witness(pair) {
             Some(witness) => overlap_diagnostic(net, &resources, ordered, witness),
             None => unproved_diagnostic(net, &resources, ordered),
         }
     });
-    told.collect()
+    diagnostics.collect()
 }
 
 /// Sorts two resources and their writers by their location in the text.

@@ -164,19 +164,19 @@ impl<'t> Arguments<'_, '_, 't> {
 
     fn report_missing(&mut self, links: &[ConnectedPort], settings: &[Setting<'t>]) {
         let linked = |k: usize| links.iter().any(|(i, _)| *i == k);
-        let given = |name: &str| settings.iter().any(|(n, _)| *n == name);
+        let is_set = |name: &str| settings.iter().any(|(n, _)| *n == name);
         let ports = self.desc.inputs.iter().enumerate();
         let ports = ports
             .filter(|(k, _)| !linked(*k))
             .filter_map(|(_, p)| match p.fallback {
                 Fallback::Required => Some(p.name),
-                Fallback::Param(name, PortDefault::Required) if !given(name) => Some(name),
+                Fallback::Param(name, PortDefault::Required) if !is_set(name) => Some(name),
                 _ => None,
             });
         let params = self.desc.params.iter();
         let params = params.filter(|p| matches!(p.default, PortDefault::Required));
         let missing: Vec<&str> = ports
-            .chain(params.map(|p| p.name).filter(|n| !given(n)))
+            .chain(params.map(|p| p.name).filter(|n| !is_set(n)))
             .collect();
         if missing.is_empty() {
             return;
@@ -222,17 +222,17 @@ fn advise(diagnostic: Diagnostic, name: &str, names: &[&str]) -> Diagnostic {
 }
 
 fn connect(desc: &PrimDesc, links: &[ConnectedPort], settings: &[Setting<'_>]) -> PrimitiveInputs {
-    let given = |name: &str| {
+    let setting = |name: &str| {
         let mut found = settings.iter().filter(|(n, _)| *n == name);
         found.next().map(|(_, v)| v.clone())
     };
     let input = |(k, port): (usize, &InPort)| match links.iter().find(|(i, _)| *i == k) {
         Some((_, origin)) => origin.map_or(Input::Unconnected, Input::Port),
-        None => default_input(port, given).map_or(Input::Unconnected, Input::constant),
+        None => default_input(port, setting).map_or(Input::Unconnected, Input::constant),
     };
     let param = |p: &Param| {
         let default = || p.default.value(flow_type(p.ty));
-        given(p.name)
+        setting(p.name)
             .or_else(default)
             .unwrap_or_else(|| neutral(p.ty))
     };
@@ -243,15 +243,15 @@ fn connect(desc: &PrimDesc, links: &[ConnectedPort], settings: &[Setting<'_>]) -
 }
 
 /// Value of the parameters that replace a missing link; `None` if the in-port has no such parameter.
-fn default_input(port: &InPort, given: impl Fn(&str) -> Option<Value>) -> Option<Value> {
+fn default_input(port: &InPort, setting: impl Fn(&str) -> Option<Value>) -> Option<Value> {
     match port.fallback {
         Fallback::Required | Fallback::AbsentValue => None,
         Fallback::Param(name, default) => {
-            given(name).or_else(|| default.value(flow_type(port_parameter(port.ty)?)))
+            setting(name).or_else(|| default.value(flow_type(port_parameter(port.ty)?)))
         }
         Fallback::ComposedOfParams(parts, make) => {
             let real = |(name, default): &(&str, f64)| {
-                given(name).and_then(|v| v.as_real()).unwrap_or(*default)
+                setting(name).and_then(|v| v.as_real()).unwrap_or(*default)
             };
             Some(make(&parts.iter().map(real).collect::<Vec<f64>>()))
         }

@@ -201,7 +201,7 @@ fn arguments<'t>(
     text: &ParsedText<'t>,
     definition: &Definition,
 ) -> Vec<(&'t str, &'t str, &'t str)> {
-    let said = |a: &Argument| {
+    let output = |a: &Argument| {
         let name = text.str(a.name);
         match a.value {
             ArgumentValue::Text(value) => (name, "'", text.str(value)),
@@ -211,7 +211,7 @@ fn arguments<'t>(
             },
         }
     };
-    let mut all: Vec<_> = text.arguments(definition).iter().map(said).collect();
+    let mut all: Vec<_> = text.arguments(definition).iter().map(output).collect();
     all.sort_unstable();
     all
 }

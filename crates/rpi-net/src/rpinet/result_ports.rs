@@ -10,19 +10,20 @@ use crate::net::{
     FragmentId, Input, Net, Node, NodeId, Origin, PortRef, ResultKind, ResultPort, Termination,
 };
 use crate::passes::writers::{SAME_MOTION, resource};
-use crate::passes::{FlowPresence, Presences, analyse};
+use crate::passes::{Analysis, FlowPresence, Presences, analyse};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{
     CommandFlow, OutPort, Param, ParamType, PortType, PrimDesc, Role, Scalar, Type, Value,
 };
 use rpi_prims::{PrimId, registry};
 
-/// Returns a copy of the net with ports and primitives in place of its results and exports, and diagnostics for all
+/// Returns a copy of an analysed net with ports and primitives in place of its results and exports, and diagnostics for all
 /// that is lost.
 #[must_use]
-pub fn results_to_ports(net: &Net) -> (Net, Vec<Diagnostic>) {
+pub fn results_to_ports(analysis: &Analysis) -> (Net, Vec<Diagnostic>) {
+    let net = &analysis.net;
     let mut ending = ResultConverter {
-        presences: analyse(net.clone(), |_| false).ok().map(|a| a.presences),
+        presences: &analysis.presences,
         tree: FragmentTree::new(net),
         net: net.clone(),
         diagnostics: Vec::new(),
@@ -37,14 +38,14 @@ pub fn results_to_ports(net: &Net) -> (Net, Vec<Diagnostic>) {
 }
 
 /// Net under construction, with the analyses that it needs.
-struct ResultConverter {
+struct ResultConverter<'a> {
     net: Net,
     tree: FragmentTree,
-    presences: Option<Presences>,
+    presences: &'a Presences,
     diagnostics: Vec<Diagnostic>,
 }
 
-impl ResultConverter {
+impl ResultConverter<'_> {
     fn exports(&mut self) {
         for export in std::mem::take(&mut self.net.exports) {
             let node = self.net.node(export.source.node);
@@ -105,7 +106,7 @@ impl ResultConverter {
     /// Returns a Boolean that is false where `condition` is absent.
     fn or_false(&mut self, condition: &Input) -> Input {
         let no = Input::Const(Box::new(Value::bool(false)));
-        let seen = self.presences.as_ref();
+        let seen = Some(self.presences);
         let seen = seen.map(|p| p.presence_at(&self.net, &self.tree, FragmentId::ROOT, condition));
         match (condition, seen) {
             (Input::Unconnected, _) => no,
@@ -133,8 +134,9 @@ impl ResultConverter {
         let takes = |desc: &PrimDesc| {
             let port = desc.inputs.first().map(|port| port.ty);
             let of_this_net = desc.param("Key").is_some() && desc.param("RemoteNet").is_none();
-            let fits = matches!((port, ty), (Some(PortType::Scalar(a)), Type::Scalar(b)) if a == b);
-            desc.role == Role::Export && of_this_net && fits
+            let is_same_type =
+                matches!((port, ty), (Some(PortType::Scalar(a)), Type::Scalar(b)) if a == b);
+            desc.role == Role::Export && of_this_net && is_same_type
         };
         let desc = registry().iter().map(|prim| prim.desc).find(takes)?;
         self.add(key, PrimId::from_name(desc.name)?, vec![source], key);

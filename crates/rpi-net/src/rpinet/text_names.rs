@@ -190,12 +190,12 @@ fn flow_reads(net: &Net) -> impl Iterator<Item = (FragmentId, PortRef)> + '_ {
         .chain(driver.map(|p| (FragmentId::ROOT, p)))
 }
 
-/// Returns a name like `wanted` that is not taken and contains only letters, digits, `_` and `:`.
-fn free_name(wanted: &str, taken: &BTreeSet<String>) -> String {
-    let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
-    let clean: String = wanted
+/// Returns a name like `preferred` that is not taken and contains only letters, digits, `_` and `:`.
+fn free_name(preferred: &str, taken: &BTreeSet<String>) -> String {
+    let is_valid = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
+    let clean: String = preferred
         .chars()
-        .map(|c| if fits(c) { c } else { '_' })
+        .map(|c| if is_valid(c) { c } else { '_' })
         .collect();
     let clean = if clean.is_empty() { "_".into() } else { clean };
     let numbered = (2..).map(|n| format!("{clean}_{n}"));

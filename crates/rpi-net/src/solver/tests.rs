@@ -38,10 +38,10 @@ fn part(random: &mut Random) -> Disjunct {
 
 fn holds(part: &Disjunct, booleans: u64, integers: [i64; 3]) -> bool {
     match part {
-        Disjunct::Boolean(at, wanted) => (booleans >> at & 1 == 1) == *wanted,
-        Disjunct::AtMostZero(factors, constant, wanted) => {
+        Disjunct::Boolean(at, polarity) => (booleans >> at & 1 == 1) == *polarity,
+        Disjunct::AtMostZero(factors, constant, polarity) => {
             let sum: i64 = (0..3).map(|k| factors[k] * integers[k]).sum();
-            (sum + constant <= 0) == *wanted
+            (sum + constant <= 0) == *polarity
         }
     }
 }
@@ -82,14 +82,14 @@ fn answers_agree_with_a_search_of_all_assignments() {
                 .map(|part| match part {
                     Disjunct::Boolean(at, true) => booleans[*at],
                     Disjunct::Boolean(at, false) => !booleans[*at],
-                    Disjunct::AtMostZero(factors, constant, wanted) => {
+                    Disjunct::AtMostZero(factors, constant, polarity) => {
                         let terms = (0..3).map(|k| (integers[k], factors[k]));
                         let sum = LinearTerm {
                             terms: terms.filter(|(_, f)| *f != 0).collect(),
                             constant: *constant,
                         };
                         let lit = solver.at_most_zero(&sum);
-                        if *wanted { lit } else { !lit }
+                        if *polarity { lit } else { !lit }
                     }
                 })
                 .collect();
@@ -162,10 +162,10 @@ fn what_does_not_fit_refutes_nothing() {
         let mut clauses = Vec::new();
         for _ in 0..3 {
             // Assume two of the large comparisons first, then ask about small integers.
-            let asked = [0; 2].map(|_| lits[random.below(lits.len() as u64) as usize]);
-            solver.solve(&asked, &mut 100_000);
+            let assumptions = [0; 2].map(|_| lits[random.below(lits.len() as u64) as usize]);
+            solver.solve(&assumptions, &mut 100_000);
             clauses.push(vec![small_comparison(&mut random)]);
-            let Some(Disjunct::AtMostZero(factors, constant, wanted)) =
+            let Some(Disjunct::AtMostZero(factors, constant, polarity)) =
                 clauses.last().map(|c| c[0].clone())
             else {
                 continue;
@@ -175,7 +175,7 @@ fn what_does_not_fit_refutes_nothing() {
                 .filter(|(_, f)| *f != 0)
                 .collect();
             let lit = solver.at_most_zero(&LinearTerm { terms, constant });
-            solver.add_clause(&[if wanted { lit } else { !lit }]);
+            solver.add_clause(&[if polarity { lit } else { !lit }]);
             let answer = solver.solve(&[], &mut 100_000);
             let is_solvable = has_solution(&clauses);
             assert!(

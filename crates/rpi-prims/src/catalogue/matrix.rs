@@ -152,6 +152,7 @@ fn image_shape(args: &ShapeArgs<'_>) -> Option<Type> {
 
 fn solution_shape(args: &ShapeArgs<'_>) -> Option<Type> {
     let (rows, cols) = args.shape(0)?;
-    let fits = rows == cols && rows == args.len(1)? && rows as usize <= linear_solver::MAX_ROWS;
-    fits.then_some(Type::Array(Scalar::Real, rows))
+    let is_solvable =
+        rows == cols && rows == args.len(1)? && rows as usize <= linear_solver::MAX_ROWS;
+    is_solvable.then_some(Type::Array(Scalar::Real, rows))
 }

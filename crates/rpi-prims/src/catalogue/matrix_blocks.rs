@@ -177,11 +177,11 @@ fn selection(args: &ShapeArgs<'_>) -> Option<Type> {
 /// Returns the number of rows or columns (out of `size`) that a parameter selects; `None` if an index is out of range.
 fn selected(args: &ShapeArgs<'_>, param: usize, size: u32) -> Option<u32> {
     let list = args.params.get(param)?.slots();
-    let fits = list.iter().all(|&i| i < u64::from(size));
+    let in_range = list.iter().all(|&i| i < u64::from(size));
     let count = if list.is_empty() {
         size
     } else {
         u32::try_from(list.len()).ok()?
     };
-    fits.then_some(count)
+    in_range.then_some(count)
 }

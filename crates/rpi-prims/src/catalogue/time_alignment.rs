@@ -56,7 +56,7 @@ fn ranges(args: &SizeArgs<'_>) -> u32 {
     RingBuffer::<Time>::cells(args.cycles_of_param(1).saturating_add(1)).saturating_mul(6)
 }
 
-/// Time range.
+/// Range of times from `start` to `end`.
 #[derive(Clone, Copy)]
 struct TimeRange {
     start: Time,

@@ -88,7 +88,7 @@ impl FaultyValue {
 pub enum Recorded<'a> {
     /// No value.
     Absent,
-    /// Value.
+    /// Present value, as the words of its slots.
     Value(&'a [u64]),
     /// Text that is not a value of the type of the port.
     Other,

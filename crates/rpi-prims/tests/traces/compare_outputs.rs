@@ -45,13 +45,15 @@ pub(crate) fn compare_outputs(
         count.explained += u64::from(why.is_some());
         if !same && why.is_none() {
             count.differing += 1;
-            count.first.get_or_insert_with(|| told(around, out, cells));
+            count
+                .first
+                .get_or_insert_with(|| message(around, out, cells));
         }
     }
     aliased
 }
 
-fn told(around: &ComparisonContext<'_>, out: &Out, cells: &[u64]) -> String {
+fn message(around: &ComparisonContext<'_>, out: &Out, cells: &[u64]) -> String {
     let (ours, theirs) = (value(cells, out.ours), value(cells, out.recorded));
     let (id, cycle) = (around.id, around.cycle);
     format!(

@@ -25,6 +25,7 @@ pub(super) fn verify(bytes: &[u8]) -> Result<(), &'static str> {
     let footer = footer.ok_or("the file has no footer")?;
     let about = record(inner, footer, FOOTER, FOOTER_LEN).ok_or("the file has no footer")?;
     let summary = match decode_le(&about[..8]) {
+        // 0 means that the file has no summary (MCAP specification, record Footer).
         0 => footer,
         at => usize::try_from(at).unwrap_or(usize::MAX),
     };
@@ -33,6 +34,7 @@ pub(super) fn verify(bytes: &[u8]) -> Result<(), &'static str> {
     let (Some(saved), Some(data_end)) = (saved, data_end) else {
         return Err("the data section has no end record");
     };
+    // The checksum of the summary also covers the footer, up to the checksum itself.
     let end = inner.len() - CRC_LEN;
     match (
         u64::from(crc32(&inner[..data_end])) == decode_le(saved),
@@ -47,10 +49,10 @@ pub(super) fn verify(bytes: &[u8]) -> Result<(), &'static str> {
 /// Returns the content of the record at offset `at` if it has this kind and length.
 fn record(bytes: &[u8], at: usize, kind: u8, len: usize) -> Option<&[u8]> {
     let head = bytes.get(at..at.checked_add(RECORD_HEADER_LEN)?)?;
-    let fits = head[0] == kind && decode_le(&head[1..]) == len as u64;
+    let is_expected = head[0] == kind && decode_le(&head[1..]) == len as u64;
     bytes
         .get(at + RECORD_HEADER_LEN..at + RECORD_HEADER_LEN + len)
-        .filter(|_| fits)
+        .filter(|_| is_expected)
 }
 
 /// Decodes a little-endian number of at most eight bytes.

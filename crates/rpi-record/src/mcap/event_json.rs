@@ -18,7 +18,7 @@ const REASON_KEYWORDS: [(AbortReason, &str); 5] = [
     (AbortReason::Discontinuity, "discontinuity"),
 ];
 
-/// Returns the keyword of a reason.
+/// Returns the word for the reason of an abort in recordings.
 pub(super) fn reason_keyword(why: AbortReason) -> &'static str {
     REASON_KEYWORDS
         .iter()
@@ -26,7 +26,7 @@ pub(super) fn reason_keyword(why: AbortReason) -> &'static str {
         .map_or("?", |w| w.1)
 }
 
-/// Returns the reason with this keyword.
+/// Returns the reason of an abort for its word in recordings.
 pub(super) fn reason_from_keyword(word: &str) -> Option<AbortReason> {
     REASON_KEYWORDS
         .iter()

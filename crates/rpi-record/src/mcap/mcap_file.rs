@@ -52,22 +52,22 @@ impl FirstError {
 /// Output that stores its first error.
 struct ErrorTrackingOutput {
     out: Box<dyn Output>,
-    trouble: FirstError,
+    first_error: FirstError,
 }
 
 impl Write for ErrorTrackingOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.trouble.store(self.out.write(bytes))
+        self.first_error.store(self.out.write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.trouble.store(self.out.flush())
+        self.first_error.store(self.out.flush())
     }
 }
 
 impl Seek for ErrorTrackingOutput {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.trouble.store(self.out.seek(to))
+        self.first_error.store(self.out.seek(to))
     }
 }
 
@@ -79,15 +79,15 @@ impl McapFile {
         let options = WriteOptions::new()
             .compression(None)
             .library(concat!("rpi ", env!("CARGO_PKG_VERSION")));
-        let trouble = FirstError::default();
+        let first_error = FirstError::default();
         let out = ErrorTrackingOutput {
             out,
-            trouble: trouble.clone(),
+            first_error: first_error.clone(),
         };
         let mcap = options.create(out);
         Ok(McapFile {
-            mcap: mcap.map_err(|error| trouble.as_io_error(error))?,
-            first_error: trouble,
+            mcap: mcap.map_err(|error| first_error.as_io_error(error))?,
+            first_error,
             topics: BTreeMap::new(),
         })
     }

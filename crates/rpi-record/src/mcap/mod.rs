@@ -1,8 +1,8 @@
 //! Recordings of everything a control core did: MCAP files that viewers can open and that can be replayed.
 //!
 //! ```text
-//! cycle thread: Taped devices, Watcher -> tape (bounded ring, losses are counted) -> Scribe (a thread) -> MCAP
-//! host:         requests before they are sent, events as they arrive -----------------^
+//! cycle thread: LoggingBank, FlowProbe -> tick log (bounded ring, losses are counted) -> RecordingWriter (a thread) -> MCAP
+//! host:         requests before they are sent, events as they arrive --------^
 //! ```
 //! | in the file | content |
 //! |---|---|
@@ -11,11 +11,12 @@
 //! | `/device/DEVICE` | state of a device after each tick, JSON |
 //! | `/events` | starts, ends, takeovers, faults, answers to requests, lost ticks, JSON |
 //! | `/rpi/requests` | requests to the core, JSON |
-//! | `/rpi/tape` | the [tape](rpi_runtime::tick_log): bit-exact log of each tick |
+//! | `/rpi/tape` | the [tick log](rpi_runtime::tick_log): bit-exact log of each tick |
 //! | attachments | cell description, source of the program, images |
 //! | metadata `rpi`, `rpi-end` | tick length, policy, program; number of ticks written and lost |
 //!
-//! [`replay()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the tape,
+//! [`replay()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the
+//! tick log,
 //! and compares every flow, set-point and event. This module must not depend on the compiler.
 
 mod checksum;

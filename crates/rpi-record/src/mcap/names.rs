@@ -1,4 +1,4 @@
-//! Maps the numbers on a tape to names of device ports, images and command flows.
+//! Maps the numbers on a tick log to names of device ports, images and command flows.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

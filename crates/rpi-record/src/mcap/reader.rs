@@ -15,7 +15,7 @@ use super::error::RecordingError;
 use super::recorder::policy_from_keyword;
 use super::writer::{EVENTS, REQUESTS, TAPE};
 
-/// Content of a recording.
+/// Content of a recording: cell, images, requests, events and the words of each tick.
 #[derive(Debug)]
 pub struct Recording {
     /// Tick length in nanoseconds.

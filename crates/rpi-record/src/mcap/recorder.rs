@@ -53,7 +53,7 @@ pub struct Recorder {
 
 /// Starts recording a core and its devices.
 ///
-/// Returns the recorder for the host and the camera for the cycle. `continuity` is the policy of commands that have
+/// Returns the recorder for the host and the collector for the cycle. `continuity` is the policy of commands that have
 /// none of their own.
 ///
 /// # Errors
@@ -64,16 +64,16 @@ pub fn record(
     (tick_ns, continuity): (u64, Continuity),
     (control, executive): (&mut Control, &mut Executive<LoggingBank<SimBank>>),
 ) -> io::Result<(Recorder, TickCollector)> {
-    let (camera, tape, channels) = TickCollector::begin(cell, executive);
+    let (collector, tick_log, channels) = TickCollector::begin(cell, executive);
     let run = Recorded {
         cell,
         channels: &channels,
         tick_ns,
         continuity,
     };
-    let recorder = Recorder::start(wanted, run, tape)?;
+    let recorder = Recorder::start(wanted, run, tick_log)?;
     control.set_request_log(recorder.request_callback());
-    Ok((recorder, camera))
+    Ok((recorder, collector))
 }
 
 /// Continuity policies and their keywords in a recording.
@@ -83,13 +83,13 @@ const CONTINUITY_KEYWORDS: [(Continuity, &str); 3] = [
     (Continuity::Allow, "allow"),
 ];
 
-/// Returns the keyword of a policy.
+/// Returns the word for a takeover policy in recordings.
 pub(super) fn policy_keyword(continuity: Continuity) -> &'static str {
     let found = CONTINUITY_KEYWORDS.iter().find(|(c, _)| *c == continuity);
     found.map_or("", |(_, word)| word)
 }
 
-/// Returns the policy of a keyword.
+/// Returns the takeover policy for its word in recordings.
 pub(super) fn policy_from_keyword(word: &str) -> Option<Continuity> {
     CONTINUITY_KEYWORDS
         .iter()
@@ -105,16 +105,16 @@ impl Recorder {
     fn start(
         wanted: RecordingOptions,
         run: Recorded<'_>,
-        tape: TickLogReader,
+        tick_log: TickLogReader,
     ) -> io::Result<Recorder> {
         let mut file = McapFile::create(wanted.out)?;
         write_metadata(&mut file, &wanted.origin, run.tick_ns, run.continuity)?;
         let (notes, receiver) = sync_channel(NOTES);
-        let mut scribe = RecordingWriter {
+        let mut writer = RecordingWriter {
             file,
             names: NameTable::new(run.cell, run.tick_ns),
             channels: run.channels.to_vec(),
-            tape,
+            tick_log,
             notes: receiver,
             written: RecordingStats::default(),
             freed: Vec::new(),
@@ -122,23 +122,23 @@ impl Recorder {
             latest: 0,
             event_tick: 0,
         };
-        scribe.add_topics()?;
-        let over = Arc::new(AtomicU64::new(RECORDING));
-        let ending = Arc::clone(&over);
-        let trouble = Arc::new(OnceLock::new());
-        let told = Arc::clone(&trouble);
+        writer.add_topics()?;
+        let lost_ticks = Arc::new(AtomicU64::new(RECORDING));
+        let ending = Arc::clone(&lost_ticks);
+        let write_error = Arc::new(OnceLock::new());
+        let error_slot = Arc::clone(&write_error);
         let write = move || {
-            let written = scribe.write(&ending);
-            let why = written.as_ref().err().map(ToString::to_string);
-            why.map(|why| told.set(why));
+            let written = writer.write(&ending);
+            let error = written.as_ref().err().map(ToString::to_string);
+            error.map(|error| error_slot.set(error));
             written
         };
         let thread = std::thread::Builder::new().name("rpi-record".into());
         Ok(Recorder {
             notes,
             lost_notes: Arc::default(),
-            lost_ticks: over,
-            write_error: trouble,
+            lost_ticks,
+            write_error,
             thread: thread.spawn(write)?,
         })
     }
@@ -146,12 +146,12 @@ impl Recorder {
     /// Returns the callback that records each request.
     fn request_callback(&self) -> RequestLog {
         let (notes, lost) = (self.notes.clone(), Arc::clone(&self.lost_notes));
-        Box::new(move |ticket, asked| {
-            send_note(&notes, &lost, RecorderMessage::Request(ticket, asked))
+        Box::new(move |ticket, request| {
+            send_note(&notes, &lost, RecorderMessage::Request(ticket, request))
         })
     }
 
-    /// Records an event.
+    /// Adds an event of the core, such as the start or end of a command, to the recording.
     pub fn record_event(&self, event: &Event) {
         send_note(
             &self.notes,
@@ -172,11 +172,12 @@ impl Recorder {
         self.write_error.get().map(String::as_str)
     }
 
-    /// Ends the recording. `lost` is the number of ticks that did not fit on the tape.
+    /// Ends the recording. `lost` is the number of ticks that did not fit on the tick log.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
     pub fn finish(self, lost: u64) -> io::Result<RecordingStats> {
+        // Before the join: the writer puts the number into the metadata at the end of the file.
         self.lost_ticks.store(lost, Ordering::Release);
         let written = self.thread.join();
         let written = written.map_err(|_| io::Error::other("the writer has failed"))??;
@@ -194,14 +195,14 @@ impl StartRecording for RecordingOptions {
     fn start(
         self: Box<Self>,
         run: Recorded<'_>,
-        tape: TickLogReader,
+        tick_log: TickLogReader,
     ) -> io::Result<Box<dyn RunRecorder>> {
-        Ok(Box::new(Recorder::start(*self, run, tape)?))
+        Ok(Box::new(Recorder::start(*self, run, tick_log)?))
     }
 }
 
 impl RunRecorder for Recorder {
-    fn journal(&self) -> RequestLog {
+    fn request_log(&self) -> RequestLog {
         Recorder::request_callback(self)
     }
 

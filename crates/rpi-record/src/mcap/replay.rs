@@ -1,4 +1,4 @@
-//! Replays a recording: the same requests in the same ticks, with the tape in place of the devices.
+//! Replays a recording: the same requests in the same ticks, with the tick log in place of the devices.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -43,13 +43,13 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
     Ok(stage.report)
 }
 
-/// A replay in progress.
+/// Replay of a recording, in progress.
 struct ReplayRun<'a> {
     executive: Executive<ReplayBank>,
     control: RawControl<()>,
     /// Requests by the tick that carries them out, in recorded order.
     requests: BTreeMap<u64, Vec<(Ticket, Request<()>)>>,
-    sights: FlowProbe,
+    probe: FlowProbe,
     names: NameTable,
     /// Recorded events that the replay has not produced yet.
     expected: VecDeque<&'a Value>,
@@ -83,7 +83,7 @@ impl<'a> ReplayRun<'a> {
             executive,
             control,
             requests,
-            sights: FlowProbe::new(&recording.images),
+            probe: FlowProbe::new(&recording.images),
             names,
             expected: recording
                 .events
@@ -106,8 +106,8 @@ impl<'a> ReplayRun<'a> {
         self.executive.plant().load_tick(tick.exchange);
         self.apply_halts();
         if tick.ticked {
-            self.sights.begin();
-            self.executive.tick(tick.wall_ns, &mut self.sights);
+            self.probe.begin();
+            self.executive.tick(tick.wall_ns, &mut self.probe);
             self.apply_halts();
             self.report.ticks += 1;
         }
@@ -123,7 +123,7 @@ impl<'a> ReplayRun<'a> {
 
     fn apply_halts(&mut self) {
         while let Some(late) = self.executive.plant().take_overrun() {
-            // If the overrun policy stops all commands, the tape has a halt entry next, which is handled below.
+            // If the overrun policy stops all commands, the tick log has a halt entry next, which is handled below.
             self.executive.attribute_overrun(&late);
         }
         while let Some(why) = self.executive.plant().take_halt() {
@@ -134,7 +134,7 @@ impl<'a> ReplayRun<'a> {
     /// Compares the flows of a tick with the recording.
     fn compare_flows(&mut self, tick: &LoggedTick<'_>) -> Option<Difference> {
         let recorded = decode_entries(tick.observations).filter(|e| e.kind == EntryKind::Flow);
-        let mut now = decode_entries(self.sights.stage().words().unwrap_or(&[]));
+        let mut now = decode_entries(self.probe.stage().words().unwrap_or(&[]));
         for recorded in recorded {
             self.report.values += 1;
             let same = now.next();
@@ -177,15 +177,16 @@ impl<'a> ReplayRun<'a> {
     fn exchange_difference(&self, tick: u64, mismatch: Mismatch) -> Difference {
         let port = |number: u32| self.names.port_name(number);
         let say = |kind: EntryKind, key: u32| format!("{kind:?} of {key}").to_lowercase();
-        let told = |of: Option<u32>, what: String, recorded: String, now: String| Difference {
-            tick,
-            of: of
-                .and_then(port)
-                .map_or_else(|| "the core".to_owned(), |n| n.owner.clone()),
-            what,
-            recorded,
-            now,
-        };
+        let difference =
+            |of: Option<u32>, what: String, recorded: String, now: String| Difference {
+                tick,
+                of: of
+                    .and_then(port)
+                    .map_or_else(|| "the core".to_owned(), |n| n.owner.clone()),
+                what,
+                recorded,
+                now,
+            };
         match mismatch {
             Mismatch::SetPoint {
                 port: number,
@@ -197,19 +198,19 @@ impl<'a> ReplayRun<'a> {
                     named.map_or_else(String::new, |n| n.value_to_json(Some(cells)))
                 };
                 let what = named.map_or_else(String::new, |n| format!("set-point {}", n.name));
-                told(Some(number), what, text(&recorded), text(&now))
+                difference(Some(number), what, text(&recorded), text(&now))
             }
             Mismatch::UnexpectedAccess { recorded, now } => {
                 let recorded =
                     recorded.map_or_else(|| "nothing more".into(), |(k, key)| say(k, key));
-                told(
+                difference(
                     None,
                     "the next device access".into(),
                     recorded,
                     say(now.0, now.1),
                 )
             }
-            Mismatch::MissingAccess(kind, key) => told(
+            Mismatch::MissingAccess(kind, key) => difference(
                 None,
                 "the next device access".into(),
                 say(kind, key),
@@ -262,14 +263,16 @@ fn is_core_event(event: &Value) -> bool {
     !own.iter().any(|own| event["event"] == *own)
 }
 
+/// Kinds of events with a tick of their own.
+const EVENTS_WITH_TICK: [&str; 5] = ["answer", "started", "ended", "braked", "device"];
+
 /// Compares two events.
 ///
 /// Events without a tick of their own carry the tick of an earlier event, which depends on timing, so it is ignored.
 fn events_match(recorded: &Value, now: &Value) -> bool {
     let fields = now.as_object().into_iter().flatten();
-    let told = ["answer", "started", "ended", "braked", "device"];
-    let told = told.iter().any(|e| now["event"] == *e);
-    let mut fields = fields.filter(|(key, _)| told || *key != "tick");
+    let has_own_tick = EVENTS_WITH_TICK.iter().any(|e| now["event"] == *e);
+    let mut fields = fields.filter(|(key, _)| has_own_tick || *key != "tick");
     fields.all(|(key, value)| recorded[key] == *value)
 }
 
@@ -280,8 +283,8 @@ type RequestsByTick = BTreeMap<u64, Vec<(Ticket, Request<()>)>>;
 fn answers(recording: &Recording) -> impl Iterator<Item = Result<(u64, u64), RecordingError>> {
     let answers = recording.events.iter().filter(|e| e["event"] == "answer");
     answers.map(|answer| {
-        let told = answer["ticket"].as_u64().zip(answer["tick"].as_u64());
-        told.ok_or_else(|| RecordingError::Damaged(format!("invalid answer: {answer}")))
+        let ids = answer["ticket"].as_u64().zip(answer["tick"].as_u64());
+        ids.ok_or_else(|| RecordingError::Damaged(format!("invalid answer: {answer}")))
     })
 }
 
@@ -307,8 +310,8 @@ fn requests(
         bank: &mut bank,
         continuity: recording.continuity,
     };
-    let asked = recording.requests.iter();
-    let asked: BTreeMap<u64, &Value> = asked
+    let by_ticket = recording.requests.iter();
+    let by_ticket: BTreeMap<u64, &Value> = by_ticket
         .filter_map(|object| Some((object["ticket"].as_u64()?, object)))
         .collect();
     let mut by_tick = RequestsByTick::new();
@@ -317,7 +320,7 @@ fn requests(
         if tick >= until {
             break;
         }
-        let object = asked.get(&ticket);
+        let object = by_ticket.get(&ticket);
         let object = object.ok_or_else(|| RecordingError::Missing(format!("request {ticket}")))?;
         let request = maker.decode(object);
         let request =

@@ -29,7 +29,7 @@ pub struct ReplayReport {
 /// A difference between the recording and its replay.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Difference {
-    /// Tick of the difference.
+    /// Tick in which the replayed value first differs from the recorded one.
     pub tick: u64,
     /// Name of the command or device.
     pub of: String,
@@ -65,13 +65,13 @@ impl fmt::Display for ReplayReport {
             events,
             ..
         } = self;
-        let told = [
+        let counts = [
             with_noun(ticks, "tick"),
             with_noun(commands, "command"),
             with_noun(values, "value"),
             with_noun(events, "event"),
         ];
-        writeln!(f, "{}", told.join(", "))?;
+        writeln!(f, "{}", counts.join(", "))?;
         if self.lost > 0 {
             writeln!(
                 f,

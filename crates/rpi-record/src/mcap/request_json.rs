@@ -16,9 +16,9 @@ use super::recorder::{policy_from_keyword, policy_keyword};
 use rpi_runtime::control::{InputValue, Request, RequestRecord, Subscription, Ticket};
 
 /// Encodes a request as a JSON object.
-pub(super) fn encode_request(ticket: Ticket, asked: &RequestRecord, names: &NameTable) -> Value {
+pub(super) fn encode_request(ticket: Ticket, request: &RequestRecord, names: &NameTable) -> Value {
     let about = |ask: &str, id: &CommandId| json!({ "ask": ask, "command": id.to_number(), "name": names.command_name(*id) });
-    let mut object = match asked {
+    let mut object = match request {
         RequestRecord::Load(id, _, continuity, on_overrun) => {
             let mut object = about("load", id);
             object["image"] = json!(names.image_index(*id));
@@ -96,7 +96,7 @@ impl RequestDecoder<'_> {
                 Request::Set(settings.collect::<Option<_>>()?)
             }
             "subscribe" => {
-                // The samples are discarded: the values of the flows are on the tape.
+                // The samples are discarded: the values of the flows are on the tick log.
                 let subscription = Subscription::new(command()?, &[], object["every"].as_u64()?);
                 Request::Subscribe(Box::new(subscription))
             }

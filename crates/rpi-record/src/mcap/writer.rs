@@ -1,4 +1,4 @@
-//! Writer thread of a recording: takes ticks from the tape and notes from the host, and writes both as messages.
+//! Writer thread of a recording: takes ticks from the tick log and notes from the host, and writes both as messages.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -39,7 +39,7 @@ const TAPE_FORMAT_DOC: &str = include_str!("form.txt");
 pub(super) const RECORDING: u64 = u64::MAX;
 /// Sleep time of the writer when there is nothing to write.
 const IDLE_SLEEP: Duration = Duration::from_millis(1);
-/// Maximum number of ticks taken from the tape before the notes of the host are read.
+/// Maximum number of ticks taken from the tick log before the notes of the host are read.
 const MAX_TICKS_PER_TURN: usize = 1024;
 
 /// State of the writer thread.
@@ -48,7 +48,7 @@ pub(super) struct RecordingWriter {
     pub(super) names: NameTable,
     /// Device ports that are sampled after each tick.
     pub(super) channels: Vec<Channel>,
-    pub(super) tape: TickLogReader,
+    pub(super) tick_log: TickLogReader,
     pub(super) notes: Receiver<RecorderMessage>,
     pub(super) written: RecordingStats,
     /// Commands freed in the current turn. `freed_before` holds those of the previous turn.
@@ -79,15 +79,15 @@ impl RecordingWriter {
             .try_for_each(|(device, ports)| self.add_topic("device", device, ports))
     }
 
-    /// Writes until the recording ends and the tape is empty.
+    /// Writes until the recording ends and the tick log is empty.
     pub(super) fn write(mut self, lost: &AtomicU64) -> io::Result<RecordingStats> {
         loop {
-            // Load the end marker before taking ticks: all ticks put on the tape before the end was signalled are then
+            // Load the end marker before taking ticks: all ticks put in the tick log before the end was signalled are then
             // taken in this turn.
-            let told = lost.load(Ordering::Acquire);
+            let lost_ticks = lost.load(Ordering::Acquire);
             let ticks = self.write_batch()?;
-            if told != RECORDING && ticks == 0 {
-                self.written.lost = told;
+            if lost_ticks != RECORDING && ticks == 0 {
+                self.written.lost = lost_ticks;
                 break;
             }
             if ticks == 0 {
@@ -103,12 +103,12 @@ impl RecordingWriter {
 
     /// Writes one batch of ticks and all pending notes. Returns the number of ticks.
     ///
-    /// The ticks are taken from the tape before the notes are read. Notes about the commands of these ticks are then
+    /// The ticks are taken from the tick log before the notes are read. Notes about the commands of these ticks are then
     /// already in the queue.
     fn write_batch(&mut self) -> io::Result<usize> {
         let mut taken = Vec::new();
         let mut words = Vec::new();
-        while taken.len() < MAX_TICKS_PER_TURN && self.tape.next(&mut words) {
+        while taken.len() < MAX_TICKS_PER_TURN && self.tick_log.next(&mut words) {
             taken.push(std::mem::take(&mut words));
         }
         while let Ok(note) = self.notes.try_recv() {
@@ -121,7 +121,7 @@ impl RecordingWriter {
         Ok(taken.len())
     }
 
-    /// Removes the names of commands that were freed before the previous turn. The tape holds no more ticks of them.
+    /// Removes the names of commands that were freed before the previous turn. The tick log holds no more ticks of them.
     fn remove_freed(&mut self) {
         let recent = std::mem::take(&mut self.freed);
         let old = std::mem::replace(&mut self.freed_last_turn, recent);
@@ -131,11 +131,11 @@ impl RecordingWriter {
     fn write_note(&mut self, note: RecorderMessage) -> io::Result<()> {
         let time = self.latest;
         match note {
-            RecorderMessage::Request(ticket, asked) => {
-                if let RequestRecord::Load(id, image, ..) = &asked {
+            RecorderMessage::Request(ticket, request) => {
+                if let RequestRecord::Load(id, image, ..) = &request {
                     self.add_command(*id, image)?;
                 }
-                let text = request_json::encode_request(ticket, &asked, &self.names).to_string();
+                let text = request_json::encode_request(ticket, &request, &self.names).to_string();
                 self.file.write_message(REQUESTS, time, text.as_bytes())
             }
             RecorderMessage::Event(event) => {

@@ -32,6 +32,7 @@ impl Sink for DigestSink {
         }
         let head = [channel as u64, tick, u64::from(value.is_some())];
         let words = head.iter().chain(value.into_iter().flatten());
+        // A fixed byte order gives the same digest on every machine.
         self.hash = words.fold(self.hash, |hash, word| hash.with_bytes(&word.to_le_bytes()));
     }
 }

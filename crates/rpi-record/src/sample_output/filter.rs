@@ -9,7 +9,7 @@ use serde_json::Value;
 pub struct RowFilter {
     /// Patterns for the names of flows; `*` matches any text. An empty list selects all flows.
     pub flows: Vec<String>,
-    /// Range of cycles.
+    /// Cycles whose rows are written; the end is exclusive.
     pub cycles: std::ops::Range<u64>,
 }
 

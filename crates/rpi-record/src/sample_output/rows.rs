@@ -6,7 +6,7 @@ use serde_json::json;
 
 use rpi_runtime::run::{Channel, Sink, Source};
 
-/// Format of the rows.
+/// Output format of sampled values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SampleFormat {
     /// `cycle,flow,value` with a header line. Values that contain commas are quoted (RFC 4180).

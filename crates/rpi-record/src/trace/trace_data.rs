@@ -31,7 +31,7 @@ pub struct TraceCycle {
     pub rows: Vec<TraceRow>,
 }
 
-/// A recorded trace.
+/// Recorded trace of a net: the values of its ports in each cycle.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// Clock of the net in its first cycle, milliseconds since the Unix epoch.

@@ -35,8 +35,8 @@ enum Verdict {
 }
 
 fn number(name: &str, otherwise: u64) -> u64 {
-    let asked = std::env::var(name).ok().and_then(|text| text.parse().ok());
-    asked.unwrap_or(otherwise)
+    let number = std::env::var(name).ok().and_then(|text| text.parse().ok());
+    number.unwrap_or(otherwise)
 }
 
 fn input(text: &str) -> Input {
@@ -48,7 +48,7 @@ fn input(text: &str) -> Input {
 }
 
 /// Returns the result of the compiler for the command of a program.
-fn said(made: &GeneratedProgram) -> Verdict {
+fn output(made: &GeneratedProgram) -> Verdict {
     let text = made.command();
     let compiled = compile(&input(&text)).expect("it is text");
     let other = |f: &&rpi_diag::Diagnostic| {
@@ -119,28 +119,32 @@ fn look_at(seed: u64, counts: &mut Counts) {
     let text = made.node();
     let program = check_typed(&input(&text)).expect("it is text");
     let program = program.unwrap_or_else(|f| panic!("{f:?}\n{text}"));
-    let (meets, said) = (meets(&program, seed), said(&made));
-    let told = || format!("RPI_SEED={seed} RPI_PROGRAMS=1\n{}", made.command());
-    assert!(!(meets && made.is_exclusive), "not exclusive: {}", told());
+    let (meets, output) = (meets(&program, seed), output(&made));
+    let description = || format!("RPI_SEED={seed} RPI_PROGRAMS=1\n{}", made.command());
     assert!(
-        !(meets && said == Verdict::Exclusive),
+        !(meets && made.is_exclusive),
+        "not exclusive: {}",
+        description()
+    );
+    assert!(
+        !(meets && output == Verdict::Exclusive),
         "wrongly proved: {}",
-        told()
+        description()
     );
     assert!(
-        !(made.is_exclusive && said == Verdict::Together),
+        !(made.is_exclusive && output == Verdict::Together),
         "wrongly rejected: {}",
-        told()
+        description()
     );
-    if said == Verdict::Open && std::env::var("RPI_TELL").is_ok() {
-        println!("open, meets {meets}: {}", told());
+    if output == Verdict::Open && std::env::var("RPI_TELL").is_ok() {
+        println!("open, meets {meets}: {}", description());
     }
     let row = match (made.is_exclusive, meets) {
         (true, _) => &mut counts.exclusive,
         (_, true) => &mut counts.meeting,
         _ => &mut counts.others,
     };
-    row[said as usize] += 1;
+    row[output as usize] += 1;
 }
 
 /// Returns the diagnostics of a program in `tests/exclusive`.
@@ -157,12 +161,12 @@ fn set_points_that_exclude_each_other_are_accepted() {
         include_str!("../../../../tests/exclusive/accepted_robots_too.rpi"),
     ];
     for text in programs {
-        let told: Vec<String> = diagnostics(text)
+        let messages: Vec<String> = diagnostics(text)
             .iter()
             .filter(|f| f.severity() == rpi_diag::Severity::Error || f.code == Code::RPI6105)
             .map(|f| format!("{}: {} at {:?}", f.code, f.message, f.span()))
             .collect();
-        assert!(told.is_empty(), "{told:?}");
+        assert!(messages.is_empty(), "{messages:?}");
     }
 }
 

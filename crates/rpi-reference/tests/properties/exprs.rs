@@ -45,14 +45,14 @@ impl Exprs<'_> {
         {
             return tree;
         }
-        let fits: Vec<&Form> = FORMS
+        let forms: Vec<&Form> = FORMS
             .iter()
             .filter(|form| usable(form, scope, ty))
             .collect();
-        match fits.is_empty() {
+        match forms.is_empty() {
             true => self.leaf(scope, ty),
             false => {
-                let form = *self.random.pick(&fits);
+                let form = *self.random.pick(&forms);
                 self.of_form(form, scope, ty, depth - 1)
             }
         }
@@ -213,11 +213,11 @@ impl Exprs<'_> {
 
 /// Returns the flows that can be used where a type is expected.
 fn named(flows: &[Flow], ty: Ty) -> Vec<&Flow> {
-    let fits = |flow: &&Flow| flow.ty.kind == ty.kind && (ty.optional || !flow.ty.optional);
+    let has_type = |flow: &&Flow| flow.ty.kind == ty.kind && (ty.optional || !flow.ty.optional);
     let exact = flows.iter().filter(|flow| flow.ty == ty);
     match ty.optional {
         true if exact.clone().next().is_some() => exact.collect(),
-        _ => flows.iter().filter(fits).collect(),
+        _ => flows.iter().filter(has_type).collect(),
     }
 }
 

@@ -168,15 +168,15 @@ fn holds(correct: &str, kind: InputKind, random: &mut Random) -> Result<bool, St
     else {
         return Ok(false);
     };
-    let meant = if had_errors { correct } else { &mistaken };
-    let [before, after] = [meant, &fixed].map(|text| CompiledNode::of_kind(text, "main", kind));
+    let expected = if had_errors { correct } else { &mistaken };
+    let [before, after] = [expected, &fixed].map(|text| CompiledNode::of_kind(text, "main", kind));
     let (Ok(before), Ok(after)) = (before, after) else {
         return Ok(false);
     };
     let rows = before.rows(random, CYCLES);
     let same = before.width() == after.width() && before.run(&rows) == after.run(&rows);
-    let told = || format!("computes something else: fixed\n{fixed}\nmistaken\n{mistaken}");
-    same.then_some(true).ok_or_else(told)
+    let difference = || format!("computes something else: fixed\n{fixed}\nmistaken\n{mistaken}");
+    same.then_some(true).ok_or_else(difference)
 }
 
 /// Returns a correct program.

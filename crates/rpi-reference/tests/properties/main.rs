@@ -5,6 +5,7 @@
 //! | `random.rs` | random numbers |
 //! | `types.rs`, `forms.rs` | types and forms of expressions |
 //! | `exprs.rs`, `program.rs` | random expressions, random programs |
+//! | `automata.rs` | random automata |
 //! | `tree.rs` | tree of a program, and its reduction |
 //! | `run.rs` | execution as an image and in the interpreter |
 //! | `wrapped.rs` | `main` inside a restart and inside a fragment |
@@ -14,6 +15,7 @@
 //! A plain run tests a few programs; `RPI_PROGRAMS=10000` (`cargo xtask soak`) sets their number, `RPI_SEED` the first
 //! seed. A failing program is reduced and printed with its own seed.
 
+mod automata;
 mod clocked;
 mod exprs;
 mod fixes;
@@ -43,8 +45,8 @@ const SEED: u64 = 20_261_121;
 const CYCLES: usize = 12;
 
 fn number(name: &str, otherwise: u64) -> u64 {
-    let asked = std::env::var(name).ok().and_then(|text| text.parse().ok());
-    asked.unwrap_or(otherwise)
+    let number = std::env::var(name).ok().and_then(|text| text.parse().ok());
+    number.unwrap_or(otherwise)
 }
 
 /// Tests a property on the given number of programs. The property returns a description of the failure; it returns
@@ -119,9 +121,9 @@ fn resetting_equals_a_fresh_load() {
         let fresh = CompiledNode::new(text, "main")?;
         let reset = 1 + Random::new(seed).below(CYCLES - 1);
         let rows = fresh.rows(&mut Random::new(seed), CYCLES);
-        let asked =
+        let inputs =
             |(k, row): (usize, &Vec<Value>)| [&[Value::Bool(k == reset)], &row[..]].concat();
-        let found = again.run(&rows.iter().enumerate().map(asked).collect());
+        let found = again.run(&rows.iter().enumerate().map(inputs).collect());
         match found.get(reset..).filter(|found| !found.is_empty()) {
             Some(found) => alike(
                 "after the reset",
@@ -141,8 +143,8 @@ fn an_inactive_fragment_equals_an_absent_one() {
         let mut random = Random::new(seed);
         let rows = fresh.rows(&mut random, CYCLES);
         let on: Vec<bool> = rows.iter().map(|_| random.one_in(2)).collect();
-        let asked = |(on, row): (&bool, &Vec<Value>)| [&[Value::Bool(*on)], &row[..]].concat();
-        let found = inside.run(&on.iter().zip(&rows).map(asked).collect());
+        let inputs = |(on, row): (&bool, &Vec<Value>)| [&[Value::Bool(*on)], &row[..]].concat();
+        let found = inside.run(&on.iter().zip(&rows).map(inputs).collect());
         let active = on.iter().zip(&rows).filter(|(on, _)| **on);
         let mut active = fresh
             .run(&active.map(|(_, row)| row.clone()).collect())

@@ -69,7 +69,7 @@ impl CompiledNode {
             })
             .collect();
         let node = made.node.ok_or_else(|| errors.join("\n"))?;
-        let image = lower_for_execution(&node.net, PERIOD_NS)?;
+        let image = lower_for_execution(&node.net, PERIOD_NS).map_err(|e| e.to_string())?;
         Ok(CompiledNode {
             image: Arc::new(image),
             node,
@@ -96,7 +96,7 @@ impl CompiledNode {
     pub(crate) fn run(&self, rows: &Rows) -> Vec<CycleResult> {
         let mut machine =
             Instance::load(Arc::clone(&self.image), &mut NoDevices).expect("it verifies");
-        let mut seen = Vec::new();
+        let mut results = Vec::new();
         for row in rows {
             for (column, value) in self.node.inputs.iter().zip(row) {
                 let ports = &self.image.inputs;
@@ -106,17 +106,17 @@ impl CompiledNode {
             }
             machine.read(&mut NoDevices, &CycleContext::default());
             machine.evaluate(&mut NoDevices);
-            seen.push(self.seen(&machine));
+            results.push(self.results(&machine));
             machine.commit();
             machine.hand_over(&mut NoDevices);
-            if seen.last() == Some(&None) {
+            if results.last() == Some(&None) {
                 break;
             }
         }
-        seen
+        results
     }
 
-    fn seen(&self, machine: &Instance) -> CycleResult {
+    fn results(&self, machine: &Instance) -> CycleResult {
         if machine.fault().is_some() {
             return None;
         }
@@ -175,19 +175,19 @@ pub(crate) fn reference_of_kind(
     let typed = checked(text, kind)?;
     let unit = typed.unit(name).ok_or("no such node")?;
     let mut reference = Interpreter::new(&typed.units, unit, DT);
-    let mut seen = Vec::new();
+    let mut results = Vec::new();
     for row in rows {
         let row: Vec<Leaf> = row.iter().copied().map(Some).collect();
         match reference.cycle(&row) {
-            Ok(cycle) => seen.push(Some(bits(&cycle.outputs))),
+            Ok(cycle) => results.push(Some(bits(&cycle.outputs))),
             Err(EvalError::Fault(_)) => {
-                seen.push(None);
+                results.push(None);
                 break;
             }
             Err(stop) => return Err(format!("{stop:?}")),
         }
     }
-    Ok(seen)
+    Ok(results)
 }
 
 fn checked(text: &str, kind: InputKind) -> Result<TypedProgram, String> {
@@ -215,9 +215,9 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<CommandCycleR
     let [net] = compiled.nets() else {
         return Err("not one command".to_owned());
     };
-    let image = Arc::new(lower_for_execution(net, PERIOD_NS)?);
+    let image = Arc::new(lower_for_execution(net, PERIOD_NS).map_err(|e| e.to_string())?);
     let mut machine = Instance::load(Arc::clone(&image), &mut NoDevices).expect("it verifies");
-    let mut seen = Vec::new();
+    let mut results = Vec::new();
     for _ in 0..cycles {
         machine.read(&mut NoDevices, &CycleContext::default());
         machine.evaluate(&mut NoDevices);
@@ -232,14 +232,14 @@ pub(crate) fn run_command(text: &str, cycles: usize) -> Result<Vec<CommandCycleR
         };
         let exports = image.exports.iter().map(value);
         let faulted = machine.fault().is_some();
-        seen.push((!faulted).then(|| (exports.collect(), end)));
+        results.push((!faulted).then(|| (exports.collect(), end)));
         if faulted || end.is_some() {
             break;
         }
         machine.commit();
         machine.hand_over(&mut NoDevices);
     }
-    Ok(seen)
+    Ok(results)
 }
 
 /// Runs the command of a program in the reference interpreter, up to its end.
@@ -253,22 +253,22 @@ pub(crate) fn reference_command(
     let typed = checked(text, InputKind::Rpi)?;
     let unit = typed.unit("Run").ok_or("no command")?;
     let mut reference = Interpreter::new(&typed.units, unit, DT);
-    let mut seen = Vec::new();
+    let mut results = Vec::new();
     for _ in 0..cycles {
         match reference.cycle(&[]) {
             Ok(cycle) => {
                 let end = cycle.end;
-                seen.push(Some((bits(&cycle.exports), end)));
+                results.push(Some((bits(&cycle.exports), end)));
                 if end.is_some() {
                     break;
                 }
             }
             Err(EvalError::Fault(_)) => {
-                seen.push(None);
+                results.push(None);
                 break;
             }
             Err(stop) => return Err(format!("{stop:?}")),
         }
     }
-    Ok(seen)
+    Ok(results)
 }

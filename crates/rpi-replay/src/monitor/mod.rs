@@ -14,9 +14,8 @@ use std::collections::BTreeSet;
 use rpi_diag::Diagnostic;
 use rpi_image::Type;
 use rpi_net::{Claim, ClaimKind, ClaimRead};
-use rpi_prims::FaultCode;
 
-use rpi_runtime::run::fault_text;
+use crate::faults::ReportedFault;
 
 /// Access to the values of exports.
 pub trait ExportValues {
@@ -107,23 +106,17 @@ impl ClaimMonitor {
         violation_report::diagnostic(&self.claims[broken.claim].claim, broken, cycle)
     }
 
-    /// Rewrites the diagnostic of a fault if the fault was raised by this violated claim. Returns the new message;
-    /// `None` if the fault has another cause.
+    /// Rewrites the report of a fault if the fault was raised by this violated claim. Returns the description of the
+    /// violation; `None` if the fault has another cause.
     pub(crate) fn explain_fault(
         &self,
-        fault: &mut Diagnostic,
+        fault: &mut ReportedFault,
         broken: &ClaimViolation,
     ) -> Option<String> {
         let claim = &self.claims[broken.claim].claim;
-        let assertion = fault_text(FaultCode::AssertionFailed);
-        let is_of_it = fault.span() == claim.span && fault.message.ends_with(assertion);
-        is_of_it.then(|| {
-            let (told, sentence) = (
-                violation_report::diagnostic(claim, broken, 0),
-                violation_report::violation_text(claim),
-            );
-            fault.message = fault.message.replace(assertion, &sentence);
-            (fault.labels, fault.notes) = (told.labels, told.notes);
+        fault.is_assertion_at(claim.span).then(|| {
+            let sentence = violation_report::violation_text(claim);
+            fault.explain(&sentence, violation_report::diagnostic(claim, broken, 0));
             sentence
         })
     }
@@ -165,13 +158,14 @@ impl ClaimMonitor {
 impl MonitoredClaim {
     /// Evaluates the claim in a cycle. Returns true if it is violated for the first time.
     fn evaluate(&mut self, flows: &dyn ExportValues, released: &mut BTreeSet<String>) -> bool {
-        let owed = self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
+        let is_due =
+            self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
         // A claim that is constantly true has no export.
         let holds = self.condition.map_or(Some(true), |export| {
             flows.words(export).map(|cells| cells.first() != Some(&0))
         });
-        self.evaluated += u64::from(owed && holds.is_some());
-        let fails = owed && holds == Some(false);
+        self.evaluated += u64::from(is_due && holds.is_some());
+        let fails = is_due && holds == Some(false);
         self.violated += u64::from(fails);
         if fails && self.claim.kind == ClaimKind::Assume {
             released.insert(self.claim.path.clone());
@@ -215,9 +209,9 @@ mod tests {
     use rpi_diag::{Code, Span};
     use rpi_image::Scalar;
 
-    struct Given(Vec<Option<Vec<u64>>>);
+    struct FixedExports(Vec<Option<Vec<u64>>>);
 
-    impl ExportValues for Given {
+    impl ExportValues for FixedExports {
         fn words(&self, export: usize) -> Option<&[u64]> {
             self.0[export].as_deref()
         }
@@ -255,7 +249,7 @@ mod tests {
         })
     }
 
-    fn look(watch: &mut ClaimMonitor, cycle: u64, flows: &Given) -> Vec<Diagnostic> {
+    fn look(watch: &mut ClaimMonitor, cycle: u64, flows: &FixedExports) -> Vec<Diagnostic> {
         let broken = watch.evaluate(flows);
         broken.iter().map(|b| watch.diagnostic(b, cycle)).collect()
     }
@@ -270,7 +264,7 @@ mod tests {
     #[test]
     fn the_first_cycle_is_told_with_values_and_those_before() {
         let mut watch = watch();
-        let cycle = |g, x| Given(vec![Some(vec![g]), Some(vec![1]), Some(vec![x])]);
+        let cycle = |g, x| FixedExports(vec![Some(vec![g]), Some(vec![1]), Some(vec![x])]);
         assert_eq!(look(&mut watch, 0, &cycle(1, 5)), []);
         let found = look(&mut watch, 1, &cycle(0, 6));
         assert_eq!(codes(&found), [Code::RPI9014]);
@@ -288,7 +282,7 @@ mod tests {
     #[test]
     fn nothing_is_owed_once_an_assumption_is_broken() {
         let mut watch = watch();
-        let cycle = |g, a| Given(vec![Some(vec![g]), Some(vec![a]), None]);
+        let cycle = |g, a| FixedExports(vec![Some(vec![g]), Some(vec![a]), None]);
         assert_eq!(codes(&look(&mut watch, 0, &cycle(0, 0))), [Code::RPI9013]);
         assert_eq!(look(&mut watch, 1, &cycle(0, 1)), []);
     }
@@ -296,7 +290,10 @@ mod tests {
     #[test]
     fn an_absent_claim_is_not_broken() {
         let mut watch = watch();
-        assert_eq!(look(&mut watch, 0, &Given(vec![None, None, None])), []);
+        assert_eq!(
+            look(&mut watch, 0, &FixedExports(vec![None, None, None])),
+            []
+        );
         assert!(watch.stats().all(|(_, tally)| tally.evaluated == 0));
     }
 }

@@ -6,7 +6,7 @@ use rpi_image::Type;
 use rpi_net::Claim;
 
 use super::{ClaimMonitor, ClaimViolation, ExportValues};
-use crate::faults::Faults;
+use crate::faults::{Faults, ReportedFault};
 use rpi_runtime::run::{Channel, CommandEnd, Outcome, RunEnd, Sink};
 
 /// Sink that monitors the claims of the commands of a run.
@@ -101,10 +101,10 @@ fn command_at<'o>(
     begun.max_by_key(|(_, run)| run.first_tick)
 }
 
-/// Merges a violated claim into the fault of its command and the diagnostic of the fault. Returns false if the command
+/// Merges a violated claim into the fault of its command and the report of the fault. Returns false if the command
 /// did not fault in this tick because of this claim.
 fn merge_into_fault(
-    (run, diagnostic): (&mut CommandEnd, &mut Diagnostic),
+    (run, fault): (&mut CommandEnd, &mut ReportedFault),
     watch: &ClaimMonitor,
     tick: u64,
     broken: &ClaimViolation,
@@ -114,7 +114,7 @@ fn merge_into_fault(
         .map(|first| first + run.cycles.saturating_sub(1));
     match &mut run.end {
         RunEnd::Fault { what, .. } if last == Some(tick) => {
-            let sentence = watch.explain_fault(diagnostic, broken);
+            let sentence = watch.explain_fault(fault, broken);
             sentence.map(|sentence| *what = sentence).is_some()
         }
         _ => false,

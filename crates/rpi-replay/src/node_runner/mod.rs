@@ -3,10 +3,10 @@
 //! | file | idea |
 //! |---|---|
 //! | `run.rs` | the running node and its cycles |
-//! | `table.rs` | CSV rows and their mapping to the node's columns |
+//! | `csv_table.rs` | CSV rows and their mapping to the node's columns |
 
 mod csv_table;
 mod run;
 
 pub use csv_table::{TableError, TableReader, header_line, row_line};
-pub use run::{ColumnValues, CycleResult, NodeRun};
+pub use run::{ColumnValues, CycleResult, NodeLoadError, NodeRun};

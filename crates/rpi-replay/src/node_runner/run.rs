@@ -1,15 +1,16 @@
 //! Executes a single node cycle by cycle.
 
+use std::fmt;
 use std::sync::Arc;
 
-use rpi_core::{CycleContext, Instance};
+use rpi_core::{CycleContext, Instance, LoadError};
 use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_net::{Claim, Column};
 use rpi_prims::FaultCode;
 use rpi_sim::{Cell, SimBank};
 
-use crate::faults;
+use crate::faults::ReportedFault;
 use crate::monitor::{ClaimMonitor, ExportValues};
 use rpi_diag::Diagnostic;
 use rpi_runtime::run::FaultOrigin;
@@ -26,6 +27,19 @@ pub struct CycleResult {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+/// All errors of the image of a node that cannot be loaded. The text has one line for each.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NodeLoadError(pub Vec<LoadError>);
+
+impl fmt::Display for NodeLoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let texts: Vec<String> = self.0.iter().map(ToString::to_string).collect();
+        f.write_str(&texts.join("\n"))
+    }
+}
+
+impl std::error::Error for NodeLoadError {}
+
 /// A loaded node that is executed without devices.
 pub struct NodeRun {
     machine: Instance,
@@ -41,16 +55,15 @@ impl NodeRun {
     /// Loads the image of a node and monitors the `claims` that it publishes.
     ///
     /// # Errors
-    /// Returns the load errors as text if the image cannot be loaded.
+    /// Returns the load errors if the image cannot be loaded.
     pub fn load(
         image: Image,
         inputs: &[Column],
         shown: &[Column],
         claims: &[Claim],
-    ) -> Result<NodeRun, String> {
+    ) -> Result<NodeRun, NodeLoadError> {
         let image = Arc::new(image);
-        let cell = Cell::parse("no devices", "").map_err(|errors| errors.to_string())?;
-        let mut bank = SimBank::new(&cell, image.period_ns as f64 * 1e-9);
+        let mut bank = SimBank::new(&Cell::default(), image.period_ns as f64 * 1e-9);
         let input = |column: &Column| image.inputs.iter().position(|i| i.key == column.key);
         let export = |key: &str| image.exports.iter().find(|e| e.key == key).map(|e| e.value);
         let inputs = inputs.iter().map(input).collect();
@@ -61,11 +74,7 @@ impl NodeRun {
         };
         let claims = ClaimMonitor::new(claims, numbered);
         let exports = image.exports.iter().map(|e| e.value).collect();
-        let machine = Instance::load(Arc::clone(&image), &mut bank);
-        let machine = machine.map_err(|faults| {
-            let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
-            words.join("\n")
-        })?;
+        let machine = Instance::load(Arc::clone(&image), &mut bank).map_err(NodeLoadError)?;
         Ok(NodeRun {
             machine,
             bank,
@@ -110,15 +119,13 @@ impl NodeRun {
             false => Vec::new(),
         };
         if let Some(fault) = fault {
-            let mut diagnostic = faults::fault_diagnostic(
-                &FaultOrigin::of(self.machine.image(), fault, number),
-                None,
-            );
+            let origin = FaultOrigin::of(self.machine.image(), fault, number);
+            let mut report = ReportedFault::new(&origin, None);
             let mut broken = broken.iter();
-            broken.find_map(|broken| self.claims.explain_fault(&mut diagnostic, broken));
+            broken.find_map(|broken| self.claims.explain_fault(&mut report, broken));
             return CycleResult {
                 row: None,
-                diagnostics: vec![diagnostic],
+                diagnostics: vec![report.into_diagnostic()],
             };
         }
         let shown = self.outputs.iter();

@@ -41,8 +41,8 @@ pub(super) fn draw(
         },
     };
     frame.draw(svg, &chart.title, "s");
-    for spell in spells.iter().skip(1) {
-        let x = frame.x.to_pixel(spell.from);
+    for span in spells.iter().skip(1) {
+        let x = frame.x.to_pixel(span.from);
         svg.dashed((x, frame.top()), (x, frame.bottom()), AXIS);
     }
     for (k, line) in chart.lines.iter().enumerate() {
@@ -92,6 +92,7 @@ fn spread_labels(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
         *height = height.max(least);
         least = *height + LABEL_HEIGHT;
     }
+    // The first pass may move names below the plot area. The second moves them up again, without a new overlap.
     let mut most = bottom;
     for height in heights.iter_mut().rev() {
         *height = height.min(most);

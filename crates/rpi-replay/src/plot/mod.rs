@@ -14,7 +14,7 @@ mod timeline;
 
 pub use page::render_svg;
 
-/// Content of a plot.
+/// Content of a plot: title, charts over time and views of paths.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Plot {
     /// Title of the plot.
@@ -45,7 +45,7 @@ pub struct Chart {
     pub lines: Vec<Line>,
 }
 
-/// A value over time.
+/// Line of a chart: one value over time, with its name.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Line {
     /// Name of the line.

@@ -98,7 +98,7 @@ mod tests {
     use super::super::{Chart, ExecutionSpan, Line, SpacePath};
     use super::*;
 
-    fn spell(command: &str, from: f64, to: f64) -> ExecutionSpan {
+    fn span(command: &str, from: f64, to: f64) -> ExecutionSpan {
         ExecutionSpan {
             command: command.into(),
             from,
@@ -123,7 +123,7 @@ mod tests {
                 title: "joints, deg".into(),
                 lines: vec![line("joint 1", 1.0), line("joint 2", -2.0)],
             }],
-            spans: vec![spell("First", 0.0, 1.2), spell("Second", 1.2, 2.0)],
+            spans: vec![span("First", 0.0, 1.2), span("Second", 1.2, 2.0)],
         }
     }
 

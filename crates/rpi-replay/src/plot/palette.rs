@@ -3,7 +3,7 @@
 //! In this order the hues are distinguishable with the common kinds of colour blindness. Lines are also labelled with
 //! their names, so that no information depends on colour alone.
 
-/// Background.
+/// Colour of the background.
 pub(super) const BACKGROUND: &str = "#fcfcfb";
 /// Headings.
 pub(super) const TEXT: &str = "#16181d";

@@ -8,7 +8,7 @@ use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
 use super::{ExecutionSpan, SpacePath};
 
-/// Direction of the projection.
+/// Direction from which the path of an arm is drawn.
 #[derive(Clone, Copy)]
 pub(super) enum View {
     /// Top view: x to the right, y up.
@@ -108,12 +108,12 @@ fn draw_markers(
     };
     let pixel = |p: &(f64, (f64, f64))| frame.to_pixel(p.1.0, p.1.1);
     let mut labelled = Vec::new();
-    for (k, spell) in spells.iter().enumerate().skip(1) {
-        let at = points.partition_point(|p| p.0 < spell.from);
+    for (k, span) in spells.iter().enumerate().skip(1) {
+        let at = points.partition_point(|p| p.0 < span.from);
         let at = pixel(&points[at.min(points.len() - 1)]);
         svg.dot(at, 5.0, hue(k), BACKGROUND);
         if is_free(&labelled, at) {
-            let text = format!("takeover {:.3} s", spell.from);
+            let text = format!("takeover {:.3} s", span.from);
             draw_label(svg, frame, at, (-7.0, SECONDARY_TEXT), &text);
             labelled.push(at);
         }
@@ -160,7 +160,7 @@ fn draw_label(
 mod tests {
     use super::*;
 
-    fn spell(from: f64, to: f64) -> ExecutionSpan {
+    fn span(from: f64, to: f64) -> ExecutionSpan {
         ExecutionSpan {
             from,
             to,
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn each_command_has_its_part_and_no_gap() {
         let points: Vec<(f64, u32)> = (0..6).map(|k| (f64::from(k), k)).collect();
-        let parts = split_by_command(&points, &[spell(0.0, 3.0), spell(3.0, 6.0)]);
+        let parts = split_by_command(&points, &[span(0.0, 3.0), span(3.0, 6.0)]);
         assert_eq!(parts[0], points[0..3]);
         assert_eq!(parts[1], points[2..6]);
     }

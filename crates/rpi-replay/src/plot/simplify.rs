@@ -11,6 +11,7 @@ pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
         .filter(|p| p.0.is_finite() && p.1.is_finite())
         .collect();
     let mut keep = vec![false; points.len()];
+    // Open ranges on a stack instead of a recursion, whose depth a path of a million points could exhaust.
     let mut open = vec![(0, points.len().saturating_sub(1))];
     keep.iter_mut().take(1).for_each(|first| *first = true);
     keep.iter_mut().rev().take(1).for_each(|last| *last = true);

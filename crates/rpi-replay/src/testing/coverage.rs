@@ -26,7 +26,7 @@ pub struct Coverage {
 /// A Boolean of the net, observed at run time.
 #[derive(Clone, Copy, Debug)]
 enum ObservedBoolean {
-    /// A constant.
+    /// The condition had this value in every cycle.
     Constant(bool),
     /// A signal that is computed in the fragment with this index.
     Computed(Signal, u32),
@@ -138,7 +138,7 @@ struct ImageIndex<'n> {
 
 impl<'n> ImageIndex<'n> {
     fn new(net: &'n Net, image: &Image) -> ImageIndex<'n> {
-        let probes = image.probes.iter();
+        let probes = image.debug.probes.iter();
         let ports = probes.map(|p| (image.probe_name(p), (p.value, p.fragment)));
         let fragments = (0..).zip(&image.fragments).skip(1);
         ImageIndex {

@@ -13,6 +13,7 @@ use rpi_diag::Diagnostic;
 use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind, Export, Signal, TextRange};
 use rpi_net::{Claim, Net};
+use rpi_runtime::ImageLoadError;
 
 use crate::monitor::{self, ExportValues};
 
@@ -63,7 +64,7 @@ pub struct TestReport {
     pub coverage: Option<Coverage>,
 }
 
-/// Verdict on a condition.
+/// Whether a condition of a test held, and where it failed first.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ConditionVerdict {
     /// The condition was true whenever it was present.
@@ -79,7 +80,7 @@ pub enum ConditionVerdict {
     },
 }
 
-/// How a test ended.
+/// How the run of a test ended: by a result, a fault or the cycle limit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TestEnd {
     /// The test finished with `finish` or `yield`.
@@ -115,11 +116,8 @@ impl TestReport {
 ///
 /// # Errors
 /// Returns the load errors if the image cannot be loaded.
-pub fn run(case: TestCase<'_>) -> Result<TestReport, String> {
-    let machine = Instance::load(case.image, &mut NoDevices).map_err(|faults| {
-        let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
-        faults.join("; ")
-    })?;
+pub fn run(case: TestCase<'_>) -> Result<TestReport, ImageLoadError> {
+    let machine = Instance::load(case.image, &mut NoDevices).map_err(ImageLoadError)?;
     let finishes = can_finish(&machine.image().end);
     let noted = case.coverage.then_some(case.net);
     let coverage = noted.map(|net| Coverage::new(net, machine.image()));
@@ -142,12 +140,12 @@ fn can_finish(end: &CommandEnd) -> bool {
     }
 }
 
-/// A running test.
+/// Running test: the command, and the verdicts on its conditions so far.
 struct TestRun {
     machine: Instance,
     conditions: Vec<MonitoredCondition>,
     claims: monitor::ClaimMonitor,
-    broken: Vec<Diagnostic>,
+    violations: Vec<Diagnostic>,
     coverage: Option<Coverage>,
     cycles: u64,
 }
@@ -184,7 +182,7 @@ impl TestRun {
             conditions: conditions.iter().map(watched).collect(),
             coverage,
             claims: monitor::ClaimMonitor::new(claims, numbered),
-            broken: Vec::new(),
+            violations: Vec::new(),
             machine,
             cycles: 0,
         }
@@ -211,10 +209,10 @@ impl TestRun {
             condition.evaluate(cycle, &self.machine);
         }
         let broken = self.claims.evaluate(&MachineExports(&self.machine));
-        let told = broken
+        let diagnostics = broken
             .iter()
             .map(|broken| self.claims.diagnostic(broken, cycle));
-        self.broken.extend(told);
+        self.violations.extend(diagnostics);
         if let Some(coverage) = &mut self.coverage {
             coverage.update(&self.machine);
         }
@@ -236,7 +234,7 @@ impl TestRun {
         TestReport {
             cycles: self.cycles,
             verdicts: self.conditions.into_iter().map(|c| c.verdict).collect(),
-            violations: self.broken,
+            violations: self.violations,
             end,
             coverage: self.coverage,
         }

@@ -16,7 +16,7 @@ const ANGLES: &[(&str, &str, Option<&str>)] = &[
 pub(super) enum AngleKind {
     /// As plain numbers.
     Plain,
-    /// As an angle.
+    /// As an angle: values that differ by whole turns are equal.
     Angle,
     /// As one of three Euler angles. The index is the out-port with the middle angle.
     Euler(usize),

@@ -40,7 +40,7 @@ pub(super) struct Alias {
     pub(super) place: AliasKind,
 }
 
-/// Kind of an alias.
+/// Kind of a port that shows the value of another port.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum AliasKind {
     /// An out-port of a fragment. It is recorded like the out-ports of nodes.
@@ -99,6 +99,7 @@ impl ComparisonPlan {
 
 fn compared_nodes(net: &Net, image: &Image, names: &PortNames) -> Vec<ComparedNode> {
     let probes: BTreeMap<String, usize> = image
+        .debug
         .probes
         .iter()
         .enumerate()
@@ -109,7 +110,7 @@ fn compared_nodes(net: &Net, image: &Image, names: &PortNames) -> Vec<ComparedNo
         let (desc, path) = (node.desc(), net.path(node.fragment, &node.name));
         let outs = desc.outputs.iter().enumerate().filter_map(|(k, out)| {
             let name = format!("{path}.{}", out.name);
-            let probe = &image.probes[*probes.get(&name)?];
+            let probe = &image.debug.probes[*probes.get(&name)?];
             Some(OutPort {
                 signal: probe.value,
                 fragment: probe.fragment,
@@ -208,8 +209,8 @@ fn completed_after(
     ids: &[NodeId],
 ) -> (Vec<Vec<NodeId>>, Vec<NodeId>) {
     let mut last: BTreeMap<&str, usize> = BTreeMap::new();
-    for (pc, &place) in image.step_locations.iter().enumerate() {
-        if let Some(place) = image.locations.get(place as usize) {
+    for (pc, &place) in image.debug.step_locations.iter().enumerate() {
+        if let Some(place) = image.debug.locations.get(place as usize) {
             last.insert(&place.path, pc);
         }
     }

@@ -3,7 +3,7 @@
 use super::report::{CompareReport, ExplainedDifference, LargestDeviation, PortDeviations};
 use super::trace_view::RecordedValue;
 
-/// A port in a cycle.
+/// Place of a compared value: the port and the cycle.
 #[derive(Clone, Copy)]
 pub(super) struct PortInCycle<'a> {
     pub(super) cycle: u64,

@@ -15,6 +15,7 @@ use super::relation::Tolerance;
 use super::report::{CompareReport, ReplayFault};
 use super::trace_view::{CycleView, RecordedValue, varying_ports};
 use rpi_record::trace::Trace;
+use rpi_runtime::ImageLoadError;
 
 /// Replays a net against a trace and compares every computed value that the trace also holds.
 ///
@@ -59,8 +60,10 @@ fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instanc
         observe: Observe::All,
         may_be_absent: &may_be_absent,
     };
-    let image = rpi_lower::lower(&analysis.net, &plan, &lowering).map_err(ReplayError::Lowering)?;
-    Instance::load(image, bank).map_err(ReplayError::Loading)
+    let image = rpi_lower::lower(&analysis.net, &plan, &lowering)
+        .map_err(|error| ReplayError::Lowering(error.to_string()))?;
+    let instance = Instance::load(image, bank).map_err(ImageLoadError);
+    instance.map_err(ReplayError::Loading)
 }
 
 /// State of a running replay.
@@ -127,12 +130,13 @@ impl<'a> Replay<'a> {
     fn cycle(&mut self, number: u64) {
         self.view.set_cycle(number);
         self.tally.report.cycles = number;
+        // The cycles of a trace count from 1.
         let elapsed = self.period_ns.saturating_mul(number - 1).cast_signed();
-        let moment = CycleContext {
+        let context = CycleContext {
             net_ns: self.start_ns.saturating_add(elapsed),
             ..CycleContext::default()
         };
-        self.machine.read(&mut self.bank, &moment);
+        self.machine.read(&mut self.bank, &context);
         for k in 0..self.plan.latched.len() {
             self.process_node(self.plan.latched[k]);
         }

@@ -18,8 +18,8 @@ pub(super) struct PortNames {
 impl PortNames {
     /// Matches the names of the trace with those of the net.
     pub(super) fn new(trace: &Trace, known: &BTreeSet<String>) -> PortNames {
-        let fits = trace.ports().any(|(_, name)| known.contains(name));
-        let shift = if fits {
+        let has_common_name = trace.ports().any(|(_, name)| known.contains(name));
+        let shift = if has_common_name {
             0
         } else {
             common_shift(trace, known).unwrap_or(0)
@@ -52,8 +52,11 @@ fn common_shift(trace: &Trace, known: &BTreeSet<String>) -> Option<i64> {
         .flat_map(|(_, name)| trailing_numbers(name))
         .min()?;
     let shift = first_of_net.checked_sub(first_of_trace)?;
-    let fits = |name: &str| shifted(name, shift).is_some_and(|name| known.contains(&name));
-    trace.ports().all(|(_, name)| fits(name)).then_some(shift)
+    let is_known = |name: &str| shifted(name, shift).is_some_and(|name| known.contains(&name));
+    trace
+        .ports()
+        .all(|(_, name)| is_known(name))
+        .then_some(shift)
 }
 
 /// Returns the trailing numbers of the names in a path.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use rpi_core::LoadError;
+use rpi_runtime::ImageLoadError;
 
 /// Options of a trace replay.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -35,7 +35,7 @@ pub enum ReplayError {
     /// Lowering of the net failed.
     Lowering(String),
     /// Loading of the image failed.
-    Loading(Vec<LoadError>),
+    Loading(ImageLoadError),
 }
 
 impl fmt::Display for ReplayError {
@@ -44,10 +44,7 @@ impl fmt::Display for ReplayError {
             ReplayError::EmptyTrace => f.write_str("the trace is empty"),
             ReplayError::DependencyCycle => f.write_str("the net has a dependency cycle"),
             ReplayError::Lowering(reason) => write!(f, "the net cannot be lowered: {reason}"),
-            ReplayError::Loading(faults) => {
-                let reasons: Vec<String> = faults.iter().map(ToString::to_string).collect();
-                write!(f, "the net cannot be loaded: {}", reasons.join("; "))
-            }
+            ReplayError::Loading(reasons) => write!(f, "the net cannot be loaded: {reasons}"),
         }
     }
 }

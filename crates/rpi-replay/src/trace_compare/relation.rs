@@ -24,13 +24,13 @@ pub(super) enum Relation {
 pub(super) enum ComparisonKind {
     /// As a plain value.
     Plain,
-    /// As an angle.
+    /// As angles: values that differ by whole turns are equal.
     Angle,
     /// As one of three Euler angles. The argument is the recorded middle angle in radians.
     Euler(f64),
 }
 
-/// Tolerances of the comparison.
+/// Tolerances, absolute and relative, within which a computed value equals the recorded one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Tolerance {
     pub(super) default: f64,

@@ -36,7 +36,7 @@ pub struct CompareReport {
     pub fault: Option<ReplayFault>,
 }
 
-/// Number of compared values.
+/// Number of compared values, present and absent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct ComparedCounts {
     /// Number of values that were present in the trace.
@@ -65,7 +65,7 @@ pub struct LargestDeviation {
     pub cycle: u64,
     /// Path of the port.
     pub port: String,
-    /// Deviation.
+    /// Absolute difference of the computed and the recorded value, in the unit of the port.
     pub deviation: f64,
     /// Computed value.
     pub computed: String,
@@ -102,7 +102,7 @@ pub struct DivergenceLink {
     pub inputs: Vec<(String, String, String)>,
 }
 
-/// Deviations of one port.
+/// Deviations of one port from the trace: where they start, and how large they are.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PortDeviations {
     /// Path of the port.

@@ -31,15 +31,15 @@ pub struct CommandInfo {
     pub first_tick: Option<u64>,
 }
 
-/// A loaded command with a board.
+/// A loaded command with a snapshot.
 #[derive(Debug)]
 pub struct AdoptedCommand {
     /// Identifier of the command.
     pub id: CommandId,
     /// Ticket of the insertion. Its answer means that the command is ready.
     pub ticket: Ticket,
-    /// Board with the exports of the command.
-    pub board: Arc<ExportSnapshot>,
+    /// Snapshot with the exports of the command.
+    pub snapshot: Arc<ExportSnapshot>,
 }
 
 /// Host side of a control core, owned by one thread. No method makes the cycle wait.
@@ -58,7 +58,7 @@ pub struct Control<T = rpi_sim::NamedDevice> {
     on_overrun: CommandOverrunPolicy,
     buffer: Vec<u64>,
     samples_lost: u64,
-    journal: Option<RequestLog>,
+    request_log: Option<RequestLog>,
     admission: Admission,
 }
 
@@ -81,14 +81,14 @@ impl<T> Control<T> {
             on_overrun: options.on_overrun,
             buffer: Vec::new(),
             samples_lost: 0,
-            journal: None,
+            request_log: None,
             admission: Admission::new(options.budget),
         }
     }
 
     /// Registers a callback that receives every request from now on.
-    pub fn set_request_log(&mut self, journal: RequestLog) {
-        self.journal = Some(journal);
+    pub fn set_request_log(&mut self, request_log: RequestLog) {
+        self.request_log = Some(request_log);
     }
 
     /// Loads an image and sends the command to the cycle. The returned identifier can be used in requests immediately;
@@ -112,25 +112,29 @@ impl<T> Control<T> {
         self.insert_command(command, None).map(|(id, _)| id)
     }
 
-    /// Like [`Control::adopt`], with a board to which the command's exports are written in every cycle.
+    /// Like [`Control::adopt`], with a snapshot to which the command's exports are written in every cycle.
     ///
     /// # Errors
     /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
-    pub fn adopt_with_board(
+    pub fn adopt_with_snapshot(
         &mut self,
         command: Box<Command>,
     ) -> Result<AdoptedCommand, RequestError> {
-        let board = Arc::new(ExportSnapshot::new(&command.instance().image().exports));
-        let (id, ticket) = self.insert_command(command, Some(Arc::clone(&board)))?;
-        Ok(AdoptedCommand { id, ticket, board })
+        let snapshot = Arc::new(ExportSnapshot::new(&command.instance().image().exports));
+        let (id, ticket) = self.insert_command(command, Some(Arc::clone(&snapshot)))?;
+        Ok(AdoptedCommand {
+            id,
+            ticket,
+            snapshot,
+        })
     }
 
     fn insert_command(
         &mut self,
         command: Box<Command>,
-        board: Option<Arc<ExportSnapshot>>,
+        snapshot: Option<Arc<ExportSnapshot>>,
     ) -> Result<(CommandId, Ticket), RequestError> {
-        self.check_room()?;
+        self.ensure_queue_space()?;
         self.admission.check_alone(&command)?;
         let id = self.ids.allocate().ok_or(RequestError::TableFull)?;
         self.admission.insert(id, &command);
@@ -141,7 +145,7 @@ impl<T> Control<T> {
             first_tick: None,
         };
         self.commands.insert(id, info);
-        let ticket = self.send_request(Request::Insert(id, command, board))?;
+        let ticket = self.send_request(Request::Insert(id, command, snapshot))?;
         Ok((id, ticket))
     }
 
@@ -151,9 +155,9 @@ impl<T> Control<T> {
     /// Returns an error if the command is unknown, the queue is full, or the time budget left by the other commands is
     /// exceeded. Other reasons for a refusal are reported in the answer.
     pub fn start(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
-        let way = self.admission.admit_start(id)?;
+        let cause = self.admission.admit_start(id)?;
         let ticket = self.send_command_request(id, Request::Start(id))?;
-        self.admission.request_sent(ticket, way);
+        self.admission.request_sent(ticket, cause);
         Ok(ticket)
     }
 
@@ -199,9 +203,9 @@ impl<T> Control<T> {
             return Err(RequestError::QueueFull);
         }
         let id = self.ids.allocate_rule();
-        let way = self.admission.admit_rule(id, &rule)?;
+        let cause = self.admission.admit_rule(id, &rule)?;
         let ticket = self.send_request(Request::Schedule(id, Box::new(rule)))?;
-        self.admission.request_sent(ticket, way);
+        self.admission.request_sent(ticket, cause);
         self.rules += 1;
         Ok((id, ticket))
     }
@@ -364,11 +368,11 @@ impl<T> Control<T> {
     }
 
     fn send_request(&mut self, request: Request<T>) -> Result<Ticket, RequestError> {
-        self.check_room()?;
+        self.ensure_queue_space()?;
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
-        if let Some(journal) = &mut self.journal {
-            journal(ticket, RequestRecord::from_request(&request));
+        if let Some(request_log) = &mut self.request_log {
+            request_log(ticket, RequestRecord::from_request(&request));
         }
         // `has_room` was checked above, and this is the only producer.
         let _ = self.queues.requests.push((ticket, request));
@@ -381,7 +385,7 @@ impl<T> Control<T> {
         self.queues.requests.slots()
     }
 
-    fn check_room(&self) -> Result<(), RequestError> {
+    fn ensure_queue_space(&self) -> Result<(), RequestError> {
         match self.queues.requests.is_full() {
             true => Err(RequestError::QueueFull),
             false => Ok(()),
@@ -389,8 +393,9 @@ impl<T> Control<T> {
     }
 
     fn free_released(&mut self) {
-        while let Ok(dead) = self.queues.released.pop() {
-            match dead {
+        while let Ok(released) = self.queues.released.pop() {
+            // Memory is freed here and not in the cycle, because the allocator may take a lock.
+            match released {
                 Released::Command(id, command) => {
                     drop(command);
                     self.freed.push(id);
@@ -401,7 +406,7 @@ impl<T> Control<T> {
                 }
                 Released::Subscription(old) => self.samples_lost += old.lost,
                 Released::Settings(settings) => drop(settings),
-                Released::Board(board) => drop(board),
+                Released::Snapshot(snapshot) => drop(snapshot),
                 Released::Device(part) => drop(part),
             }
         }

@@ -18,16 +18,16 @@ pub struct Executive<P: Plant> {
     queues: CycleQueues<P::Device>,
     /// Subscriptions, indexed by command slot.
     subscriptions: Box<[Option<Box<Subscription>>]>,
-    /// Boards, indexed by command slot.
-    boards: Boards,
+    /// Snapshots, indexed by command slot.
+    snapshots: Snapshots,
     /// Last reported error code and motion state of each device.
     reported: Vec<(i64, bool)>,
     per_tick: usize,
     stopwatch: CommandTimer,
 }
 
-/// For each command slot, the owner of its board and the board.
-type Boards = Box<[Option<(CommandId, Arc<ExportSnapshot>)>]>;
+/// For each command slot, the owner of its snapshot and the snapshot.
+type Snapshots = Box<[Option<(CommandId, Arc<ExportSnapshot>)>]>;
 
 /// Effort per tick after which no further request is taken, in units of about ten nanoseconds. At least one request of
 /// any size is taken per tick.
@@ -43,7 +43,7 @@ impl<P: Plant> Executive<P> {
             plant,
             queues: ends,
             subscriptions: (0..options.commands).map(|_| None).collect(),
-            boards: (0..options.commands).map(|_| None).collect(),
+            snapshots: (0..options.commands).map(|_| None).collect(),
             reported: vec![(0, false); MAX_DEVICES],
             per_tick: options.requests_per_tick.max(1),
             stopwatch: CommandTimer::new(options.measure_commands),
@@ -73,7 +73,7 @@ impl<P: Plant> Executive<P> {
             stopwatch: &mut self.stopwatch,
             tick: self.core.now(),
             subscriptions: &mut self.subscriptions,
-            boards: &self.boards,
+            snapshots: &self.snapshots,
             samples: &mut self.queues.samples,
             further: watch,
         };
@@ -115,15 +115,15 @@ impl<P: Plant> Executive<P> {
     }
 
     /// Attributes an overrun to a command. The overrun was measured by [`Executive::handle_overrun`] or is replayed from a
-    /// tape. Returns true if the overrun policy of the command requires all commands to be ended.
+    /// tick log. Returns true if the overrun policy of the command requires all commands to be ended.
     pub fn attribute_overrun(&mut self, late: &AttributedOverrun) -> bool {
         let (id, times) = (late.command, (late.took_ns, late.late_ns));
         let stop = self.core.report_overrun(id, times, &mut self.plant);
-        let board = self.boards.get(id.slot()).and_then(Option::as_ref);
-        if let (Some((_, board)), Some(command)) =
-            (board.filter(|b| b.0 == id), self.core.command(id))
+        let snapshot = self.snapshots.get(id.slot()).and_then(Option::as_ref);
+        if let (Some((_, snapshot)), Some(command)) =
+            (snapshot.filter(|b| b.0 == id), self.core.command(id))
         {
-            board.write_overruns(command.overrun_stats());
+            snapshot.write_overruns(command.overrun_stats());
         }
         self.send_notices();
         stop
@@ -148,7 +148,7 @@ impl<P: Plant> Executive<P> {
     fn take_requests(&mut self) {
         let mut effort = 0;
         for _ in 0..self.per_tick {
-            if !self.queues.have_room() || effort >= MAX_EFFORT_PER_TICK {
+            if !self.queues.has_room() || effort >= MAX_EFFORT_PER_TICK {
                 return;
             }
             let Ok((ticket, request)) = self.queues.requests.pop() else {
@@ -157,7 +157,7 @@ impl<P: Plant> Executive<P> {
             effort += request.effort(self.core.rules_cost());
             let tick = self.core.now();
             let refused = self.execute(request).err();
-            // `have_room` was checked above.
+            // `has_room` was checked above.
             let _ = self.queues.events.push(Event::Answer {
                 ticket,
                 tick,
@@ -171,7 +171,7 @@ impl<P: Plant> Executive<P> {
     fn execute(&mut self, request: Request<P::Device>) -> Result<(), CommandError> {
         let (core, plant) = (&mut self.core, &mut self.plant);
         match request {
-            Request::Insert(id, command, board) => self.insert(id, command, board),
+            Request::Insert(id, command, snapshot) => self.insert(id, command, snapshot),
             Request::Start(id) => core.start(id, plant),
             Request::Unschedule(id) => core.unschedule(id),
             Request::Cancel(id) => core.cancel(id),
@@ -204,17 +204,17 @@ impl<P: Plant> Executive<P> {
         &mut self,
         id: CommandId,
         command: Box<Command>,
-        board: Option<Arc<ExportSnapshot>>,
+        snapshot: Option<Arc<ExportSnapshot>>,
     ) -> Result<(), CommandError> {
         let inserted = self.core.insert_with_id(id, command);
-        let slot = self.boards.get_mut(id.slot());
+        let slot = self.snapshots.get_mut(id.slot());
         match (inserted, slot) {
-            (Ok(()), Some(slot)) => *slot = board.map(|board| (id, board)),
+            (Ok(()), Some(slot)) => *slot = snapshot.map(|snapshot| (id, snapshot)),
             (Ok(()), None) => {}
             (Err((command, why)), _) => {
-                board
+                snapshot
                     .into_iter()
-                    .for_each(|b| self.queues.release(Released::Board(b)));
+                    .for_each(|b| self.queues.release(Released::Snapshot(b)));
                 self.queues.release(Released::Command(id, command));
                 return Err(why);
             }
@@ -233,9 +233,9 @@ impl<P: Plant> Executive<P> {
         if let Some(old) = subscription.and_then(|s| s.take_if(|s| s.command == id)) {
             self.queues.release(Released::Subscription(old));
         }
-        let board = self.boards.get_mut(id.slot());
-        if let Some((_, old)) = board.and_then(|b| b.take_if(|b| b.0 == id)) {
-            self.queues.release(Released::Board(old));
+        let snapshot = self.snapshots.get_mut(id.slot());
+        if let Some((_, old)) = snapshot.and_then(|b| b.take_if(|b| b.0 == id)) {
+            self.queues.release(Released::Snapshot(old));
         }
         self.queues.release(Released::Command(id, command));
     }
@@ -282,9 +282,9 @@ impl<P: Plant> Executive<P> {
         }
         self.queues.send_released();
         let tick = self.core.now().saturating_sub(1);
-        let (told, events) = (&mut self.reported, &mut self.queues.events);
+        let (reported, events) = (&mut self.reported, &mut self.queues.events);
         self.plant.device_states(&mut |device, code, moving| {
-            let Some(last) = told.get_mut(device) else {
+            let Some(last) = reported.get_mut(device) else {
                 return;
             };
             let event = Event::Device {
@@ -311,11 +311,11 @@ impl<P: Plant> Executive<P> {
     }
 }
 
-/// Updates subscriptions and boards at the end of each cycle and forwards the notification to another observer.
+/// Updates subscriptions and snapshots at the end of each cycle and forwards the notification to another observer.
 struct CycleObservers<'a> {
     tick: u64,
     subscriptions: &'a mut [Option<Box<Subscription>>],
-    boards: &'a [Option<(CommandId, Arc<ExportSnapshot>)>],
+    snapshots: &'a [Option<(CommandId, Arc<ExportSnapshot>)>],
     samples: &'a mut rtrb::Producer<u64>,
     stopwatch: &'a mut CommandTimer,
     further: &'a mut dyn CycleObserver,
@@ -328,9 +328,9 @@ impl CycleObserver for CycleObservers<'_> {
         if let Some(own) = subscription.filter(|s| s.command == id) {
             own.send_changes(command, self.tick, self.samples);
         }
-        let board = self.boards.get(id.slot()).and_then(Option::as_ref);
-        if let Some((_, board)) = board.filter(|b| b.0 == id) {
-            board.write(command);
+        let snapshot = self.snapshots.get(id.slot()).and_then(Option::as_ref);
+        if let Some((_, snapshot)) = snapshot.filter(|b| b.0 == id) {
+            snapshot.write(command);
         }
         self.further.cycle_finished(id, command);
     }

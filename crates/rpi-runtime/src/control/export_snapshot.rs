@@ -32,7 +32,7 @@ struct OverrunSnapshot {
 }
 
 impl ExportSnapshot {
-    /// Creates a board for these exports. All exports are absent.
+    /// Creates a snapshot for these exports. All exports are absent.
     pub(super) fn new(exports: &[Export]) -> ExportSnapshot {
         let cells: usize = exports.iter().map(export_words).sum();
         ExportSnapshot {
@@ -122,6 +122,8 @@ impl ExportSnapshot {
 
 /// Begins a write. Returns the version before it.
 fn begin_write(version: &AtomicU64) -> u64 {
+    // A sequence lock: the version is odd during a write. See H. Boehm, "Can seqlocks get along with programming
+    // language memory models?", MSPC 2012. The fence keeps the writes of the words behind that of the odd version.
     let before = version.load(Ordering::Relaxed);
     version.store(before + 1, Ordering::Relaxed);
     fence(Ordering::Release);
@@ -137,6 +139,8 @@ fn read(version: &AtomicU64, cells: &[AtomicU64]) -> Option<Vec<u64>> {
         }
         let load = |cell: &AtomicU64| cell.load(Ordering::Relaxed);
         let read: Vec<u64> = cells.iter().map(load).collect();
+        // The fence keeps the loads of the words before the second load of the version. An acquire load of the version
+        // would order only what follows it.
         fence(Ordering::Acquire);
         if before.is_multiple_of(2) && version.load(Ordering::Relaxed) == before {
             return Some(read);

@@ -19,7 +19,7 @@
 //! | unload a command | [`Control::unload`] | a [`Ticket`], then [`Event::Freed`] |
 //! | set inputs of any commands between the same two cycles | [`Control::set`] | a [`Ticket`] |
 //! | observe exported flows | [`Control::subscribe`], then [`Control::samples`] | a sample for each change of a value |
-//! | poll the exports of a command | [`Control::adopt_with_board`] | a [`ExportSnapshot`] |
+//! | poll the exports of a command | [`Control::adopt_with_snapshot`] | a [`ExportSnapshot`] |
 //! | insert or remove a device | [`Control::replace_device`] | a [`Ticket`] |
 //! | stop everything | [`Control::emergency_stop`] | a [`Ticket`] |
 //! | receive events | [`Control::poll`] | [`Event`]s in order |

@@ -66,7 +66,7 @@ pub struct InputValue {
 
 /// A request from the host to the cycle. `T` is a device that can be inserted.
 pub enum Request<T> {
-    /// Inserts a loaded command, with the board for its exports, if any.
+    /// Inserts a loaded command, with the snapshot for its exports, if any.
     Insert(CommandId, Box<Command>, Option<Arc<ExportSnapshot>>),
     /// Starts a command.
     Start(CommandId),
@@ -115,7 +115,7 @@ pub(super) enum Released<T> {
     Rule(Box<Rule>),
     Settings(Box<[InputValue]>),
     Subscription(Box<Subscription>),
-    Board(Arc<ExportSnapshot>),
+    Snapshot(Arc<ExportSnapshot>),
     Device(T),
 }
 
@@ -137,7 +137,7 @@ pub(super) struct HostQueues<T> {
     pub(super) released: Consumer<Released<T>>,
 }
 
-/// Maximum number of objects that one request releases: a command, its subscription and its board.
+/// Maximum number of objects that one request releases: a command, its subscription and its snapshot.
 const MAX_RELEASED_PER_REQUEST: usize = 3;
 /// Capacity of the sample queue in words.
 const SAMPLE_CAPACITY: usize = 1 << 18;
@@ -146,45 +146,45 @@ pub(super) fn queues<T>(options: Options) -> (CycleQueues<T>, HostQueues<T>) {
     let (request_in, requests) = RingBuffer::new(options.requests);
     let (events, event_out) = RingBuffer::new(options.commands * 16 + options.requests);
     let (samples, sample_out) = RingBuffer::new(SAMPLE_CAPACITY);
-    // Room for all commands, subscriptions, boards and rules released by one tick, and for the objects that one request
+    // Room for all commands, subscriptions, snapshots and rules released by one tick, and for the objects that one request
     // releases: no request is taken while objects wait to be sent.
     let most = options.commands * 3 + options.rules() + MAX_RELEASED_PER_REQUEST;
-    let (dead, dead_out) = RingBuffer::new(most);
+    let (released, released_out) = RingBuffer::new(most);
     let cycle = CycleQueues {
         requests,
         events,
         samples,
-        released: dead,
+        released,
         staged: Vec::with_capacity(most),
     };
     let host = HostQueues {
         requests: request_in,
         events: event_out,
         samples: sample_out,
-        released: dead_out,
+        released: released_out,
     };
     (cycle, host)
 }
 
 impl<T> CycleQueues<T> {
     /// Returns true if there is room for the answer to a request and for the objects that it releases.
-    pub(super) fn have_room(&self) -> bool {
+    pub(super) fn has_room(&self) -> bool {
         self.staged.is_empty() && !self.events.is_full()
     }
 
     /// Releases an object to the host, which frees it.
-    pub(super) fn release(&mut self, dead: Released<T>) {
+    pub(super) fn release(&mut self, released: Released<T>) {
         // The capacity covers all objects that the cycle can own.
-        self.staged.push(dead);
+        self.staged.push(released);
     }
 
     /// Sends the released objects. Must be called after the events that explain them were sent.
     pub(super) fn send_released(&mut self) {
         while !self.released.is_full() {
-            let Some(dead) = self.staged.pop() else {
+            let Some(released) = self.staged.pop() else {
                 return;
             };
-            let _ = self.released.push(dead);
+            let _ = self.released.push(released);
         }
     }
 }

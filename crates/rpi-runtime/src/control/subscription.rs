@@ -65,6 +65,7 @@ impl Subscription {
             if same {
                 continue;
             }
+            // Before `sent` is updated: a value without space counts as not sent, so the next cycle tries again.
             if ring.slots() < HEADER + flow.cells.len() {
                 self.lost += 1;
                 continue;
@@ -105,6 +106,7 @@ pub(super) fn drain_samples(
         let (first, second) = header.as_slices();
         let word = first.iter().chain(second).nth(1).copied().unwrap_or(0);
         let width = (word >> 32 & 0x7fff_ffff) as usize;
+        // The producer pushes word by word, so the value may still be incomplete.
         if ring.slots() < HEADER + width {
             return;
         }

@@ -71,6 +71,8 @@ fn measure_thread(
     let start = Instant::now();
     for k in 1..=count {
         let due = Duration::from_nanos(period_ns.saturating_mul(k));
+        // Deadlines count from the start, so that one late tick does not shift the next. There is no busy-waiting: the
+        // latency of the sleep is what is measured.
         std::thread::sleep(due.saturating_sub(start.elapsed()));
         let over = start.elapsed().saturating_sub(due);
         late.saturating_record(u64::try_from(over.as_nanos()).unwrap_or(u64::MAX).max(1));

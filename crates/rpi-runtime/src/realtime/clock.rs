@@ -20,7 +20,7 @@ const SPIN_NS: u64 = 60_000;
 /// suspend.
 const MAX_CATCH_UP_NS: u64 = 1_000_000_000;
 
-/// A running clock.
+/// Running clock: maps ticks to deadlines in the time base of the run.
 pub(crate) struct Clock {
     pace: TimeBase,
     tick_ns: u64,
@@ -39,6 +39,7 @@ impl Clock {
             start: Instant::now(),
             postponed_ns: 0,
             epoch_ns: match pace {
+                // No device waits for a tick here, so a long tick is no error.
                 TimeBase::Simulated | TimeBase::Accelerated(_) => 0,
                 TimeBase::Real => now_ns(),
             },
@@ -58,6 +59,7 @@ impl Clock {
         };
         let due = self.tick_ns.saturating_mul(tick) / times;
         let late = self.wait_until(due.saturating_add(self.postponed_ns));
+        // After a suspend or a breakpoint, thousands of overdue ticks would otherwise run back to back.
         self.postponed_ns += late.saturating_sub(MAX_CATCH_UP_NS);
         late
     }
@@ -69,6 +71,7 @@ impl Clock {
             match due.checked_sub(now) {
                 None => return now - due,
                 Some(left) if left > SPIN_NS => {
+                    // A sleep ends late by the latency of the timer, so the rest is spent busy-waiting.
                     std::thread::sleep(Duration::from_nanos(left - SPIN_NS));
                 }
                 Some(_) => std::hint::spin_loop(),

@@ -12,14 +12,14 @@ mod timing_stats;
 
 pub use clock::TimeBase;
 pub(crate) use command_timer::CommandTimer;
-pub use overrun::{OverrunPolicy, OverrunStats};
+pub use overrun::{OverrunPolicy, OverrunStats, ParseOverrunPolicyError};
 pub use resources::{ResourceGrant, SchedulingOptions, request_resources};
 pub use rpi_core::{CommandOverrunPolicy, OverrunThreshold};
 pub use syscall_filter::{install_syscall_filter, is_syscall_filter_installed, sleep_forever};
 pub use tick_timer::TickTimer;
 pub use timing_stats::{Percentiles, TimingStats};
 
-/// Options of real-time execution.
+/// Options of real-time execution: scheduling priority, processor, and policies for late ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct RealTime {
     /// Scheduling resources requested for the tick thread.

@@ -19,25 +19,36 @@ pub enum OverrunPolicy {
     Stop(OverrunThreshold),
 }
 
+/// Error: unknown overrun policy.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ParseOverrunPolicyError;
+
+impl fmt::Display for ParseOverrunPolicyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let most = OverrunThreshold::MAX_WINDOW;
+        write!(
+            f,
+            "expected `catch-up`, `skip`, `stop` or `stop:N/M` (N overruns in M cycles, M at most {most})"
+        )
+    }
+}
+
+impl std::error::Error for ParseOverrunPolicyError {}
+
 impl FromStr for OverrunPolicy {
-    type Err = String;
+    type Err = ParseOverrunPolicyError;
 
     /// Parses `catch-up`, `skip`, `stop` (at the first overrun) or `stop:N/M` (at N overruns within M cycles).
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ParseOverrunPolicyError> {
         match text {
             "catch-up" => return Ok(OverrunPolicy::CatchUp),
             "skip" => return Ok(OverrunPolicy::Skip),
             _ => {}
         }
-        let often = text
-            .strip_prefix("stop")
-            .and_then(OverrunThreshold::parse_suffix);
-        let most = OverrunThreshold::MAX_WINDOW;
-        often.map(OverrunPolicy::Stop).ok_or_else(|| {
-            format!(
-                "expected `catch-up`, `skip`, `stop` or `stop:N/M` (N overruns in M cycles, M at most {most})"
-            )
-        })
+        text.strip_prefix("stop")
+            .and_then(OverrunThreshold::parse_suffix)
+            .map(OverrunPolicy::Stop)
+            .ok_or(ParseOverrunPolicyError)
     }
 }
 
@@ -67,7 +78,7 @@ pub struct OverrunStats {
     history: u64,
 }
 
-/// Action after a tick.
+/// Action after a tick, which depends on its overrun.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum OverrunAction {
     /// No action.
@@ -156,7 +167,7 @@ mod tests {
     #[test]
     fn what_means_nothing_is_refused_with_the_forms() {
         for bad in ["", "stop:", "stop:0/3", "stop:4/3", "stop:1/65", "halt"] {
-            let why = bad.parse::<OverrunPolicy>().unwrap_err();
+            let why = bad.parse::<OverrunPolicy>().unwrap_err().to_string();
             assert!(why.contains("stop:N/M"), "{why}");
         }
         assert_eq!(

@@ -61,7 +61,7 @@ fn lock_memory() -> ResourceGrant {
     // With a memlock limit, `MLOCKALL_FUTURE` would make later allocations above the limit fail, so only current memory
     // is locked.
     let unlimited = getrlimit(Resource::Memlock).current.is_none() || geteuid().is_root();
-    let (what, wish) = match unlimited {
+    let (what, resource) = match unlimited {
         true => (
             MlockAllFlags::CURRENT | MlockAllFlags::FUTURE,
             "memory locked",
@@ -73,7 +73,7 @@ fn lock_memory() -> ResourceGrant {
     };
     let locked = mlockall(what);
     ResourceGrant {
-        resource: wish.to_owned(),
+        resource: resource.to_owned(),
         refusal: locked.err().map(|why| {
             format!("{why}; raise `memlock` in /etc/security/limits.conf or give CAP_IPC_LOCK")
         }),
@@ -81,9 +81,9 @@ fn lock_memory() -> ResourceGrant {
 }
 
 fn set_priority(priority: u8) -> ResourceGrant {
-    let wish = format!("priority {priority} of SCHED_FIFO");
+    let resource = format!("priority {priority} of SCHED_FIFO");
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let asked = ThreadPriorityValue::try_from(priority)
+    let result = ThreadPriorityValue::try_from(priority)
         .map_err(|why| why.to_string())
         .and_then(|value| {
             let priority = ThreadPriority::Crossplatform(value);
@@ -91,8 +91,8 @@ fn set_priority(priority: u8) -> ResourceGrant {
                 .map_err(|why| format!("{why:?}"))
         });
     ResourceGrant {
-        resource: wish,
-        refusal: asked.err().map(|why| {
+        resource,
+        refusal: result.err().map(|why| {
             format!("{why}; raise `rtprio` in /etc/security/limits.conf or give CAP_SYS_NICE")
         }),
     }

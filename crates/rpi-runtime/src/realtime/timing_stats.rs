@@ -52,6 +52,7 @@ impl TimingHistograms {
     }
 
     pub(crate) fn record(&mut self, tick_ns: u64, late_ns: u64) {
+        // 1 ns is the lowest value that the histograms distinguish.
         self.tick.saturating_record(tick_ns.max(1));
         if let Some(lateness) = &mut self.lateness {
             lateness.saturating_record(late_ns.max(1));

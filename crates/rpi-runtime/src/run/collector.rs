@@ -10,30 +10,30 @@ use super::samples::Channel;
 use crate::control::Executive;
 use crate::tick_log::{LoggingBank, TickLogReader, TickLogWriter, tick_log};
 
-/// Records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on the tape is
+/// Records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on the tick log is
 /// dropped and counted.
 pub struct TickCollector {
-    tape: TickLogWriter,
+    tick_log: TickLogWriter,
     probe: FlowProbe,
     taps: Box<[DeviceTap]>,
 }
 
 impl TickCollector {
-    /// Starts logging the devices of an executive. Returns the camera, the end of its tape for the recorder, and the
+    /// Starts logging the devices of an executive. Returns the collector, the end of its tick log for the recorder, and the
     /// device ports that are sampled after each tick.
     pub fn begin(
         cell: &Cell,
         executive: &mut Executive<LoggingBank<SimBank>>,
     ) -> (TickCollector, TickLogReader, Vec<Channel>) {
-        let (tape_in, tape_out) = tick_log();
+        let (writer, reader) = tick_log();
         let (taps, channels) = taps(cell, executive.plant().plant());
         executive.plant().start_logging();
-        let camera = TickCollector {
-            tape: tape_in,
+        let collector = TickCollector {
+            tick_log: writer,
             probe: FlowProbe::new(&[]),
             taps,
         };
-        (camera, tape_out, channels)
+        (collector, reader, channels)
     }
 
     /// Executes one tick of the executive and records its flows. `watch` observes the tick as well.
@@ -76,7 +76,7 @@ impl TickCollector {
             });
         }
         if let Some(exchange) = executive.plant().buffer() {
-            self.tape
+            self.tick_log
                 .put((number, wall_ns), true, exchange, self.probe.stage());
             exchange.clear();
         }
@@ -85,7 +85,7 @@ impl TickCollector {
     /// Returns the number of ticks that were lost.
     #[must_use]
     pub fn lost_ticks(&self) -> u64 {
-        self.tape.lost()
+        self.tick_log.lost()
     }
 }
 

@@ -38,10 +38,11 @@ pub(super) struct StopConditions {
 impl StopConditions {
     /// Returns the reason to end all commands now, if a stop condition is met.
     fn stop_reason(&self, now: u64) -> Option<AbortReason> {
-        let asked = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
+        let is_cut_off = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
+        // The emergency stop comes first: it is the reason to report if the run was interrupted at the same time.
         match self.emergency.load(Ordering::Relaxed) {
             true => Some(AbortReason::EmergencyStop),
-            false => asked().then_some(AbortReason::Request),
+            false => is_cut_off().then_some(AbortReason::Request),
         }
     }
 }
@@ -59,8 +60,8 @@ pub(super) struct CycleLoop {
     settling: Option<u64>,
     /// Reason for which all commands were ended early. [`Why::Request`] if the run was cut off.
     pub(super) halted: Option<AbortReason>,
-    /// Tape of the recording, if any.
-    tape: Option<TickLogWriter>,
+    /// Tick log of the recording, if any.
+    tick_log: Option<TickLogWriter>,
     /// Overrun statistics of the first commands with overruns.
     pub(super) overruns: Vec<(CommandId, OverrunStats)>,
 }
@@ -76,23 +77,23 @@ pub(super) struct DeviceTap {
 impl CycleLoop {
     pub(super) fn new(
         executive: Executive<LoggingBank<SimBank>>,
-        beat: TickTimer,
+        timer: TickTimer,
         watcher: FlowSampler,
         devices: Box<[DeviceTap]>,
         now: Arc<AtomicU64>,
         bounds: StopConditions,
-        tape: Option<TickLogWriter>,
+        tick_log: Option<TickLogWriter>,
     ) -> CycleLoop {
         CycleLoop {
             executive,
-            timer: beat,
+            timer,
             watcher,
             devices,
             now,
             bounds,
             settling: None,
             halted: None,
-            tape,
+            tick_log,
             overruns: Vec::with_capacity(MAX_OVERRUN_COMMANDS),
         }
     }
@@ -111,6 +112,7 @@ impl CycleLoop {
         if self.settling.is_none() {
             let too_often = self.timer.finish_tick(now);
             let late = self.timer.overrun();
+            // `|` instead of `||`: the overrun must be attributed to its command in any case.
             if too_often | late.is_some_and(|late| self.handle_overrun(late)) {
                 self.halt(AbortReason::Overrun);
             }
@@ -122,8 +124,8 @@ impl CycleLoop {
 
     /// Handles an overrun; see [`Executive::too_late`]. Returns true if all commands must be ended.
     fn handle_overrun(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
-        if let Some(sights) = &mut self.watcher.sights {
-            sights.overrun(late_ns);
+        if let Some(probe) = &mut self.watcher.probe {
+            probe.overrun(late_ns);
         }
         let stop = self.executive.handle_overrun((late_ns, excess_ns));
         let blamed = self.executive.overrun_cause(excess_ns);
@@ -167,30 +169,30 @@ impl CycleLoop {
     }
 
     /// Records everything since the last recorded tick.
-    fn record(&mut self, moment: (u64, i64), ticked: bool) {
-        let (Some(tape), Some(sights)) = (&mut self.tape, &self.watcher.sights) else {
+    fn record(&mut self, context: (u64, i64), ticked: bool) {
+        let (Some(tick_log), Some(probe)) = (&mut self.tick_log, &self.watcher.probe) else {
             return;
         };
         if let Some(exchange) = self.executive.plant().buffer() {
-            tape.put(moment, ticked, exchange, sights.stage());
+            tick_log.put(context, ticked, exchange, probe.stage());
             exchange.clear();
         }
     }
 
     /// Records everything after the last tick. Returns the number of lost ticks.
-    pub(super) fn finish_tape(&mut self) -> u64 {
+    pub(super) fn finish_tick_log(&mut self) -> u64 {
         let now = self.executive.now();
         let stage = self.executive.plant().buffer();
         if stage.is_some_and(|stage| !stage.is_empty()) {
             self.watcher.begin(now);
             self.record((now, 0), false);
         }
-        self.tape.as_ref().map_or(0, TickLogWriter::lost)
+        self.tick_log.as_ref().map_or(0, TickLogWriter::lost)
     }
 
-    /// Returns true while the tape has enough room for the next ticks.
+    /// Returns true while the tick log has enough room for the next ticks.
     pub(super) fn has_room(&self) -> bool {
-        self.tape.as_ref().is_none_or(TickLogWriter::has_room)
+        self.tick_log.as_ref().is_none_or(TickLogWriter::has_room)
     }
 
     /// Returns the devices.
@@ -204,8 +206,8 @@ impl CycleLoop {
         for tap in &mut self.devices {
             devices::sample(tap, bank, |channel, value| {
                 watcher.tap.put(channel, tick, value);
-                if let Some(sights) = &mut watcher.sights {
-                    sights.sample(channel, value);
+                if let Some(probe) = &mut watcher.probe {
+                    probe.sample(channel, value);
                 }
             });
         }
@@ -222,13 +224,13 @@ pub(super) struct FlowSampler {
     pub(super) tick: u64,
     pub(super) flows: Box<[SampledFlows]>,
     /// Observations for the recording, if any.
-    pub(super) sights: Option<FlowProbe>,
+    pub(super) probe: Option<FlowProbe>,
 }
 
 impl FlowSampler {
     fn begin(&mut self, tick: u64) {
         self.tick = tick;
-        self.sights.iter_mut().for_each(FlowProbe::begin);
+        self.probe.iter_mut().for_each(FlowProbe::begin);
     }
 }
 
@@ -241,8 +243,8 @@ pub(super) struct SampledFlows {
 
 impl CycleObserver for FlowSampler {
     fn cycle_finished(&mut self, id: CommandId, command: &Command) {
-        if let Some(sights) = &mut self.sights {
-            sights.cycle_finished(id, command);
+        if let Some(probe) = &mut self.probe {
+            probe.cycle_finished(id, command);
         }
         let machine = command.instance();
         let mine = |f: &&SampledFlows| Arc::ptr_eq(&f.image, machine.image());

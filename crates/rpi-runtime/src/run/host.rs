@@ -74,7 +74,7 @@ impl TaskContext<'_> {
 /// Interface between the tasks of a run and the control core.
 struct TaskCoreAdapter<'b, 'a> {
     context: &'b mut TaskContext<'a>,
-    books: &'b mut CommandLog<'a>,
+    command_log: &'b mut CommandLog<'a>,
 }
 
 impl TaskCore for TaskCoreAdapter<'_, '_> {
@@ -117,13 +117,13 @@ impl TaskCore for TaskCoreAdapter<'_, '_> {
     }
 
     fn report_handled(&mut self, id: CommandId) {
-        self.books.set_handled(id);
+        self.command_log.set_handled(id);
     }
 
     fn report_not_started(&mut self, indices: &[usize], why: NotStartedError) {
         let why = match why {
             NotStartedError::Rejected(RequestError::Load(faults)) => {
-                return self.books.set_load_failure(indices, faults);
+                return self.command_log.set_load_failure(indices, faults);
             }
             NotStartedError::Rejected(why) => why.to_string(),
             NotStartedError::Refused(why) => end_text::refusal_text(why, self.context.cell),
@@ -131,7 +131,7 @@ impl TaskCore for TaskCoreAdapter<'_, '_> {
             NotStartedError::Dropped => return,
         };
         for index in indices {
-            self.books.add_refused(*index, why.clone());
+            self.command_log.add_refused(*index, why.clone());
         }
     }
 }
@@ -259,12 +259,12 @@ impl Host<'_> {
     /// blocks.
     pub(super) fn serve(&mut self, sink: &mut dyn Sink) {
         self.process_events(sink);
-        let mut bench = TaskCoreAdapter {
+        let mut core = TaskCoreAdapter {
             context: &mut self.context,
-            books: &mut self.command_log,
+            command_log: &mut self.command_log,
         };
         for task in &mut self.tasks {
-            task.advance(&mut bench);
+            task.advance(&mut core);
         }
     }
 

@@ -14,11 +14,23 @@ pub struct InputSetting {
     pub value: String,
 }
 
-impl FromStr for InputSetting {
-    type Err = String;
+/// Error: the text is not `key=value`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ParseInputSettingError;
 
-    fn from_str(text: &str) -> Result<InputSetting, String> {
-        let (key, value) = text.split_once('=').ok_or("expected key=value")?;
+impl fmt::Display for ParseInputSettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("expected key=value")
+    }
+}
+
+impl std::error::Error for ParseInputSettingError {}
+
+impl FromStr for InputSetting {
+    type Err = ParseInputSettingError;
+
+    fn from_str(text: &str) -> Result<InputSetting, ParseInputSettingError> {
+        let (key, value) = text.split_once('=').ok_or(ParseInputSettingError)?;
         Ok(InputSetting {
             key: key.trim().to_owned(),
             value: value.trim().to_owned(),

@@ -13,7 +13,7 @@ use rpi_sim::Cell;
 use super::budget_check::RunBudget;
 use super::inputs::{InputSetting, InputSettingError};
 use super::outcome::{CommandEnd, Outcome};
-use super::plan::ExecutablePlan;
+use super::plan::{ExecutablePlan, PlanError};
 use super::recorder::StartRecording;
 use super::run_loop::{HostLoop, run_alternating, run_threaded};
 use super::samples::Sink;
@@ -24,7 +24,7 @@ use crate::realtime::{RealTime, TimeBase};
 /// Callback for progress: the running command and the elapsed time.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 
-/// Description of a run.
+/// Description of a run: commands, tasks, cell, time base and policies.
 pub struct RunOptions<'a> {
     /// Images of the commands. All have the same period, which is the tick length.
     pub images: &'a [Arc<Image>],
@@ -77,7 +77,7 @@ pub enum RunError {
     /// The commands have different periods.
     DifferentPeriods,
     /// A task does not handle a result of a command, or handles a result that does not exist.
-    Plan(String),
+    Plan(PlanError),
     /// The cycle thread cannot be created, or ended unexpectedly.
     Thread(io::Error),
     /// The recording cannot be written.
@@ -107,7 +107,7 @@ impl fmt::Display for RunError {
         match self {
             RunError::NoCommands => f.write_str("there is nothing to run"),
             RunError::DifferentPeriods => f.write_str("all commands need the same period"),
-            RunError::Plan(what) => f.write_str(what),
+            RunError::Plan(error) => write!(f, "{error}"),
             RunError::Thread(error) => write!(f, "cycle thread error: {error}"),
             RunError::Recording(error) => write!(f, "cannot write the recording: {error}"),
             RunError::BudgetExceeded { what, why } => f.write_str(&why.message(what)),

@@ -32,12 +32,12 @@ pub(crate) use print::format_duration as time_text;
 pub use budget_check::RunBudget;
 pub use collector::TickCollector;
 pub use end_text::{abort_text, actuator_discontinuity_text, fault_text};
-pub use inputs::{InputSetting, InputSettingError};
+pub use inputs::{InputSetting, InputSettingError, ParseInputSettingError};
 pub use job::{Limits, Progress, RunError, RunOptions, run};
 pub use outcome::{
     CommandEnd, CommandOverruns, DeviceEnd, DeviceProblem, FaultOrigin, Outcome, RunEnd, Status,
 };
-pub use plan::{ExecutablePlan, Node};
+pub use plan::{ExecutablePlan, Node, PlanError};
 pub use probe::FlowProbe;
 pub use recorder::{Recorded, RecordingStats, RunRecorder, StartRecording};
 pub use samples::{Channel, Sink, SinkList, Source};

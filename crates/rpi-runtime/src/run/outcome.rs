@@ -98,7 +98,7 @@ pub struct CommandOverruns {
     pub fragment: String,
 }
 
-/// How a command ended.
+/// How a command of a run ended: by a result, an error or an abort.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "how")]
 pub enum RunEnd {
@@ -228,8 +228,8 @@ impl Outcome {
     #[must_use]
     pub fn status(&self) -> Status {
         let troubles = self.devices.iter().flat_map(|device| &device.troubles);
-        let mut refused = troubles.filter(|trouble| trouble.is_refusal);
-        if self.stopped.is_some() || refused.any(|trouble| !self.is_handled_by_command(trouble)) {
+        let mut refused = troubles.filter(|error| error.is_refusal);
+        if self.stopped.is_some() || refused.any(|error| !self.is_handled_by_command(error)) {
             return Status::Fault;
         }
         let all = self.commands.iter().filter(|c| !c.handled);
@@ -240,8 +240,8 @@ impl Outcome {
 
     /// Returns true if a command that was running when a device refused a set-point ended with an error or fault.
     /// Returns true as well if there are unlisted commands, because nothing is known about them.
-    fn is_handled_by_command(&self, trouble: &DeviceProblem) -> bool {
-        let tick = trouble.first * 1e9 / self.tick_ns as f64;
+    fn is_handled_by_command(&self, error: &DeviceProblem) -> bool {
+        let tick = error.first * 1e9 / self.tick_ns as f64;
         let ran = |command: &CommandEnd| {
             // A refusal in one cycle is read by the command in the next one.
             let lasted = |first: f64| first - 1.0..=first + command.cycles as f64 + 1.0;

@@ -1,5 +1,8 @@
 //! Plan of a task: which command follows which result.
 
+use std::fmt;
+use std::sync::Arc;
+
 use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind};
 use rpi_image::plan::Target;
@@ -15,6 +18,40 @@ pub struct ExecutablePlan {
     /// First node.
     pub start: Target,
 }
+
+/// Error of a plan that does not fit the results of its commands.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum PlanError {
+    /// The plan handles a result that the command does not have.
+    UnknownResult {
+        /// Name of the command.
+        command: String,
+        /// Name of the result.
+        result: String,
+    },
+    /// The plan does not handle a result of the command.
+    UnhandledResult {
+        /// Name of the command.
+        command: String,
+        /// Name of the result.
+        result: String,
+    },
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            PlanError::UnknownResult { command, result } => {
+                write!(f, "`{command}` has no result `{result}`")
+            }
+            PlanError::UnhandledResult { command, result } => {
+                write!(f, "result `{result}` of `{command}` is not handled")
+            }
+        }
+    }
+}
+
+impl std::error::Error for PlanError {}
 
 impl ExecutablePlan {
     /// Returns a plan that runs one command once.
@@ -48,12 +85,10 @@ impl ExecutablePlan {
             }
             match &self.nodes[at] {
                 Node::Run { command, .. } => most = most.max(of[*command]),
-                Node::Parallel {
-                    branches: strands, ..
-                } => {
-                    let each = strands
+                Node::Parallel { branches, .. } => {
+                    let each = branches
                         .iter()
-                        .map(|strand| self.branch_worst_case_ns(*strand, of));
+                        .map(|branch| self.branch_worst_case_ns(*branch, of));
                     most = most.max(each.fold(0, u64::saturating_add));
                 }
                 _ => {}
@@ -96,7 +131,7 @@ impl ExecutablePlan {
     ///
     /// # Errors
     /// Returns an error that names the command and the unhandled or unknown result.
-    pub fn check(&self, images: &[std::sync::Arc<Image>]) -> Result<(), String> {
+    pub fn check(&self, images: &[Arc<Image>]) -> Result<(), PlanError> {
         self.nodes.iter().try_for_each(|node| match node {
             Node::Run {
                 command,
@@ -109,25 +144,34 @@ impl ExecutablePlan {
     }
 }
 
-fn check_results(image: &Image, on: &[(String, Target)], otherwise: bool) -> Result<(), String> {
+/// Checks that `on` names results of the command only, and that the plan handles every regular result: by name, or by
+/// its default if `has_default`.
+fn check_results(
+    image: &Image,
+    on: &[(String, Target)],
+    has_default: bool,
+) -> Result<(), PlanError> {
     let results = match &image.end {
         CommandEnd::Results(results) => results.as_slice(),
         CommandEnd::Ports { .. } => &[],
     };
-    let command = &image.name;
+    let command = || image.name.clone();
     if let Some((name, _)) = on
         .iter()
         .find(|(name, _)| results.iter().all(|r| r.name != *name))
     {
-        return Err(format!("`{command}` has no result `{name}`"));
+        return Err(PlanError::UnknownResult {
+            command: command(),
+            result: name.clone(),
+        });
     }
-    let led = |name: &str| on.iter().any(|(own, _)| own == name);
+    let is_handled = |name: &str| has_default || on.iter().any(|(own, _)| own == name);
     let mut regular = results.iter().filter(|r| r.kind != CommandEndKind::Fail);
-    match regular.find(|r| !otherwise && !led(&r.name)) {
-        Some(lost) => Err(format!(
-            "result `{}` of `{command}` is not handled",
-            lost.name
-        )),
+    match regular.find(|r| !is_handled(&r.name)) {
+        Some(unhandled) => Err(PlanError::UnhandledResult {
+            command: command(),
+            result: unhandled.name.clone(),
+        }),
         None => Ok(()),
     }
 }

@@ -160,18 +160,12 @@ impl ExecutablePlan {
                 Some(Node::CancelBranches { parallel, then }) => {
                     return NextStep::Exited(BranchExit::To(*parallel, *then));
                 }
-                Some(Node::Parallel {
-                    branches: strands,
-                    then,
-                }) => {
-                    let begin = |strand: &Target| self.resolve_target(*strand, counts.clone());
-                    let strands: Vec<NextStep> = strands.iter().map(begin).collect();
-                    if strands.iter().any(|strand| *strand != NextStep::Joined) {
+                Some(Node::Parallel { branches, then }) => {
+                    let begin = |branch: &Target| self.resolve_target(*branch, counts.clone());
+                    let branches: Vec<NextStep> = branches.iter().map(begin).collect();
+                    if branches.iter().any(|branch| *branch != NextStep::Joined) {
                         let at = PlanCursor { node, counts };
-                        return NextStep::Parallel {
-                            at,
-                            branches: strands,
-                        };
+                        return NextStep::Parallel { at, branches };
                     }
                     *then
                 }
@@ -338,19 +332,15 @@ mod tests {
     #[test]
     fn strands_begin_at_once_and_join() {
         let plan = two_strands();
-        let NextStep::Parallel {
-            at,
-            branches: strands,
-        } = plan.first()
-        else {
+        let NextStep::Parallel { at, branches } = plan.first() else {
             panic!("it splits");
         };
-        let begins = strands.iter().map(|strand| match strand {
+        let begins = branches.iter().map(|branch| match branch {
             NextStep::Run(cursor) => plan.command(cursor),
             other => panic!("{other:?}"),
         });
         assert_eq!(begins.collect::<Vec<_>>(), [1, 2]);
-        let NextStep::Run(second) = &strands[1] else {
+        let NextStep::Run(second) = &branches[1] else {
             panic!("it runs");
         };
         let done = Some(("done", CommandEndKind::Finish));

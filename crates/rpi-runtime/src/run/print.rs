@@ -200,7 +200,7 @@ impl fmt::Display for DeviceEnd {
         writeln!(f, "{}: {}, {rest}", self.name, self.condition)?;
         self.troubles
             .iter()
-            .try_for_each(|trouble| writeln!(f, "  {trouble}"))
+            .try_for_each(|error| writeln!(f, "  {error}"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Interface between a run and the recorder of its tape.
+//! Interface between a run and the recorder of its tick log.
 
 use std::io;
 
@@ -25,29 +25,29 @@ pub struct Recorded<'a> {
 
 /// A requested recording, which a run starts once its devices are known.
 pub trait StartRecording {
-    /// Starts recording. The recorder takes the ticks from the tape.
+    /// Starts recording. The recorder takes the ticks from the tick log.
     ///
     /// # Errors
     /// Returns the errors of the output, and an error if no thread can be created.
     fn start(
         self: Box<Self>,
         run: Recorded<'_>,
-        tape: TickLogReader,
+        tick_log: TickLogReader,
     ) -> io::Result<Box<dyn RunRecorder>>;
 }
 
 /// Host side of the recorder of a run. No method but [`RunRecorder::finish`] blocks.
 pub trait RunRecorder {
     /// Returns the callback that records each request to the control core.
-    fn journal(&self) -> RequestLog;
+    fn request_log(&self) -> RequestLog;
 
     /// Records an event.
     fn event(&self, event: &Event);
 
-    /// Returns true while the recorder takes ticks from the tape. It stops after an error of the output.
+    /// Returns true while the recorder takes ticks from the tick log. It stops after an error of the output.
     fn writes(&self) -> bool;
 
-    /// Ends the recording. `lost` is the number of ticks that did not fit on the tape.
+    /// Ends the recording. `lost` is the number of ticks that did not fit on the tick log.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.

@@ -47,11 +47,11 @@ impl<'a> HostLoop<'a> {
     fn serve(&mut self, host: &mut Host<'_>) {
         host.serve(self.sink);
         let due = self.last.elapsed() >= PROGRESS_PERIOD;
-        if let (Some(tell), Some(command)) = (&mut self.progress, host.latest_command())
+        if let (Some(show_progress), Some(command)) = (&mut self.progress, host.latest_command())
             && due
         {
             self.last = Instant::now();
-            tell(
+            show_progress(
                 command,
                 Duration::from_nanos(self.tick_ns.saturating_mul(host.last_tick)),
             );
@@ -87,10 +87,11 @@ pub(super) fn run_threaded(
     let over = Arc::new(AtomicBool::new(false));
     listener.serve(&mut host);
     let (done, mut back) = RingBuffer::new(1);
-    let told = Arc::clone(&over);
+    let stop = Arc::clone(&over);
     let thread = std::thread::Builder::new().name("rpi-cycle".into());
-    let running = thread.spawn(move || tick_until((cycle, done), &told, real_time));
+    let running = thread.spawn(move || tick_until((cycle, done), &stop, real_time));
     let running = running.map_err(RunError::Thread)?;
+    // A panic ends the thread without a result in the queue, and with the system call filter the thread never ends.
     while back.is_empty() && !running.is_finished() {
         listener.serve(&mut host);
         over.fetch_or(host.is_over(), Ordering::Relaxed);
@@ -134,7 +135,7 @@ fn outcome(
     listener: HostLoop<'_>,
 ) -> Result<Outcome, RunError> {
     host.process_events(listener.sink);
-    let lost = cycle.finish_tape();
+    let lost = cycle.finish_tick_log();
     let written = host.recorder.take().map(|recorder| recorder.finish(lost));
     let (recorded, unrecorded) = match written.transpose() {
         Ok(recorded) => (recorded, None),

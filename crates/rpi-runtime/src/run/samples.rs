@@ -3,7 +3,7 @@
 use rpi_image::{Scalar, Type};
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// A sampled flow.
+/// Flow whose values are sampled in each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Channel {
     /// Name: `device.port[index]`, `Command.key`, or the path of a port.

@@ -44,8 +44,8 @@ pub(super) fn setup<'a>(
     let recording = recording
         .map(|wanted| start_recording(job, wanted, tick_ns, &channels[..taps.len()], ends));
     let recording = recording.transpose().map_err(RunError::Recording)?;
-    let (recorder, tape) = recording.unzip();
-    let sights = tape.is_some().then(|| FlowProbe::new(job.images));
+    let (recorder, tick_log) = recording.unzip();
+    let probe = tick_log.is_some().then(|| FlowProbe::new(job.images));
     let bounds = StopConditions {
         last_tick: job.limits.ticks.unwrap_or(u64::MAX),
         interrupted: Arc::clone(&job.interrupted),
@@ -60,12 +60,12 @@ pub(super) fn setup<'a>(
             tap,
             tick: 0,
             flows,
-            sights,
+            probe,
         },
         taps,
         Arc::clone(&now),
         bounds,
-        tape,
+        tick_log,
     );
     let context = task_context(job, (control, sets), now, tick_ns);
     let host = Host {
@@ -110,7 +110,7 @@ fn task_context<'a>(
     }
 }
 
-/// Starts the recording and returns its host side and its tape. The recorder receives every request from now on.
+/// Starts the recording and returns its host side and its tick_log. The recorder receives every request from now on.
 fn start_recording(
     job: &RunOptions<'_>,
     wanted: Box<dyn StartRecording>,
@@ -118,7 +118,7 @@ fn start_recording(
     devices: &[Channel],
     (control, executive): (&mut Control, &mut Executive<LoggingBank<SimBank>>),
 ) -> io::Result<(Box<dyn RunRecorder>, TickLogWriter)> {
-    let (tape_in, tape_out) = tick_log();
+    let (writer, reader) = tick_log();
     executive.plant().start_logging();
     let run = Recorded {
         cell: job.cell,
@@ -126,9 +126,9 @@ fn start_recording(
         tick_ns,
         continuity: job.continuity,
     };
-    let recorder = wanted.start(run, tape_out)?;
-    control.set_request_log(recorder.journal());
-    Ok((recorder, tape_in))
+    let recorder = wanted.start(run, reader)?;
+    control.set_request_log(recorder.request_log());
+    Ok((recorder, writer))
 }
 
 /// Loads every command once to check that it can run in the cell and fits the time budget.
@@ -173,16 +173,16 @@ fn add_flow_channels(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<
 }
 
 /// Returns the sampled flows of an image with their fragments: all ports if the image was lowered with observable
-/// ports, otherwise the exports. The index of a flow in this list is its key on the tape.
+/// ports, otherwise the exports. The index of a flow in this list is its key on the tick log.
 #[must_use]
 pub fn sampled_flows(image: &Image) -> Vec<(String, Signal, u32)> {
-    if image.probes.is_empty() {
+    if image.debug.probes.is_empty() {
         let exports = image.exports.iter();
         exports
             .map(|e| (format!("{}.{}", image.name, e.key), e.value, 0))
             .collect()
     } else {
-        let probes = image.probes.iter();
+        let probes = image.debug.probes.iter();
         probes
             .map(|p| (image.probe_name(p), p.value, p.fragment))
             .collect()

@@ -1,6 +1,6 @@
-//! Encoding of tape entries.
+//! Encoding of entries of a tick log.
 
-/// Kind of a tape entry. Each description lists the meaning of the key, the flag and the words.
+/// Kind of a tick log entry. Each description lists the meaning of the key, the flag and the words.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum EntryKind {
     /// Read of a sensor. Key: port; flag: a sample was available; words: memory words of the sample.
@@ -65,7 +65,7 @@ impl EntryKind {
     }
 }
 
-/// An entry of a tape.
+/// An entry of a tick log.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LogEntry<'a> {
     /// Kind of the entry.
@@ -78,6 +78,7 @@ pub struct LogEntry<'a> {
     pub words: &'a [u64],
 }
 
+// Layout of a head word, from the top: 8 bits kind, 1 bit flag, 23 bits length, 32 bits key.
 const FLAG: u64 = 1 << 55;
 const KIND_SHIFT: u32 = 56;
 const LEN_SHIFT: u32 = 32;

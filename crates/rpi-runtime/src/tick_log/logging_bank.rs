@@ -1,4 +1,4 @@
-//! Devices whose answers are logged on a tape.
+//! Devices whose answers are logged on a tick log.
 
 use std::cell::RefCell;
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Tape: a log of the exchange between core and devices in each tick, and of the flows that the commands computed.
 //!
-//! With a tape in place of the devices, a replay of the core is bit-exact, whatever the devices were. A tape is a
+//! With a tick log in place of the devices, a replay of the core is bit-exact, whatever the devices were. A tick log is a
 //! sequence of ticks. A tick is a header and two lists of entries:
 //!
 //! ```text

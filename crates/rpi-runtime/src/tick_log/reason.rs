@@ -2,7 +2,7 @@
 
 use rpi_core::AbortReason;
 
-/// Reasons of an abort. The index of a reason is its key on the tape, so the order must not change.
+/// Reasons of an abort. The index of a reason is its key on the tick log, so the order must not change.
 const REASONS: [AbortReason; 5] = [
     AbortReason::Request,
     AbortReason::Overrun,

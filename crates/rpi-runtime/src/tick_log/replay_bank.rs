@@ -1,5 +1,5 @@
-//! Replays a tape in place of the devices: returns the recorded answers and compares the accesses and set-points with
-//! the tape.
+//! Replays a tick log in place of the devices: returns the recorded answers and compares the accesses and set-points with
+//! the tick log.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use super::entry::{EntryKind, LogEntry, decode_first};
 use super::reason::reason_from_number;
 use crate::control::{AttributedOverrun, CommandId, Plant};
 
-/// A difference between the tape and the replay in the device exchange of a tick.
+/// A difference between the tick log and the replay in the device exchange of a tick.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Mismatch {
     /// The set-point differs.
@@ -23,21 +23,21 @@ pub enum Mismatch {
         /// Memory words of the set-point of the replay.
         now: Vec<u64>,
     },
-    /// The access is not the next one on the tape.
+    /// The access is not the next one on the tick log.
     UnexpectedAccess {
-        /// Kind and key of the next access on the tape; `None` at the end of the tick.
+        /// Kind and key of the next access on the tick log; `None` at the end of the tick.
         recorded: Option<(EntryKind, u32)>,
         /// Kind and key of the access of the replay.
         now: (EntryKind, u32),
     },
-    /// The replay did not make an access that is on the tape, with this kind and key.
+    /// The replay did not make an access that is on the tick log, with this kind and key.
     MissingAccess(EntryKind, u32),
 }
 
 /// Device bank of a replay.
 pub struct ReplayBank {
     devices: usize,
-    // Queries take `&self` but advance the tape. A single thread owns the player, so the cell is never borrowed twice.
+    // Queries take `&self` but advance the tick log. A single thread owns the player, so the cell is never borrowed twice.
     state: RefCell<ReplayState>,
 }
 
@@ -261,9 +261,9 @@ impl Plant for ReplayBank {
                 (code.cast_signed(), entry.flag)
             };
             // There are fewer than 2^32 devices.
-            let told =
+            let state =
                 loaded.then(|| self.replay_entry(EntryKind::DeviceState, device as u32, condition));
-            let (code, moving) = told.flatten().unwrap_or_default();
+            let (code, moving) = state.flatten().unwrap_or_default();
             each(device, code, moving);
         }
     }
@@ -301,12 +301,12 @@ mod tests {
         let fill = |stage: &mut EntryBuffer| stage.push(EntryKind::Write, 4, false, &[&[9]]);
         let mut other = player(fill);
         other.write(PortId(4), &[8]);
-        let told = Mismatch::SetPoint {
+        let mismatch = Mismatch::SetPoint {
             port: 4,
             recorded: vec![9],
             now: vec![8],
         };
-        assert_eq!(other.mismatch(), Some(told));
+        assert_eq!(other.mismatch(), Some(mismatch));
         let mut missing = player(fill);
         assert_eq!(
             missing.mismatch(),
@@ -314,10 +314,10 @@ mod tests {
         );
         let mut more = player(fill);
         more.stop(2);
-        let told = Mismatch::UnexpectedAccess {
+        let mismatch = Mismatch::UnexpectedAccess {
             recorded: Some((EntryKind::Write, 4)),
             now: (EntryKind::Stop, 2),
         };
-        assert_eq!(more.mismatch(), Some(told));
+        assert_eq!(more.mismatch(), Some(mismatch));
     }
 }

@@ -6,9 +6,10 @@ use super::entry_buffer::EntryBuffer;
 
 /// Capacity in words: about 15 s of an arm at 1 kHz.
 const CAPACITY: usize = 1 << 20;
+// Words before the entries of a tick: lost ticks, number, wall clock, kind, and the lengths of both lists.
 const HEADER: usize = 6;
 
-/// Creates a tape and returns its two ends: the first for the cycle, the second for the writer.
+/// Creates a tick log and returns its two ends: the first for the cycle, the second for the writer.
 #[must_use]
 pub fn tick_log() -> (TickLogWriter, TickLogReader) {
     with_capacity(CAPACITY)
@@ -16,16 +17,16 @@ pub fn tick_log() -> (TickLogWriter, TickLogReader) {
 
 fn with_capacity(words: usize) -> (TickLogWriter, TickLogReader) {
     let (producer, consumer) = RingBuffer::new(words);
-    let tape_in = TickLogWriter {
+    let writer = TickLogWriter {
         ring: producer,
         capacity: words,
         lost_since_last: 0,
         lost: 0,
     };
-    (tape_in, TickLogReader { ring: consumer })
+    (writer, TickLogReader { ring: consumer })
 }
 
-/// Cycle side of a tape.
+/// Cycle side of a log.
 pub struct TickLogWriter {
     ring: Producer<u64>,
     capacity: usize,
@@ -42,16 +43,16 @@ impl TickLogWriter {
         (number, wall_ns): (u64, i64),
         ticked: bool,
         exchange: &EntryBuffer,
-        sights: &EntryBuffer,
+        observations: &EntryBuffer,
     ) {
-        let rows = exchange.words().zip(sights.words());
-        let fits = rows.filter(|(a, b)| self.ring.slots() >= HEADER + a.len() + b.len());
-        let Some((exchange, sights)) = fits else {
+        let rows = exchange.words().zip(observations.words());
+        let fitting = rows.filter(|(a, b)| self.ring.slots() >= HEADER + a.len() + b.len());
+        let Some((exchange, observations)) = fitting else {
             self.lost_since_last += 1;
             self.lost += 1;
             return;
         };
-        let (n, m) = (exchange.len() as u64, sights.len() as u64);
+        let (n, m) = (exchange.len() as u64, observations.len() as u64);
         let kind = u64::from(!ticked);
         let header = [
             self.lost_since_last,
@@ -61,7 +62,7 @@ impl TickLogWriter {
             n,
             m,
         ];
-        for word in header.iter().chain(exchange).chain(sights) {
+        for word in header.iter().chain(exchange).chain(observations) {
             // The free slots were checked above, and this is the only producer.
             let _ = self.ring.push(*word);
         }
@@ -81,7 +82,7 @@ impl TickLogWriter {
     }
 }
 
-/// Writer side of a tape.
+/// Writer side of a log.
 pub struct TickLogReader {
     ring: Consumer<u64>,
 }
@@ -104,7 +105,7 @@ impl TickLogReader {
     }
 }
 
-/// A decoded tick of a tape.
+/// A decoded tick of a log.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LoggedTick<'a> {
     /// Number of ticks lost before this one.
@@ -126,14 +127,14 @@ impl LoggedTick<'_> {
     pub fn from_words(words: &[u64]) -> Option<LoggedTick<'_>> {
         let (header, rest) = words.split_first_chunk::<HEADER>()?;
         let [lost, number, wall, kind, n, m] = *header;
-        let (exchange, sights) = rest.split_at_checked(usize::try_from(n).ok()?)?;
-        (sights.len() as u64 == m).then_some(LoggedTick {
+        let (exchange, observations) = rest.split_at_checked(usize::try_from(n).ok()?)?;
+        (observations.len() as u64 == m).then_some(LoggedTick {
             lost,
             number,
             wall_ns: wall.cast_signed(),
             ticked: kind == 0,
             exchange,
-            observations: sights,
+            observations,
         })
     }
 }
@@ -145,20 +146,20 @@ mod tests {
 
     #[test]
     fn ticks_arrive_whole_and_losses_are_told_with_the_next() {
-        let (mut tape, mut out) = with_capacity(20);
-        let (mut exchange, mut sights) =
+        let (mut log, mut out) = with_capacity(20);
+        let (mut exchange, mut observations) =
             (EntryBuffer::with_capacity(8), EntryBuffer::with_capacity(8));
         exchange.push(EntryKind::Write, 1, false, &[&[5]]);
-        sights.push(EntryKind::Flow, 2, true, &[&[9], &[6]]);
-        (0..3).for_each(|tick| tape.put((tick, 7), true, &exchange, &sights));
-        assert_eq!(tape.lost(), 2);
+        observations.push(EntryKind::Flow, 2, true, &[&[9], &[6]]);
+        (0..3).for_each(|tick| log.put((tick, 7), true, &exchange, &observations));
+        assert_eq!(log.lost(), 2);
         let mut words = Vec::new();
         assert!(out.next(&mut words));
         let tick = LoggedTick::from_words(&words).unwrap();
         assert_eq!((tick.lost, tick.number, tick.wall_ns), (0, 0, 7));
         assert_eq!((tick.exchange.len(), tick.observations.len()), (2, 3));
         assert!(!out.next(&mut words));
-        tape.put((3, 8), true, &exchange, &sights);
+        log.put((3, 8), true, &exchange, &observations);
         assert!(out.next(&mut words));
         assert_eq!(LoggedTick::from_words(&words).unwrap().lost, 2);
     }

@@ -106,9 +106,9 @@ fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
     let mut rig = TestCore::new(2);
     let a = rig.load(counter("A", 1_000_000));
     rig.control.start(a).unwrap();
-    let mut asked = 0;
+    let mut accepted = 0;
     while rig.control.cancel(a).is_ok() {
-        asked += 1;
+        accepted += 1;
     }
     assert_eq!(rig.control.cancel(a), Err(RequestError::QueueFull));
     let mut answered = 0;
@@ -122,7 +122,7 @@ fn a_flood_is_held_back_and_carried_out_piece_by_piece() {
         assert!(now <= rig.options.requests_per_tick);
         answered += now;
     }
-    assert_eq!(answered, asked + 2);
+    assert_eq!(answered, accepted + 2);
 }
 
 /// M1.3, M10.5: inputs set by the host reach the command, and its exports reach the host.
@@ -176,21 +176,24 @@ fn a_board_has_what_a_command_exports_in_its_latest_cycle() {
     let mut rig = TestCore::new(2);
     let image = counter("A", 1_000_000);
     let command = Command::load(Arc::clone(&image), &mut NoDevices).unwrap();
-    let adopted = rig.control.adopt_with_board(Box::new(command)).unwrap();
+    let adopted = rig.control.adopt_with_snapshot(Box::new(command)).unwrap();
     assert_eq!(
-        (adopted.board.cycles(), adopted.board.read_consistent()),
+        (
+            adopted.snapshot.cycles(),
+            adopted.snapshot.read_consistent()
+        ),
         (0, None)
     );
     rig.control.start(adopted.id).unwrap();
     rig.ticks(7);
-    let cells = adopted.board.read_consistent().unwrap();
-    let told = ExportSnapshot::values(&image.exports, &cells);
-    let told: Vec<_> = told
+    let cells = adopted.snapshot.read_consistent().unwrap();
+    let values = ExportSnapshot::values(&image.exports, &cells);
+    let values: Vec<_> = values
         .map(|(export, value)| (export.key.as_str(), value.map(|v| v[0])))
         .collect();
-    assert_eq!(told, [("count", Some(7f64.to_bits())), ("late", Some(0))]);
-    assert_eq!(adopted.board.cycles(), 7);
-    // Another command gets the slot of A later. The board of A must keep its values.
+    assert_eq!(values, [("count", Some(7f64.to_bits())), ("late", Some(0))]);
+    assert_eq!(adopted.snapshot.cycles(), 7);
+    // Another command gets the slot of A later. The snapshot of A must keep its values.
     rig.control.abort(adopted.id, AbortReason::Request).unwrap();
     rig.control.unload(adopted.id).unwrap();
     rig.ticks(1);
@@ -198,7 +201,7 @@ fn a_board_has_what_a_command_exports_in_its_latest_cycle() {
     let other = rig.load(counter("B", 1_000_000));
     rig.control.start(other).unwrap();
     rig.ticks(3);
-    assert_eq!(adopted.board.read_consistent(), Some(cells));
+    assert_eq!(adopted.snapshot.read_consistent(), Some(cells));
 }
 
 #[test]

@@ -70,9 +70,9 @@ fn whatever_is_planted_is_caught() {
 fn traffic(beside: ExtraAction) {
     let mut rig = TestCore::new(8);
     let over = Arc::new(AtomicBool::new(false));
-    let told = Arc::clone(&over);
+    let stop = Arc::clone(&over);
     let executive = std::mem::replace(&mut rig.executive, TestCore::new(1).executive);
-    std::thread::spawn(move || behind_the_fence(executive, &told, beside));
+    std::thread::spawn(move || behind_the_fence(executive, &stop, beside));
     for round in 0..50 {
         all_requests(&mut rig, round);
     }

@@ -36,24 +36,22 @@ use crate::program::{DeclId, DeclKind, Program};
 use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
+use crate::ty::machine_types::external_type;
 use crate::typed::{Flow, Leaf, Unit, UnitId};
-use rpi_diag::{Code, Diagnostic, Severity, Span};
+use rpi_diag::suppression::{self, Cause, suppress};
+use rpi_diag::{Code, Diagnostic, Span};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
-pub(crate) use crate::check::calls::prim_ports::{machine_type, pack_leaves, param_default};
 pub use crate::check::diagnostics::undefined_names::file_not_found;
 pub(crate) use crate::check::diagnostics::undefined_names::module_not_found;
 #[cfg(test)]
 pub(crate) use crate::check::exprs::builtins::intrinsic_names;
 pub(crate) use crate::check::exprs::builtins::{resolve_predeclared, spatial_parts};
-pub(crate) use crate::check::exprs::names::predeclared_flow_of_prim;
 pub use crate::check::exprs::names::result_identity;
 pub(crate) use crate::check::signatures::constraint::constraints;
 pub(crate) use crate::check::signatures::static_params::{static_params, static_params_of};
-pub(crate) use crate::check::types::exact_time::external_type;
-pub(crate) use crate::check::types::subrange::outside_subrange;
 
 /// A checked program.
 #[derive(Debug)]
@@ -120,14 +118,12 @@ pub fn check(program: &Program<'_>) -> CheckedProgram {
     checker
         .diagnostics
         .extend(crate::check::diagnostics::dialect::check(&checker.units));
-    crate::check::diagnostics::undefined_names::dedup_by_fix(&mut checker.diagnostics);
-    crate::check::diagnostics::undefined_names::dedup_by_name(&mut checker.diagnostics);
+    suppression::remove_repeated_fixes(&mut checker.diagnostics);
     if !checker.valueless_constants.is_empty() {
-        checker.diagnostics.retain(|diagnostic| {
-            !crate::check::signatures::sample_check::may_depend_on_sample(diagnostic)
-        });
+        suppress(&mut checker.diagnostics, Cause::SampleValue);
     }
-    suppress_external(&mut checker.diagnostics);
+    suppression::suppress_external(&mut checker.diagnostics);
+    suppression::merge_by_subject(&mut checker.diagnostics);
     let root = program
         .root()
         .decls
@@ -142,22 +138,6 @@ pub fn check(program: &Program<'_>) -> CheckedProgram {
         diagnostics: checker.diagnostics,
         constants: root.collect(),
     }
-}
-
-/// Removes the diagnostics about external definitions if the program has other errors. They only keep the program from
-/// running here.
-fn suppress_external(diagnostics: &mut Vec<Diagnostic>) {
-    let is_outside =
-        |diagnostic: &Diagnostic| matches!(diagnostic.code, Code::RPI0017 | Code::RPI1012);
-    let is_fault = |diagnostic: &Diagnostic| {
-        diagnostic.severity() == Severity::Error && !is_outside(diagnostic)
-    };
-    if diagnostics.iter().any(is_fault) {
-        diagnostics.retain(|diagnostic| !is_outside(diagnostic));
-    }
-    // One diagnostic for each construct.
-    let mut said = BTreeSet::new();
-    diagnostics.retain(|f| f.code != Code::RPI0017 || said.insert(f.message.clone()));
 }
 
 /// Value of a constant: its type and its leaves.

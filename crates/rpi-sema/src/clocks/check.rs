@@ -175,14 +175,14 @@ impl<'u> Check<'_, 'u> {
         }
         let unit = self.solver.unit;
         let (whole, part) = (unit.expr(id).span, unit.expr(end));
-        if let (Some(told), TypedKind::When { value, .. }) =
+        if let (Some(diagnostic), TypedKind::When { value, .. }) =
             (self.diagnostics.last_mut(), &part.kind)
-            && told.span() == part.span
+            && diagnostic.span() == part.span
         {
             let fix = Fix::maybe("sample the whole")
                 .insert_before(whole, "(")
                 .insert_after(unit.expr(*value).span, ")");
-            *told = told
+            *diagnostic = diagnostic
                 .clone()
                 .help("`when` binds before other operators: `(a - b) when c`")
                 .fix(fix);
@@ -327,15 +327,16 @@ impl<'u> Check<'_, 'u> {
     /// Reports `current` of a flow on the base clock. Lists operands of different clocks as a possible cause.
     fn check_useless_currents(&mut self) {
         // A mismatch around this place has been reported already; this one would follow from it.
-        let told = SpanSet::new(&self.reported);
+        let reported = SpanSet::new(&self.reported);
         for (id, operand) in std::mem::take(&mut self.currents) {
             let unit = self.solver.unit;
             let span = unit.expr(id).span;
-            if told.contains(span) || !self.reported.insert(span) {
+            if reported.contains(span) || !self.reported.insert(span) {
                 continue;
             }
-            let told = "`current` of a flow on the base clock has no effect";
-            let mut diagnostic = Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, told);
+            let label = "`current` of a flow on the base clock has no effect";
+            let mut diagnostic =
+                Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, label);
             let mut parts = Vec::new();
             unit.expr(operand)
                 .kind

@@ -311,7 +311,7 @@ fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
         let given = given.iter().find(|(name, _)| *name == param.name);
         given
             .map(|(_, v)| Value::int((*v).into()))
-            .or_else(|| crate::check::param_default(param))
+            .or_else(|| crate::ty::machine_types::param_default(param))
     };
     prim.desc().params.iter().filter_map(value).collect()
 }

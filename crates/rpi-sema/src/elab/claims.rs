@@ -162,7 +162,7 @@ fn export_part<'u>(
     for ((name, ty), signal) in leaves.take(part.count) {
         let key = read_key(claim, &name);
         let port = external_ports::export_port(elab, &key, signal, &ty, Position::ROOT, expr.span);
-        let ty = crate::check::external_type(&ty).0;
+        let ty = crate::ty::machine_types::external_type(&ty).0;
         elab.kept_exports.extend(port);
         reads.push(ClaimRead {
             values: match &ty {
@@ -302,7 +302,7 @@ fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
             ))
         }
         TypedKind::Prim(call) => {
-            let name = crate::check::predeclared_flow_of_prim(call.prim.desc().name)?;
+            let name = crate::typed::predeclared::predeclared_flow_of_prim(call.prim.desc().name)?;
             Some(whole(name.to_owned(), None))
         }
         _ => None,

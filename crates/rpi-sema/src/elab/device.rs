@@ -181,7 +181,7 @@ fn port_params(prim: PrimId, device: &str, port: &str, index: u32) -> Vec<Value>
         "Device" => Some(Value::Str(device.to_owned())),
         "Port" => Some(Value::Str(port.to_owned())),
         "Index" => Some(Value::int(index.into())),
-        _ => crate::check::param_default(param),
+        _ => crate::ty::machine_types::param_default(param),
     };
     prim.desc().params.iter().filter_map(value).collect()
 }

@@ -16,7 +16,7 @@ use crate::elab::{ClaimPolicy, ElabMode, Elaborator, LazyOperand, Position};
 use crate::facts::Facts;
 use crate::ty::Ty;
 use crate::typed::{BlockId, FlowId, FlowRole, Leaf, Unit, UnitId, UnitKind};
-use rpi_diag::Diagnostic;
+use rpi_diag::{Code, Diagnostic};
 use rpi_image::{Scalar, Value};
 use rpi_net::{ExportPort, Input, Net, Origin, ResultKind, ResultPort, Termination};
 use rpi_syntax::ast::CommandEndKind;
@@ -270,10 +270,23 @@ fn elab_parameters<'u>(
     unknown
 }
 
+/// Warning for a test that cannot fail, except by a fault.
+fn no_assertion(unit: &Unit) -> Diagnostic {
+    Diagnostic::new(
+        Code::RPI9004,
+        "this test has no assertion, so it always passes",
+    )
+    .primary(unit.span, "checks nothing")
+    .help("state with `assert` what must hold")
+}
+
 fn driver<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     let unit = scope.unit;
     let ends = &unit.block(BlockId::ROOT).ends;
     let endless = unit.kind == UnitKind::Test && ends.is_empty();
+    if endless && !elab.has_claims {
+        elab.diagnostics.push(no_assertion(unit));
+    }
     if !unit.kind.is_root() || endless {
         return;
     }

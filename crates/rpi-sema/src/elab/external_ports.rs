@@ -45,7 +45,7 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
         });
         let mut wire = Vec::with_capacity(leaves.len());
         for (k, (key, ty)) in leaves.into_iter().enumerate() {
-            let (seen, scalar) = crate::check::external_type(&ty);
+            let (seen, scalar) = crate::ty::machine_types::external_type(&ty);
             let default = default.as_ref().and_then(|wire| wire.get(k)).cloned();
             let default = default.map(|signal| {
                 time::convert_to_seconds(elab, &signal, &ty, Position::ROOT, declared.span)
@@ -175,7 +175,7 @@ fn external_input_at(
     let value = |param: &rpi_image::Param| match param.name {
         "Key" => Some(Value::Str(key.to_owned())),
         "Value" if default.is_some() => default.clone(),
-        _ => crate::check::param_default(param),
+        _ => crate::ty::machine_types::param_default(param),
     };
     let params = prim.desc().params.iter().filter_map(value).collect();
     let wire = nodes::add_prim(elab, prim, Vec::new(), params, at, span);
@@ -203,7 +203,7 @@ pub(super) fn unit_outputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>)
         for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
             elab_export(elab, &key, signal, &ty, declared.span);
             let optional = declared.optional != FlowPresence::Declared(false);
-            let ty = crate::check::external_type(&ty).0;
+            let ty = crate::ty::machine_types::external_type(&ty).0;
             shapes.push(PortShape { key, ty, optional });
         }
     }
@@ -271,7 +271,7 @@ pub(super) fn elab_locals<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
             {
                 elab.kept_exports.push(port);
                 let optional = declared.optional != FlowPresence::Declared(false);
-                let ty = crate::check::external_type(&ty).0;
+                let ty = crate::ty::machine_types::external_type(&ty).0;
                 shapes.push(PortShape { key, ty, optional });
             }
         }

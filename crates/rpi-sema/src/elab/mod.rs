@@ -4,10 +4,11 @@
 //! blocks in place become links across fragment borders. A flow may be read before its equation is elaborated: the
 //! reader is then connected to an alias, which is resolved at the end, so neither order nor length of a chain matters.
 //!
-//! Constants are evaluated by the same code. Only folding is allowed then, and flows are evaluated on demand.
+//! Constants are evaluated by the same code (`constant.rs`). Only folding is allowed then, and flows are evaluated on demand.
 //!
 //! | file | idea |
 //! |---|---|
+//! | `constant.rs` | evaluation of constants; the checker uses it too |
 //! | `signal.rs` | signal that a leaf is connected to |
 //! | `primitive_family.rs` | primitives that exist once per value type |
 //! | `nodes.rs`, `arrays.rs`, `deferred_arrays.rs` | adding and folding nodes; arrays at ports |
@@ -24,6 +25,7 @@ mod block;
 mod call;
 mod claims;
 pub(crate) mod condact;
+pub(crate) mod constant;
 pub(crate) mod coverage_points;
 pub(crate) mod deferred_arrays;
 mod device;
@@ -57,77 +59,19 @@ pub use crate::elab::entry_point::{
 };
 pub use crate::elab::size_budget::{MAX_STEPS, MAX_TASK_DEPTH, SizeBudget, task_too_large};
 pub use claims::ClaimPolicy;
+pub use constant::evaluate_argument;
+pub(crate) use constant::{NotConstantError, evaluate_constant};
 
 pub use crate::elab::short_circuit::LazyOperand;
 use crate::facts::Facts;
 use crate::hash::{FastMap, FastSet};
-use crate::typed::{ExprId, Leaf, Unit, UnitId};
-use rpi_diag::{Diagnostic, Span};
+use crate::typed::{ExprId, Unit, UnitId};
+use rpi_diag::Diagnostic;
 use rpi_image::Scalar;
 use rpi_net::{DecisionBranch, FragmentId, Net, PortRef};
 use rpi_prims::PrimId;
-use scope::{FlowState, Scope};
 use signal::{Signal, Wire};
 use std::rc::Rc;
-
-/// Reason why an expression has no value at compile time.
-#[derive(Clone, PartialEq, Debug)]
-pub(crate) enum NotConstantError {
-    /// The expression has an error that has been reported.
-    Reported,
-    /// The expression depends on a value that is known only at run time.
-    RunTime(Span),
-    /// The evaluation faults; with the place and the message.
-    Fault(Span, String),
-}
-
-/// Evaluates a constant expression of a unit and returns its leaves.
-pub(crate) fn evaluate_constant(
-    units: &[Unit],
-    unit: &Unit,
-    id: ExprId,
-) -> Result<Rc<[Leaf]>, NotConstantError> {
-    constant_with(units, unit, id, &[])
-}
-
-/// Evaluates an expression that depends only on the unit's parameters. `args` are the values of the first parameters.
-#[must_use]
-pub fn evaluate_argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
-    match constant_with(units, unit, id, args) {
-        Ok(leaves) => Argument::Value(leaves.to_vec()),
-        Err(_) => Argument::Unknown,
-    }
-}
-
-fn constant_with(
-    units: &[Unit],
-    unit: &Unit,
-    id: ExprId,
-    args: &[Argument],
-) -> Result<Rc<[Leaf]>, NotConstantError> {
-    let mut elab = Elaborator::new(units, &[], ElabMode::Constant);
-    let mut scope = Scope::constant(unit);
-    let given = (!args.is_empty()).then(|| parameters(unit));
-    for (flow, arg) in given.into_iter().flatten().zip(args) {
-        let known: Wire = match (arg, unit.flow(flow).default) {
-            (Argument::Value(leaves), _) => leaves.iter().cloned().map(Signal::Const).collect(),
-            (Argument::Default, Some(default)) => {
-                expr::elab_expr(&mut elab, &mut scope, default, Position::ROOT)
-            }
-            _ => continue,
-        };
-        *scope.state(flow) = FlowState::Done(known);
-    }
-    let wire = expr::elab_expr(&mut elab, &mut scope, id, Position::ROOT);
-    if let Some(failure) = elab.failure.take() {
-        return Err(failure);
-    }
-    let leaf = |signal: &Signal| match signal {
-        Signal::Const(value) => Ok(value.clone()),
-        _ => Err(NotConstantError::RunTime(unit.expr(id).span)),
-    };
-    wire.iter().map(leaf).collect()
-}
 
 /// Purpose of an elaboration.
 #[derive(Clone, Copy, PartialEq, Debug)]

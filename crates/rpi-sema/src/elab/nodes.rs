@@ -327,7 +327,7 @@ pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
     prim.desc()
         .params
         .iter()
-        .filter_map(crate::check::param_default)
+        .filter_map(crate::ty::machine_types::param_default)
         .collect()
 }
 

@@ -80,7 +80,7 @@ fn primitive_argument<'u>(
     at: Position,
 ) -> (Type, Wire) {
     let wire = sampled_flows::operand_wire(elab, scope, pair, at);
-    let known = crate::check::machine_type(&scope.unit.expr(pair[1]).ty);
+    let known = crate::ty::machine_types::machine_type(&scope.unit.expr(pair[1]).ty);
     let is_array = !matches!(port, PortType::Scalar(_));
     let ty = known.filter(|_| is_array);
     (
@@ -101,7 +101,7 @@ fn primitive_params<'u>(
     let mut params = Vec::with_capacity(desc.params.len());
     for (param, given) in desc.params.iter().zip(&call.params) {
         let Some(id) = given else {
-            params.extend(crate::check::param_default(param));
+            params.extend(crate::ty::machine_types::param_default(param));
             continue;
         };
         let wire = expr::elab_expr(elab, scope, *id, at);
@@ -110,7 +110,9 @@ fn primitive_params<'u>(
             .map(|signal| elementwise::constant_value(elab, signal))
             .collect();
         let value = values.and_then(|values| match param.ty {
-            ParamType::Array(scalar) => Some(crate::check::pack_leaves(scalar, &values)),
+            ParamType::Array(scalar) => {
+                Some(crate::ty::machine_types::pack_leaves(scalar, &values))
+            }
             _ => values.first().cloned(),
         });
         match value {

@@ -80,7 +80,7 @@ fn dependency_cycle_node(elab: &mut Elaborator<'_>, alias: usize, port: PortRef)
         Signal::Port(port) if alias_of(port).is_some() => {
             Signal::Const(Value::neutral(scalar.into()))
         }
-        knot => knot,
+        cycle => cycle,
     }
 }
 

@@ -1,6 +1,5 @@
 //! Size limit for all nets of a program together. Each net has its own limit, but a short program can have many nets.
 
-use crate::check::CheckedProgram;
 use crate::program::Program;
 use crate::typed::Unit;
 use rpi_diag::{Code, Diagnostic, Span};
@@ -31,8 +30,8 @@ pub struct SizeBudget {
 impl SizeBudget {
     /// Creates the budget of a program from the length of its text and the number of its steps.
     #[must_use]
-    pub fn for_program(program: &Program<'_>, checked: &CheckedProgram) -> SizeBudget {
-        let steps: usize = checked.units.iter().map(|unit| unit.steps.len()).sum();
+    pub fn for_program(program: &Program<'_>, units: &[Unit]) -> SizeBudget {
+        let steps: usize = units.iter().map(|unit| unit.steps.len()).sum();
         SizeBudget {
             remaining: Cell::new(
                 BASE_BUDGET + NODES_PER_BYTE * program.text_len() + NODES_PER_STEP * steps,

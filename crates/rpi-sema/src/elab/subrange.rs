@@ -1,12 +1,12 @@
 //! Run-time checks of subranges. A flow with a subrange type is checked where it is defined, passed as an argument or
 //! stored in a struct. The check passes the value on, so that all readers depend on the check.
 
-use crate::check::outside_subrange;
 use crate::elab::nodes;
 use crate::elab::sampled_flows;
 use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, Wire, alias_of};
 use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
+use crate::ty::subrange::outside_subrange;
 use crate::ty::{Subrange, Ty};
 use crate::typed::{Equation, ExprId, FlowId, TargetPlace};
 use rpi_diag::Span;

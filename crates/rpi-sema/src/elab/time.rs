@@ -107,5 +107,5 @@ pub(super) fn convert_to_seconds(
 
 /// Returns the machine type of a leaf outside the program.
 pub(super) fn external_scalar(ty: &Ty) -> Scalar {
-    crate::check::external_type(ty).1
+    crate::ty::machine_types::external_type(ty).1
 }

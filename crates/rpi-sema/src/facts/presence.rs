@@ -9,9 +9,9 @@ use crate::facts::dependents::Definition;
 use crate::facts::dependents::Dependents;
 use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, TargetPlace, Unit};
+use rpi_diag::suppression::{self, Cause, suppress};
 use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 use rpi_image::Presence;
-use std::collections::BTreeSet;
 
 /// Results of the analyses of a unit.
 #[derive(Clone, Debug, Default)]
@@ -67,7 +67,6 @@ fn compute_unit_properties(
     unit: &Unit,
 ) -> (Facts, Vec<Diagnostic>) {
     let (clocks, mut diagnostics) = clocks::infer(units, facts, unit);
-    let apart = diagnostics.clone();
     let mut inference = PresenceInference::new(units, facts, unit, &clocks);
     if !inference.can_be_absent() {
         let found = Facts {
@@ -80,7 +79,7 @@ fn compute_unit_properties(
     inference.solve(&reads);
     let mut absent = Vec::new();
     crate::facts::presence_check::check_presence(&inference, &reads, &mut absent);
-    remove_consequences(&mut absent, &apart);
+    remove_consequences(&mut absent, &diagnostics);
     diagnostics.append(&mut absent);
     let (exprs, flows) = (inference.exprs, inference.flows);
     let found = Facts {
@@ -114,29 +113,16 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
     order
 }
 
-/// Removes diagnostics that only follow from others, or from clock mismatches (`apart`).
-fn remove_consequences(absent: &mut Vec<Diagnostic>, apart: &[Diagnostic]) {
-    // An expression with a clock mismatch, in itself or inside, is absent in some cycles as a consequence.
-    let told: BTreeSet<Span> = apart.iter().map(Diagnostic::span).collect();
-    absent.retain(|diagnostic| !contains_any(&told, diagnostic.span()));
-    // After a clock mismatch or an absence error inside the expression, a warning about a needless `??` may be wrong.
-    let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
-    let wrong = absent.iter().filter(|diagnostic| is_error(diagnostic));
-    let wrong: BTreeSet<Span> = wrong.map(Diagnostic::span).collect();
-    absent.retain(|diagnostic| {
-        let mut labels = diagnostic.labels.iter();
-        let is_about_wrong = labels.any(|label| contains_any(&wrong, label.span));
-        is_error(diagnostic) || apart.is_empty() && !is_about_wrong
-    });
-}
-
-/// Returns whether `place` equals or contains one of the spans.
-fn contains_any(places: &BTreeSet<Span>, place: Span) -> bool {
-    let start = Span { end: 0, ..place };
-    let within = places.range(start..).take_while(|at| at.file == place.file);
-    within
-        .take_while(|at| at.start < place.end)
-        .any(|at| at.end <= place.end)
+/// Removes diagnostics about absence that only follow from others, or from the `mismatches` of clocks.
+fn remove_consequences(absent: &mut Vec<Diagnostic>, mismatches: &[Diagnostic]) {
+    let several_clocks = mismatches.iter().map(Diagnostic::span).collect();
+    suppress(absent, Cause::ClockMismatch(&several_clocks));
+    if !mismatches.is_empty() {
+        suppression::suppress_warnings(absent);
+    }
+    let errors = absent.iter().filter(|f| f.severity() == Severity::Error);
+    let values = errors.map(Diagnostic::span).collect();
+    suppress(absent, Cause::AbsentValues(&values));
 }
 
 /// State of the presence inference for one unit.
@@ -372,14 +358,14 @@ impl<'u> PresenceInference<'u> {
         let [condition, yes, no] = operands[..] else {
             return None;
         };
-        let TypedKind::Present(asked) = self.unit.expr(condition).kind else {
+        let TypedKind::Present(tested) = self.unit.expr(condition).kind else {
             return None;
         };
         let flow = |id: ExprId| match self.unit.expr(id).kind {
             TypedKind::Flow(flow) => Some(flow),
             _ => None,
         };
-        let same = flow(asked).is_some() && flow(asked) == flow(yes);
+        let same = flow(tested).is_some() && flow(tested) == flow(yes);
         let [whole, yes, no] = [id, yes, no].map(|id| self.unit.expr(id).span);
         let before = Span {
             end: yes.start,

@@ -18,10 +18,10 @@ pub(super) fn value_sources(
             must_be_present(units, step, handed) && may_be_absent(units, facts, handed)
         };
         // One error for each value, even if several predecessors lack it.
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for handed in step.taken_over.iter().filter(wrong) {
-            if !told.contains(&handed.flow) {
-                told.push(handed.flow);
+            if !reported.contains(&handed.flow) {
+                reported.push(handed.flow);
                 diagnostics.push(absent(units, step, handed));
             }
         }

@@ -22,7 +22,7 @@ pub(super) enum DefinedWhen {
 pub(super) enum AbstractValue {
     /// No such cycle exists.
     Unreachable,
-    /// This value.
+    /// Known value.
     Value(Rc<Value>),
     /// One of these integers, in ascending order: possible states of an automaton.
     OneOf(Rc<[i64]>),

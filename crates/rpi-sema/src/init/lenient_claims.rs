@@ -17,19 +17,19 @@ pub(super) fn lenient_claims(net: &Net) -> impl Iterator<Item = (PortRef, Fragme
     exports.map(|export| (export.source, net.node(export.source.node).fragment))
 }
 
-/// Returns one warning for each `pre` that claims read before it is initialised. `told` are the delays reported for
+/// Returns one warning for each `pre` that claims read before it is initialised. `reported` are the delays reported for
 /// other readers.
 pub(super) fn diagnostics(
     net: &Net,
     rules: &[TransferRule],
-    told: &[NodeId],
+    reported: &[NodeId],
     given: &[PortRef],
 ) -> Vec<Diagnostic> {
     if net.claims.iter().all(|claim| claim.is_strict) {
         return Vec::new();
     }
     let mut rules = rules.to_vec();
-    for delay in told {
+    for delay in reported {
         rules[delay.index()] = TransferRule::OptionalDelay;
     }
     let solution = Solution::new(net, rules, given);

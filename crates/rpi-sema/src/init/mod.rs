@@ -293,7 +293,7 @@ fn uninitialised_error(
     let mut places = roots.iter().map(place);
     if places.any(|place| net.outer_delays.contains(&place)) {
         // `->` inside would restart together with the fragment or state.
-        return diagnostic.help("initialise it outside the fragment or state, `before = first -> last x;`, and read `before`");
+        return diagnostic.help("initialise it outside the fragment or state, such as `before = 0 -> last x;`, and read `before`");
     }
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
@@ -307,7 +307,7 @@ fn uninitialised_error(
             }
         };
     }
-    let diagnostic = diagnostic.help("give an initial value: `first -> pre x`");
+    let diagnostic = diagnostic.help("give a value for the first cycle, such as `0 -> pre x`");
     diagnostic.fix(fix)
 }
 

@@ -83,8 +83,8 @@ impl Program<'_> {
     /// Returns a warning for each module that the root module uses and in which no name has been found so far.
     pub(crate) fn unused_module_warnings(&self) -> impl Iterator<Item = Diagnostic> + '_ {
         let uses = self.root().uses.iter();
-        let needless = uses.filter(|used| !used.is_used.get());
-        needless.map(|used| {
+        let unused = uses.filter(|used| !used.is_used.get());
+        unused.map(|used| {
             let name = &self.module(used.module).name;
             let diagnostic =
                 Diagnostic::new(Code::RPI1016, format!("module `{name}` is never used"))

@@ -180,8 +180,8 @@ mod tests {
     fn every_operator_that_the_checker_knows_is_told() {
         for name in check::intrinsic_names() {
             // `time` is also a flow.
-            let told = builtins().any(|b| b.name == name && b.is_call);
-            assert!(told, "{name}");
+            let is_listed = builtins().any(|b| b.name == name && b.is_call);
+            assert!(is_listed, "{name}");
         }
         assert!(builtins().all(|builtin| !builtin.doc.is_empty()));
     }

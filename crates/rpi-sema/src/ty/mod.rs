@@ -5,8 +5,9 @@
 
 pub(crate) mod assignable;
 pub(crate) mod machine_int;
+pub(crate) mod machine_types;
 mod print;
-mod subrange;
+pub(crate) mod subrange;
 
 pub use crate::ty::assignable::{Substitution, TypeMismatchError, check_assignable, join};
 pub use crate::ty::machine_int::MachineInt;

@@ -1,6 +1,7 @@
 //! Subranges of `int`: the range of values that a declaration allows.
 
 use crate::ty::{Member, Ty};
+use rpi_diag::{Code, Diagnostic};
 use std::fmt;
 use std::rc::Rc;
 
@@ -128,4 +129,11 @@ impl Ty {
             }
         }
     }
+}
+
+/// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
+pub(crate) fn outside_subrange(value: i64, range: Subrange) -> Diagnostic {
+    let message = format!("{value} is outside of the subrange {range}");
+    Diagnostic::new(Code::RPI2017, message)
+        .help(format!("use a value in {range}, or widen the range"))
 }

@@ -6,6 +6,7 @@
 
 mod expr;
 mod flow;
+pub(crate) mod predeclared;
 mod print;
 pub(crate) mod task_step;
 pub(crate) mod traversal;
@@ -15,7 +16,7 @@ pub use crate::typed::task_step::{TakenOverValue, TaskStep};
 pub use expr::{Activation, Call, ElementwiseOp, Expr, PrimCall, TypedKind};
 pub use flow::{DeclaredClock, Flow, FlowPresence, FlowRole};
 pub use print::format_unit;
-pub use verify::verify;
+pub use verify::{InvalidUnitError, verify};
 
 use crate::ty::{DeviceTy, Ty};
 use rpi_diag::Span;

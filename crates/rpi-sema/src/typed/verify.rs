@@ -2,26 +2,41 @@
 
 use crate::typed::TypedKind;
 use crate::typed::{Equation, ExprId, TargetPlace, Unit, UnitId};
+use std::fmt;
+
+/// Violated invariant of a typed unit.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct InvalidUnitError(String);
+
+impl fmt::Display for InvalidUnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for InvalidUnitError {}
 
 /// Checks the invariants of a unit of a program with `units` units.
 ///
 /// # Errors
 /// Returns a description of the first violation.
-pub fn verify(unit: &Unit, units: usize) -> Result<(), String> {
+pub fn verify(unit: &Unit, units: usize) -> Result<(), InvalidUnitError> {
     for (id, expr) in (0..).map(ExprId).zip(&unit.exprs) {
         verify_expr(unit, units, id).map_err(|what| {
-            format!(
+            InvalidUnitError(format!(
                 "`{}`: expression {}: {what} ({:?})",
                 unit.name, id.0, expr.kind
-            )
+            ))
         })?;
     }
     for (k, block) in unit.blocks.iter().enumerate() {
         if block.parent.is_some_and(|parent| parent.0 as usize >= k) {
-            return Err(format!("`{}`: block {k} precedes its parent", unit.name));
+            let message = format!("`{}`: block {k} precedes its parent", unit.name);
+            return Err(InvalidUnitError(message));
         }
         for equation in &block.equations {
-            verify_equation(unit, equation).map_err(|what| format!("`{}`: {what}", unit.name))?;
+            verify_equation(unit, equation)
+                .map_err(|what| InvalidUnitError(format!("`{}`: {what}", unit.name)))?;
         }
     }
     Ok(())

@@ -8,7 +8,8 @@ use crate::program::Program;
 use crate::typed::TypedKind;
 use crate::typed::{Equation, Flow, FlowRole, TargetPlace, Unit, UnitKind};
 use rpi_diag::{Diagnostic, Span};
-use rpi_net::passes::mark_live::{has_effect, unused};
+use rpi_net::passes::mark_live::has_effect;
+use rpi_net::passes::unused_flows::unused;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns a warning for each local flow that nothing reads, in any instance of its unit. A leading `_` in the name

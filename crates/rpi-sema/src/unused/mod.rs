@@ -70,16 +70,16 @@ fn unreachable_heads(
             led[*to] = true;
         }
     }
-    let mut told: Vec<usize> = left.iter().copied().filter(|at| !led[*at]).collect();
-    let follow = reached_from(leads, told.clone());
+    let mut heads: Vec<usize> = left.iter().copied().filter(|at| !led[*at]).collect();
+    let follow = reached_from(leads, heads.clone());
     left.retain(|at| !follow[*at]);
     // The remaining vertices lie on cycles; one vertex of each cycle is enough.
     while let Some(first) = left.first().copied() {
-        told.push(first);
+        heads.push(first);
         let follow = reached_from(leads, vec![first]);
         left.retain(|at| !follow[*at]);
     }
-    told
+    heads
 }
 
 /// Returns for each vertex whether it is in `open` or reachable from it.

@@ -28,8 +28,9 @@ pub(super) fn unread(decl: &Decl<'_>) -> Vec<Diagnostic> {
     if !left.0.is_empty() {
         walk(decl.kind, &mut left);
     }
-    let told = left.0.into_iter();
-    told.map(|(name, what)| diagnostic(&decl.name, name, what))
+    let unused = left.0.into_iter();
+    unused
+        .map(|(name, what)| diagnostic(&decl.name, name, what))
         .collect()
 }
 

@@ -37,8 +37,8 @@ fn check_automaton(automaton: &Automaton) -> impl Iterator<Item = Diagnostic> + 
     let leads: Vec<Vec<usize>> = leads.collect();
     let leads: Vec<&[usize]> = leads.iter().map(|to| &to[..]).collect();
     let start = states.iter().position(|state| state.is_initial);
-    let told = unreachable_heads(&leads, start, |_| true);
-    told.into_iter().map(|at| diagnostic(&states[at]))
+    let heads = unreachable_heads(&leads, start, |_| true);
+    heads.into_iter().map(|at| diagnostic(&states[at]))
 }
 
 fn targets(state: &State, places: &FastMap<&str, usize>) -> Vec<usize> {

@@ -19,8 +19,8 @@ pub(super) fn unreached(
     };
     let start = steps.list(&task.steps, None, &[]);
     let leads: Vec<&[usize]> = steps.all.iter().map(|step| &step.leads[..]).collect();
-    let told = unreachable_heads(&leads, start, |at| steps.all[at].place.is_some());
-    let places = told.into_iter().filter_map(|at| steps.all[at].place);
+    let heads = unreachable_heads(&leads, start, |at| steps.all[at].place.is_some());
+    let places = heads.into_iter().filter_map(|at| steps.all[at].place);
     places.map(diagnostic).collect()
 }
 

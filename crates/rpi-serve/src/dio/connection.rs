@@ -30,7 +30,7 @@ pub(crate) struct DioConnection {
     sessions: Vec<String>,
 }
 
-/// Handler of a request.
+/// Function that carries out one kind of DirectIO request.
 type Handler = fn(&mut DioConnection, &Message) -> Result<(), ApiError>;
 
 /// Handlers of all requests by name.
@@ -67,10 +67,10 @@ impl ConnectionHandler for DioConnection {
                 // A malformed message has no tag. The text before `=` is the best guess for an answer that the client
                 // can match.
                 let tag = text.split('=').next().unwrap_or_default().trim();
-                let fits = tag.len() < 32 && tag.chars().all(|c| c.is_ascii_alphanumeric());
-                let tag = if fits { tag } else { "error" };
+                let is_tag = tag.len() < 32 && tag.chars().all(|c| c.is_ascii_alphanumeric());
+                let tag = if is_tag { tag } else { "error" };
                 let what = format!("expected {} at byte {}", why.expected, why.offset);
-                return self.err(tag, &what);
+                return self.err(tag, ApiError::Invalid(what));
             }
         };
         if message.name == "quit" {
@@ -84,7 +84,7 @@ impl ConnectionHandler for DioConnection {
         };
         match done {
             Ok(()) => true,
-            Err(why) => self.err(&message.tag, &why.to_string()),
+            Err(why) => self.err(&message.tag, why),
         }
     }
 }
@@ -99,10 +99,10 @@ impl Drop for DioConnection {
 }
 
 impl DioConnection {
-    pub(crate) fn new(office: SharedState, peer: Peer, out: Outbox) -> DioConnection {
-        let client = office.lock().objects.client(peer);
+    pub(crate) fn new(state: SharedState, peer: Peer, out: Outbox) -> DioConnection {
+        let client = state.lock().objects.client(peer);
         DioConnection {
-            state: office,
+            state,
             client,
             outbox: out,
             sessions: Vec::new(),
@@ -121,15 +121,15 @@ impl DioConnection {
         self.outbox.put_device(answer(tag, Ok(result.to_owned())))
     }
 
-    fn err(&self, tag: &str, why: &str) -> bool {
-        self.outbox.put_device(answer(tag, Err(why.to_owned())))
+    fn err(&self, tag: &str, error: ApiError) -> bool {
+        self.outbox.put_device(answer(tag, Err(error)))
     }
 
     /// Returns a callback that sends the result with this tag.
     fn reply(&self, tag: &str) -> Reply {
         let (out, tag) = (self.outbox.clone(), tag.to_owned());
         Box::new(move |result| {
-            out.put_device(answer(&tag, result.map_err(|why| why.to_string())));
+            out.put_device(answer(&tag, result));
         })
     }
 
@@ -143,8 +143,8 @@ impl DioConnection {
     }
 
     fn version(&mut self, message: &Message) -> Result<(), ApiError> {
-        let asked = text_arg(message, 0)?;
-        if asked.split('.').next() != VERSION.split('.').next() {
+        let requested = text_arg(message, 0)?;
+        if requested.split('.').next() != VERSION.split('.').next() {
             return Err(ApiError::Invalid(format!(
                 "this server speaks version {VERSION}"
             )));
@@ -211,7 +211,7 @@ impl DioConnection {
     }
 
     fn schedule(&mut self, message: &Message) -> Result<(), ApiError> {
-        let when = condition::parse(text_arg(message, 0)?).map_err(ApiError::Invalid)?;
+        let when = condition::parse(text_arg(message, 0)?)?;
         let make = RuleRequest {
             when: &without_prefix(when),
             stop: &texts_arg(message, 1)?,
@@ -287,10 +287,10 @@ impl DioConnection {
     }
 }
 
-fn answer(tag: &str, result: Result<String, String>) -> String {
+fn answer(tag: &str, result: Result<String, ApiError>) -> String {
     let (name, text) = match result {
         Ok(text) => ("ok", text),
-        Err(text) => ("err", text),
+        Err(error) => ("err", error.to_string()),
     };
     let args = if text.is_empty() {
         Vec::new()

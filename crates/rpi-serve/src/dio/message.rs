@@ -22,11 +22,11 @@ pub(crate) struct Message {
 /// Argument of a message.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Arg {
-    /// Text.
+    /// Text in quotation marks.
     Text(String),
-    /// Number.
+    /// Number, always read as a real.
     Number(f64),
-    /// List.
+    /// List of arguments, in square brackets.
     List(Vec<Arg>),
     /// Map; entries keep the order of the text.
     Map(Vec<(String, Arg)>),

@@ -69,11 +69,11 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Skips blanks and returns the longest prefix of characters that satisfy `fits`.
-    fn word(&mut self, fits: fn(char) -> bool) -> &'a str {
+    /// Skips blanks and returns the longest prefix of characters that satisfy `accepts`.
+    fn word(&mut self, accepts: fn(char) -> bool) -> &'a str {
         self.skip_blanks();
         let rest = self.rest();
-        let word = &rest[..rest.find(|c| !fits(c)).unwrap_or(rest.len())];
+        let word = &rest[..rest.find(|c| !accepts(c)).unwrap_or(rest.len())];
         self.offset += word.len();
         word
     }

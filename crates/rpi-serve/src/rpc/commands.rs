@@ -10,8 +10,8 @@ use crate::state::{CommandRecord, Reply, ServerState};
 /// Loads a command of a program or a net.
 pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("command")?;
-    let told = call.period_answer(front, load.period_ns);
-    let reply = call.deferred_reply(move |name| told("command", name));
+    let answer = call.period_answer(front, load.period_ns);
+    let reply = call.deferred_reply(move |name| answer("command", name));
     front.take_over_session(load.session)?;
     front.state.lock().load(&load, reply);
     Ok(None)
@@ -54,33 +54,33 @@ pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
 pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let (_, record) = state.objects.commands.find(call.text("command")?)?;
-    let mut told = description(record);
+    let mut description = description(record);
     if let Some(bound_ns) = state.core.bound_ns(record) {
-        told["bound"] = json!(seconds(bound_ns));
+        description["bound"] = json!(seconds(bound_ns));
     }
-    Ok(Some(told))
+    Ok(Some(description))
 }
 
 /// Returns all commands with their states.
 pub(super) fn list_commands(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
-    let told = state.objects.commands.all().map(|(name, record)| {
-        let mut told = subscriber::status(&record.status);
-        told["command"] = json!(name);
-        told["title"] = json!(record.title);
-        told
+    let commands = state.objects.commands.all().map(|(name, record)| {
+        let mut answer = subscriber::status(&record.status);
+        answer["command"] = json!(name);
+        answer["title"] = json!(record.title);
+        answer
     });
-    Ok(Some(json!({"commands": told.collect::<Value>()})))
+    Ok(Some(json!({"commands": commands.collect::<Value>()})))
 }
 
 fn description(record: &CommandRecord) -> Value {
-    let mut told = subscriber::status(&record.status);
-    told["title"] = json!(record.title);
-    told["cycles"] = json!(record.cycles());
-    told["period"] = json!(seconds(record.period_ns()));
-    told["values"] = subscriber::values(&record.values());
+    let mut answer = subscriber::status(&record.status);
+    answer["title"] = json!(record.title);
+    answer["cycles"] = json!(record.cycles());
+    answer["period"] = json!(seconds(record.period_ns()));
+    answer["values"] = subscriber::values(&record.values());
     if let Some((count, worst)) = record.overruns() {
-        told["overruns"] = json!({
+        answer["overruns"] = json!({
             "count": count,
             "tick": worst.tick,
             "took": seconds(worst.took_ns),
@@ -91,12 +91,12 @@ fn description(record: &CommandRecord) -> Value {
     if let Some(image) = &record.image {
         let port = |key: &str, ty: rpi_image::Type| json!({"key": key, "type": ty.to_string()});
         let inputs = image.inputs.iter().map(|i| port(&i.key, i.value.ty));
-        told["inputs"] = inputs.collect();
+        answer["inputs"] = inputs.collect();
         let exports = image.exports.iter().map(|e| port(&e.key, e.value.ty));
-        told["exports"] = exports.collect();
-        told["results"] = json!(crate::state::results(image));
+        answer["exports"] = exports.collect();
+        answer["results"] = json!(crate::state::results(image));
     }
-    told
+    answer
 }
 
 fn seconds(ns: u64) -> f64 {

@@ -68,10 +68,10 @@ impl Drop for RpcConnection {
 
 impl RpcConnection {
     /// Creates the connection of a new client.
-    pub(crate) fn new(office: SharedState, peer: Peer, out: Outbox) -> RpcConnection {
-        let client = office.lock().objects.client(peer);
+    pub(crate) fn new(state: SharedState, peer: Peer, out: Outbox) -> RpcConnection {
+        let client = state.lock().objects.client(peer);
         RpcConnection {
-            state: office,
+            state,
             client,
             outbox: out,
             sessions: Vec::new(),

@@ -9,7 +9,7 @@ use crate::state::ServerState;
 
 type Handler = fn(&mut RpcConnection, &Call<'_>) -> MethodResult;
 
-/// A method.
+/// Method of the JSON-RPC interface: its name, and the function that carries it out.
 pub(super) struct Method {
     pub(super) name: &'static str,
     /// Names of its parameters.

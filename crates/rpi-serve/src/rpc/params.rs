@@ -35,16 +35,16 @@ impl<'a> Call<'a> {
     pub(super) fn period_answer(
         &self,
         front: &RpcConnection,
-        asked_ns: u64,
+        requested_ns: u64,
     ) -> impl FnOnce(&str, String) -> Value + Send + 'static {
-        let period_ns = front.state.lock().defaults.round_period(asked_ns);
+        let period_ns = front.state.lock().defaults.round_period(requested_ns);
         move |kind, name| {
-            let mut told = json!({"period": period_ns as f64 * 1e-9});
-            told[kind] = json!(name);
-            if asked_ns > 0 && asked_ns != period_ns {
-                told["rounded"] = json!(true);
+            let mut answer = json!({"period": period_ns as f64 * 1e-9});
+            answer[kind] = json!(name);
+            if requested_ns > 0 && requested_ns != period_ns {
+                answer["rounded"] = json!(true);
             }
-            told
+            answer
         }
     }
 
@@ -125,7 +125,7 @@ const LONGEST: Duration = Duration::from_secs(3600);
 /// Type of a parameter: its description for error messages and the function that reads it.
 pub(super) type ParamType<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
 
-/// Returns the type of texts.
+/// Returns the parameter type that accepts JSON strings.
 pub(super) fn text_type<'a>() -> ParamType<'a, &'a str> {
     ("a text", Value::as_str)
 }
@@ -138,7 +138,7 @@ fn number_type<'a>() -> ParamType<'a, f64> {
     ("a number", Value::as_f64)
 }
 
-/// Returns the type of objects.
+/// Returns the parameter type that accepts JSON objects.
 pub(super) fn object_type<'a>() -> ParamType<'a, &'a Map<String, Value>> {
     ("an object", Value::as_object)
 }

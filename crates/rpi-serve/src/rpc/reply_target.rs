@@ -121,6 +121,7 @@ impl Batch {
     fn take(&mut self, answer: Option<Value>) -> bool {
         self.answers.extend(answer);
         self.left = self.left.saturating_sub(1);
+        // JSON-RPC 2.0, section 6: all answers in one array, and no answer at all to a batch of notifications.
         if self.left > 0 || self.answers.is_empty() {
             return true;
         }

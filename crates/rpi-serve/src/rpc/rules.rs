@@ -4,17 +4,17 @@ use serde_json::json;
 
 use super::connection::{Call, MethodResult, RpcConnection};
 use crate::condition::{self, Expr, FactExpr};
-use crate::state::{ApiError, RuleRequest};
+use crate::state::RuleRequest;
 
 /// Schedules `command` as the successor of `after`, for all regular ends of `after` or for some of its results.
 pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let after = call.text("after")?;
-    let said = |saying| Expr::Fact(after.to_owned(), saying);
+    let fact = |fact| Expr::Fact(after.to_owned(), fact);
     let results = call.texts("results")?;
-    let regular = said(FactExpr::Regular);
+    let regular = fact(FactExpr::Regular);
     let results = results
         .iter()
-        .map(|r| said(FactExpr::Result((*r).to_owned())));
+        .map(|r| fact(FactExpr::Result((*r).to_owned())));
     let when = match results.reduce(|a, b| Expr::Or(a.into(), b.into())) {
         Some(any) => Expr::And(regular.into(), any.into()),
         None => regular,
@@ -35,9 +35,9 @@ pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     Ok(None)
 }
 
-/// Makes a rule.
+/// Creates a rule, which starts or stops commands when its condition holds.
 pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
-    let when = condition::parse(call.text("when")?).map_err(ApiError::Invalid)?;
+    let when = condition::parse(call.text("when")?)?;
     let make = RuleRequest {
         when: &when,
         stop: &call.texts("stop")?,

@@ -7,7 +7,7 @@ use super::params::text_type;
 use crate::limits::OnLoss;
 use crate::state::ApiError;
 
-/// Opens a session.
+/// Opens a session, to which the commands of a client belong.
 pub(super) fn open_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let on_loss = call.one_of("on_loss", &OnLoss::ALL)?;
     let name = call.optional("name", text_type())?;

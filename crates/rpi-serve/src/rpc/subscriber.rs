@@ -52,9 +52,9 @@ pub(super) fn values(values: &[(String, String)]) -> Value {
 
 /// Returns the life-cycle state of a command and how it has ended.
 pub(super) fn status(status: &Status) -> Value {
-    let mut told = json!({"state": phase(status.phase)});
+    let mut object = json!({"state": phase(status.phase)});
     if let Some(ending) = &status.ending {
-        told["ending"] = json!({
+        object["ending"] = json!({
             "cause": cause_text(ending),
             "result": status.result,
             "error": ending.error,
@@ -70,9 +70,9 @@ pub(super) fn status(status: &Status) -> Value {
         });
     }
     if let Some(jump) = &status.discontinuity {
-        told["jump"] = json!(jump);
+        object["jump"] = json!(jump);
     }
-    told
+    object
 }
 
 fn path(place: Option<&SourceLocation>) -> Option<&str> {
@@ -99,17 +99,17 @@ pub(super) fn task(status: &TaskStatus) -> Value {
     };
     let running = status.running.iter();
     let running = running.map(|(name, title)| json!({"command": name, "title": title}));
-    let mut told = json!({
+    let mut object = json!({
         "state": status.phase.name(),
         "running": running.collect::<Value>(),
         "ended": status.steps.iter().map(step).collect::<Value>(),
         "late": status.late,
         "missed": status.missed_in_motion,
     });
-    if let Some(trouble) = &status.trouble {
-        told["trouble"] = json!(trouble);
+    if let Some(error) = &status.error {
+        object["trouble"] = json!(error);
     }
-    told
+    object
 }
 
 fn phase(phase: Phase) -> &'static str {

@@ -9,8 +9,8 @@ use crate::state::{ApiError, ServerState};
 /// Loads a task of a program.
 pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("task")?;
-    let told = call.period_answer(front, load.period_ns);
-    let reply = call.deferred_reply(move |name| told("task", name));
+    let answer = call.period_answer(front, load.period_ns);
+    let reply = call.deferred_reply(move |name| answer("task", name));
     front.take_over_session(load.session)?;
     front.state.lock().load_task(&load, reply);
     Ok(None)
@@ -51,10 +51,10 @@ pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult 
 pub(super) fn list(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let tasks = state.objects.tasks.all().map(|(name, title, status)| {
-        let mut told = subscriber::task(status);
-        told["task"] = json!(name);
-        told["title"] = json!(title);
-        told
+        let mut answer = subscriber::task(status);
+        answer["task"] = json!(name);
+        answer["title"] = json!(title);
+        answer
     });
     Ok(Some(json!({"tasks": tasks.collect::<Value>()})))
 }

@@ -35,7 +35,7 @@ pub(super) fn on_inserted(
 }
 
 /// A command has changed its state.
-pub(super) fn phase(commands: &mut Commands, id: CommandId, state: CommandState) {
+pub(super) fn set_phase(commands: &mut Commands, id: CommandId, state: CommandState) {
     if let Some(record) = commands.record_of(id) {
         record.set_phase(Phase::Core(state));
     }
@@ -66,28 +66,31 @@ pub(super) fn on_discontinuity(
     log: &mut EventLog,
 ) {
     let jump = actuator_discontinuity_text(jump, &devices.actuator_name(jump.resource));
-    let number = commands.numbered(id).map(|(number, _)| number);
+    let number = commands.find_by_id(id).map(|(number, _)| number);
     let Some((number, record)) = number.zip(commands.record_of(id)) else {
         return;
     };
-    let line = format!("{} takes over with a jump: {jump}", record.called(number));
+    let line = format!(
+        "{} takes over with a jump: {jump}",
+        record.display_name(number)
+    );
     record.subscriptions.report_discontinuity(&jump);
     record.status.discontinuity.get_or_insert(jump);
     log.write(format_args!("{line}"));
 }
 
 /// A command has ended. `stopped` says that a rule has stopped it and started a successor.
-pub(super) fn ended(
+pub(super) fn on_ended(
     commands: &mut Commands,
     id: CommandId,
     (ending, stopped): (Ending, bool),
     log: &mut EventLog,
 ) {
-    let number = commands.numbered(id).map(|(number, _)| number);
+    let number = commands.find_by_id(id).map(|(number, _)| number);
     let Some((number, record)) = number.zip(commands.record_of(id)) else {
         return;
     };
-    note_ending(record, ending, stopped);
+    record_ending(record, ending, stopped);
     let how = record.status.result.clone();
     let how = how.unwrap_or_else(|| match fault_text(&ending) {
         Some(why) => format!("{}, {why}", cause_text(&ending)),
@@ -95,12 +98,12 @@ pub(super) fn ended(
     });
     log.write(format_args!(
         "{} has ended: {how}, error {}",
-        record.called(number),
+        record.display_name(number),
         ending.error
     ));
 }
 
-fn note_ending(record: &mut CommandRecord, ending: Ending, stopped: bool) {
+fn record_ending(record: &mut CommandRecord, ending: Ending, stopped: bool) {
     if let (Cause::Result(k), Some(image)) = (ending.cause, &record.image) {
         record.status.result = results(image).get(k).map(|name| (*name).to_owned());
     }

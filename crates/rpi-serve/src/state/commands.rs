@@ -74,7 +74,7 @@ impl Commands {
     }
 
     /// Returns the command with this id in the core, and its number.
-    pub(super) fn numbered(&self, id: CommandId) -> Option<(u64, &CommandRecord)> {
+    pub(super) fn find_by_id(&self, id: CommandId) -> Option<(u64, &CommandRecord)> {
         let number = *self.by_id.get(&id)?;
         Some((number, self.records.get(&number)?))
     }
@@ -98,14 +98,18 @@ impl Commands {
         bytes: usize,
         core: &mut CoreLink,
     ) {
-        let AdoptedCommand { id, ticket, board } = adopted;
+        let AdoptedCommand {
+            id,
+            ticket,
+            snapshot,
+        } = adopted;
         self.by_id.insert(id, number);
         let mut reply = None;
         if let Some(record) = self.records.get_mut(&number) {
             record.id = Some(id);
             record.bytes += bytes;
             record.image = Some(image);
-            record.board = Some(board);
+            record.snapshot = Some(snapshot);
             reply = record.loading.take();
         }
         core.track_request(Ok(ticket), OnAnswer::CommandInserted(number), reply);
@@ -123,9 +127,9 @@ impl Commands {
     }
 
     /// Applies an operation to a command in the table, as soon as the queue has room.
-    pub(super) fn defer(&self, number: u64, debt: CommandOp, core: &mut CoreLink) {
+    pub(super) fn defer(&self, number: u64, op: CommandOp, core: &mut CoreLink) {
         if let Some(id) = self.records.get(&number).and_then(|r| r.id) {
-            core.defer_by_id(id, debt);
+            core.defer_by_id(id, op);
         }
     }
 
@@ -162,7 +166,7 @@ impl Commands {
 
     /// Unloads a command whose session has left it behind, once it can be unloaded.
     pub(super) fn unload_if_abandoned(&self, id: CommandId, core: &mut CoreLink) {
-        let found = self.numbered(id);
+        let found = self.find_by_id(id);
         if found.is_some_and(|(_, r)| r.unload_at_end && r.eval.is_none()) {
             core.defer_by_id(id, CommandOp::Unload);
         }
@@ -172,7 +176,7 @@ impl Commands {
     pub(crate) fn watch(&mut self, name: &str, watching: WatchRequest) -> Result<(), ApiError> {
         let (number, _) = self.find(name)?;
         if let Some(record) = self.records.get_mut(&number) {
-            let exported = Exported::new(record.board.as_deref(), record.image.as_deref());
+            let exported = Exported::new(record.snapshot.as_deref(), record.image.as_deref());
             let subscriptions = &mut record.subscriptions;
             subscriptions.add(watching, &record.status, &exported);
         }
@@ -186,7 +190,7 @@ impl Commands {
     }
 
     /// Removes the subscriptions of disconnected clients.
-    pub(super) fn forget_deaf(&mut self) {
+    pub(super) fn remove_disconnected(&mut self) {
         let records = self.records.values_mut();
         records.for_each(|r| r.subscriptions.drop_disconnected());
     }
@@ -197,7 +201,7 @@ impl Commands {
             return ApiError::Refused(why);
         };
         let actuator = devices.actuator_name(resource);
-        ApiError::ResourceHeld(match self.numbered(by) {
+        ApiError::ResourceHeld(match self.find_by_id(by) {
             Some((number, record)) => {
                 let title = record.title.as_str();
                 let gap = if title.is_empty() { "" } else { " " };

@@ -170,7 +170,7 @@ pub(super) fn report_completions(commands: &mut Commands, stopped: &[CommandId])
 pub(super) fn must_delay_report(commands: &Commands, stopped: &[CommandId]) -> bool {
     let now = Instant::now();
     stopped.iter().any(|command| {
-        let found = commands.numbered(*command);
+        let found = commands.find_by_id(*command);
         found.is_some_and(|(_, record)| {
             record.completion.completion_result.is_some()
                 && record.subscriptions.is_withheld_from_any(now)

@@ -45,7 +45,7 @@ impl CoreLink {
     }
 
     /// Sends a request about a command.
-    pub(super) fn ask(
+    pub(super) fn send_request(
         &mut self,
         commands: &Commands,
         name: &str,
@@ -70,7 +70,7 @@ impl CoreLink {
     }
 
     /// Removes the pending request with this ticket.
-    pub(super) fn answered(&mut self, ticket: Ticket) -> Option<PendingRequest> {
+    pub(super) fn take_answered(&mut self, ticket: Ticket) -> Option<PendingRequest> {
         self.pending.take(ticket)
     }
 
@@ -80,8 +80,8 @@ impl CoreLink {
     }
 
     /// Applies an operation to a command, as soon as the queue has room.
-    pub(super) fn defer_by_id(&mut self, id: CommandId, debt: CommandOp) {
-        self.push_deferred(DeferredOp::Command(id, debt));
+    pub(super) fn defer_by_id(&mut self, id: CommandId, op: CommandOp) {
+        self.push_deferred(DeferredOp::Command(id, op));
     }
 
     /// Withdraws a rule, as soon as the queue has room.
@@ -89,13 +89,13 @@ impl CoreLink {
         self.push_deferred(DeferredOp::Rule(id));
     }
 
-    fn push_deferred(&mut self, owing: DeferredOp) {
-        self.deferred.push(owing);
-        self.pay();
+    fn push_deferred(&mut self, deferred: DeferredOp) {
+        self.deferred.push(deferred);
+        self.send_deferred();
     }
 
     /// Sends the deferred requests, as far as the queue has room.
-    pub(super) fn pay(&mut self) {
+    pub(super) fn send_deferred(&mut self) {
         self.deferred
             .send_deferred(&mut self.control, &mut self.pending);
     }

@@ -21,7 +21,7 @@ pub(super) enum CommandOp {
     Unload,
 }
 
-/// A deferred request.
+/// Request to the core that has not been sent yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DeferredOp {
     Command(CommandId, CommandOp),
@@ -35,27 +35,27 @@ pub(super) struct DeferredOps(VecDeque<DeferredOp>);
 
 impl DeferredOps {
     /// Adds a request, unless it waits already.
-    pub(super) fn push(&mut self, owing: DeferredOp) {
-        if !self.0.contains(&owing) {
-            self.0.push_back(owing);
+    pub(super) fn push(&mut self, deferred: DeferredOp) {
+        if !self.0.contains(&deferred) {
+            self.0.push_back(deferred);
         }
     }
 
     /// Sends the requests, as far as the queue of the cycle has room.
     pub(super) fn send_deferred(&mut self, control: &mut Control, pending: &mut PendingRequests) {
-        while let Some(owing) = self.0.front().copied() {
-            let asked = match owing {
+        while let Some(deferred) = self.0.front().copied() {
+            let request = match deferred {
                 DeferredOp::Command(id, CommandOp::Cancel) => control.cancel(id),
                 DeferredOp::Command(id, CommandOp::Abort(why)) => control.abort(id, why),
                 DeferredOp::Command(id, CommandOp::Unload) => control.unload(id),
                 DeferredOp::Rule(id) => control.withdraw(id),
             };
-            if asked == Err(RequestError::QueueFull) {
+            if request == Err(RequestError::QueueFull) {
                 return;
             }
             self.0.pop_front();
             // Any other error means that the command or rule is gone, so nothing is left to do.
-            pending.track(asked, OnAnswer::Nothing, None);
+            pending.track(request, OnAnswer::Nothing, None);
         }
     }
 

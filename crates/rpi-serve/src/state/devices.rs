@@ -24,7 +24,7 @@ pub(crate) struct Devices {
     /// Peer of the client that added the device in each slot. A device outlives the connection of its client.
     makers: Vec<Option<Peer>>,
     pub(super) subscribers: Subscribers,
-    twin: Arc<Mutex<DeviceReplica>>,
+    replica: Arc<Mutex<DeviceReplica>>,
     seed: u64,
     /// Number of devices of the cell, which come first. Clients cannot remove them.
     cell_count: usize,
@@ -53,7 +53,7 @@ impl Devices {
             makers: vec![None; places.len()],
             slots: places,
             subscribers: Subscribers::default(),
-            twin: Arc::new(Mutex::new(DeviceReplica {
+            replica: Arc::new(Mutex::new(DeviceReplica {
                 bank: bank(cell, limits.devices, tick_ns),
                 generation: 0,
             })),
@@ -65,22 +65,22 @@ impl Devices {
     }
 
     /// Returns the replica of the devices for the loader.
-    pub(super) fn twin(&self) -> Arc<Mutex<DeviceReplica>> {
-        Arc::clone(&self.twin)
+    pub(super) fn replica(&self) -> Arc<Mutex<DeviceReplica>> {
+        Arc::clone(&self.replica)
     }
 
-    fn lock_twin(&self) -> MutexGuard<'_, DeviceReplica> {
-        self.twin.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock_replica(&self) -> MutexGuard<'_, DeviceReplica> {
+        self.replica.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the number of changes of the devices.
     pub(super) fn generation(&self) -> u64 {
-        self.lock_twin().generation
+        self.lock_replica().generation
     }
 
     /// Loads a command for these devices.
     pub(super) fn load(&self, image: &Arc<Image>) -> Result<Command, Vec<LoadError>> {
-        Command::load(Arc::clone(image), &mut self.lock_twin().bank)
+        Command::load(Arc::clone(image), &mut self.lock_replica().bank)
     }
 
     /// Returns all devices.
@@ -119,7 +119,7 @@ impl Devices {
     ///
     /// # Errors
     /// If the name is not allowed or belongs to a device of another type.
-    pub(super) fn is_there(&self, new: &NewDevice<'_>) -> Result<bool, ApiError> {
+    pub(super) fn is_inserted(&self, new: &NewDevice<'_>) -> Result<bool, ApiError> {
         let Some(place) = self.find(new.name) else {
             return self.ensure_valid_name(new.name).map(|()| false);
         };
@@ -147,7 +147,7 @@ impl Devices {
         }
     }
 
-    /// Adds a simulated device. Returns its slot, its part for the cycle and its description.
+    /// Adds a simulated device. Returns its slot, the device for the cycle and its description.
     pub(super) fn add(
         &mut self,
         new: &NewDevice<'_>,
@@ -155,15 +155,15 @@ impl Devices {
         let spec = device_spec(new, self.tick)?;
         let place = self.free_slot(new.peer)?;
         self.makers[place] = Some(new.peer);
-        // Two equal parts: one for the cycle, one for resolving names outside of it.
-        let (own, twins) = (self.part(&spec, place), self.part(&spec, place));
-        self.change_replica(place, Some(twins));
+        // Two equal devices: one for the cycle, one for resolving names outside of it.
+        let device = self.create_device(&spec, place);
+        self.change_replica(place, Some(self.create_device(&spec, place)));
         let info = device_info(&spec, new.kind);
         self.slots[place] = Some(info.clone());
-        Ok((place, own, info))
+        Ok((place, device, info))
     }
 
-    fn part(&self, spec: &DeviceSpec, place: usize) -> NamedDevice {
+    fn create_device(&self, spec: &DeviceSpec, place: usize) -> NamedDevice {
         NamedDevice::new(spec, self.tick, self.seed, place)
     }
 
@@ -173,10 +173,10 @@ impl Devices {
         self.slots[place] = None;
     }
 
-    fn change_replica(&mut self, place: usize, part: Option<NamedDevice>) {
-        let mut twin = self.lock_twin();
-        twin.bank.swap(place, part);
-        twin.generation += 1;
+    fn change_replica(&mut self, place: usize, device: Option<NamedDevice>) {
+        let mut replica = self.lock_replica();
+        replica.bank.swap(place, device);
+        replica.generation += 1;
     }
 
     /// Returns a free slot for a device of this peer, or an error if its share is used up.
@@ -221,29 +221,30 @@ impl Devices {
     }
 
     /// Called when the cycle has added a device. Returns its name.
-    pub(super) fn added(&mut self, info: DeviceInfo, log: &mut EventLog) -> String {
-        self.subscribers.tell(&Update::DeviceAdded(&info));
+    pub(super) fn on_added(&mut self, info: DeviceInfo, log: &mut EventLog) -> String {
+        self.subscribers.notify(&Update::DeviceAdded(&info));
         log.write(format_args!("device {} was added", info.name));
         info.name
     }
 
     /// Called when the error code of the device in a slot changes, or when the device starts or stops moving.
-    pub(super) fn changed(&mut self, place: usize, code: i64, moving: bool, log: &mut EventLog) {
+    pub(super) fn on_changed(&mut self, place: usize, code: i64, moving: bool, log: &mut EventLog) {
         let Some(Some(info)) = self.slots.get_mut(place) else {
             return;
         };
         info.moving = moving;
         if std::mem::replace(&mut info.code, code) != code {
             let name = &info.name;
-            self.subscribers.tell(&Update::DeviceCondition(name, code));
+            self.subscribers
+                .notify(&Update::DeviceCondition(name, code));
             let how = rpi_sim::error_code::ErrorCode(code);
             log.write(format_args!("device {name}: {how}"));
         }
     }
 
     /// Called when the cycle has removed a device.
-    pub(super) fn gone(&mut self, name: &str, log: &mut EventLog) {
-        self.subscribers.tell(&Update::DeviceRemoved(name));
+    pub(super) fn on_removed(&mut self, name: &str, log: &mut EventLog) {
+        self.subscribers.notify(&Update::DeviceRemoved(name));
         log.write(format_args!("device {name} was removed"));
     }
 }

@@ -89,7 +89,7 @@ impl Emergency {
         }
         let was_stopped = self.requested_by.take().is_some();
         if was_stopped {
-            self.tell();
+            self.notify();
         }
         Ok(was_stopped)
     }
@@ -101,9 +101,9 @@ impl Emergency {
     }
 
     /// Reports the state to all subscribers.
-    pub(super) fn tell(&mut self) {
+    pub(super) fn notify(&mut self) {
         let by = self.requested_by.as_deref();
-        self.watchers.tell(&Update::Emergency(by));
+        self.watchers.notify(&Update::Emergency(by));
     }
 
     /// Returns an error if an emergency stop is in force.

@@ -24,7 +24,7 @@ pub(super) fn finish_evals(commands: &mut Commands, core: &mut CoreLink) {
     let evals = commands.iter().filter(|(_, r)| r.eval.is_some());
     let over: Vec<u64> = evals
         .filter(|(_, r)| {
-            let ran = r.board.as_ref().is_some_and(|b| b.cycles() > 0);
+            let ran = r.snapshot.as_ref().is_some_and(|b| b.cycles() > 0);
             ran || matches!(r.status.phase, Phase::Core(CommandState::Terminated))
         })
         .map(|(number, _)| number)
@@ -38,7 +38,7 @@ fn finish_eval(commands: &mut Commands, number: u64, core: &mut CoreLink) {
     let Some(record) = commands.get_mut(number) else {
         return;
     };
-    let cells = record.board.as_ref().and_then(|b| b.read_consistent());
+    let cells = record.snapshot.as_ref().and_then(|b| b.read_consistent());
     let exports = record.image.as_ref().map_or(&[][..], |i| &i.exports);
     let values = cells.map(|cells| export_texts(exports, &cells));
     record.unload_at_end = true;

@@ -70,17 +70,16 @@ mod tests {
 
     #[test]
     fn it_keeps_the_latest_lines_and_each_in_a_line() {
-        let mut journal = EventLog::new();
+        let mut log = EventLog::new();
         for number in 0..MAX_LINES + 5 {
-            journal.write(format_args!("line {number}\nforged"));
+            log.write(format_args!("line {number}\nforged"));
         }
-        let text = journal.text();
+        let text = log.text();
         assert_eq!(text.lines().count(), MAX_LINES);
         assert!(text.lines().next().unwrap().ends_with("line 5 forged"));
-        journal.write(format_args!("{}", "x".repeat(10_000)));
+        log.write(format_args!("{}", "x".repeat(10_000)));
         assert!(
-            journal
-                .text()
+            log.text()
                 .lines()
                 .all(|l| l.chars().count() <= MAX_LINE_CHARS)
         );

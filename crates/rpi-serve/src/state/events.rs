@@ -5,7 +5,7 @@ use rpi_runtime::control::{
 };
 
 use super::ServerState;
-use super::command_events::{ended, on_braked, on_discontinuity, on_inserted, phase};
+use super::command_events::{on_braked, on_discontinuity, on_ended, on_inserted, set_phase};
 use super::eval::{fail_eval, finish_evals};
 use super::pending::{OnAnswer, PendingRequest, answer};
 use super::types::RuleState;
@@ -14,22 +14,22 @@ impl ServerState {
     /// Processes all pending events and due updates. Called periodically outside the cycle thread.
     pub(crate) fn update(&mut self) {
         while let Some(event) = self.core.poll() {
-            self.hear(event);
+            self.handle_event(event);
         }
-        self.recording.look_after(&mut self.log);
-        self.core.pay();
+        self.recording.warn_if_failed(&mut self.log);
+        self.core.send_deferred();
         self.emergency.repeat_stop_request(&mut self.core);
         self.advance_tasks();
         let commands = &mut self.objects.commands;
-        self.rules.release_told(commands);
+        self.rules.release_reported(commands);
         self.rules.report_delayed_rules(commands);
         finish_evals(commands, &mut self.core);
         commands.publish();
     }
 
-    fn hear(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         self.recording.event(&event);
-        self.objects.tasks.hear(&event);
+        self.objects.tasks.handle_event(&event);
         match event {
             Event::Answer {
                 ticket, refused, ..
@@ -45,14 +45,15 @@ impl ServerState {
                 code,
                 moving,
                 ..
-            } => self.devices.changed(device, code, moving, &mut self.log),
+            } => self.devices.on_changed(device, code, moving, &mut self.log),
         }
     }
 
     /// Advances all running tasks and reports their progress.
     fn advance_tasks(&mut self) {
         for number in self.objects.tasks.under_way() {
-            self.shop(number).with_task(|task, shop| task.advance(shop));
+            self.task_core(number)
+                .with_task(|task, core| task.advance(core));
             let objects = &mut self.objects;
             objects
                 .tasks
@@ -62,7 +63,7 @@ impl ServerState {
     }
 
     fn on_answer(&mut self, ticket: Ticket, refused: Option<CommandError>) {
-        let Some(PendingRequest { then, reply }) = self.core.answered(ticket) else {
+        let Some(PendingRequest { then, reply }) = self.core.take_answered(ticket) else {
             return;
         };
         let Some(why) = refused else {
@@ -92,13 +93,13 @@ impl ServerState {
                 format!("n{number}")
             }
             OnAnswer::RuleMade(rule) => format!("r{}", rule.0),
-            OnAnswer::DeviceAdded(info) => self.devices.added(info, &mut self.log),
+            OnAnswer::DeviceAdded(info) => self.devices.on_added(info, &mut self.log),
             OnAnswer::Stopped => {
                 self.emergency.clear_stop_flag();
                 String::new()
             }
             OnAnswer::DeviceRemoved(name) => {
-                self.devices.gone(&name, &mut self.log);
+                self.devices.on_removed(&name, &mut self.log);
                 String::new()
             }
         }
@@ -107,17 +108,19 @@ impl ServerState {
     fn on_notice(&mut self, notice: Notice) {
         let commands = &mut self.objects.commands;
         match notice {
-            Notice::Scheduled { command, .. } => phase(commands, command, CommandState::Scheduled),
-            Notice::Started { command, .. } => phase(commands, command, CommandState::Running),
+            Notice::Scheduled { command, .. } => {
+                set_phase(commands, command, CommandState::Scheduled)
+            }
+            Notice::Started { command, .. } => set_phase(commands, command, CommandState::Running),
             Notice::Cancelling { command, .. } => {
-                phase(commands, command, CommandState::Cancelling)
+                set_phase(commands, command, CommandState::Cancelling)
             }
             Notice::Ended {
                 command, ending, ..
             } => self.on_ended(command, ending),
             Notice::Orphaned { command, kept } => {
                 if kept {
-                    phase(commands, command, CommandState::Ready);
+                    set_phase(commands, command, CommandState::Ready);
                 }
                 commands.unload_if_abandoned(command, &mut self.core);
             }
@@ -131,9 +134,9 @@ impl ServerState {
                 on_discontinuity(commands, command, (&jump, &self.devices), &mut self.log);
             }
             Notice::Rule { rule, outcome } => match outcome {
-                RuleOutcome::Fired => self.rules.fired(rule, commands, &mut self.log),
-                RuleOutcome::Failed(_) => self.rules.over(rule, RuleState::Failed),
-                RuleOutcome::Dropped => self.rules.over(rule, RuleState::Dropped),
+                RuleOutcome::Fired => self.rules.on_fired(rule, commands, &mut self.log),
+                RuleOutcome::Failed(_) => self.rules.on_ended(rule, RuleState::Failed),
+                RuleOutcome::Dropped => self.rules.on_ended(rule, RuleState::Dropped),
             },
         }
     }
@@ -144,7 +147,7 @@ impl ServerState {
             _ => false,
         };
         let objects = &mut self.objects;
-        ended(&mut objects.commands, id, (ending, stopped), &mut self.log);
+        on_ended(&mut objects.commands, id, (ending, stopped), &mut self.log);
         objects.tasks.add_step(id, &objects.commands);
         objects.commands.unload_if_abandoned(id, &mut self.core);
     }

@@ -88,6 +88,7 @@ impl LoadQueue {
 
 impl QueueState {
     fn next(&mut self) -> Option<LoadJob> {
+        // Round robin: a client that loads many commands delays each other client by one command only.
         let mut later = self.clients.range((Excluded(self.last), Unbounded));
         let next = later.next().or_else(|| self.clients.iter().next());
         let client = *next?.0;

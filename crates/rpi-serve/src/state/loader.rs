@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rpi_core::{Command, CommandOverrunPolicy, Continuity};
-use rpi_driver::{Compiled, Input, Program};
+use rpi_driver::{AnalysedNet, Compiled, Input, Program};
 use rpi_image::Image;
 use rpi_net::{CommandInput, Net};
 use rpi_sim::SimBank;
@@ -15,7 +15,7 @@ use super::load_queue::LoadQueue;
 use crate::fair_share::Client;
 use crate::task_bundle::TaskBundle;
 
-/// Language of a text.
+/// Language of the text of a command or task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Language {
     /// A net of the reference system.
@@ -27,13 +27,13 @@ pub(crate) enum Language {
 /// Kind of object to load from a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum JobKind {
-    /// One of its commands.
+    /// A command of the program.
     Command,
-    /// One of its tasks.
+    /// A task of the program.
     Task,
 }
 
-/// A load job.
+/// Request to load a command or task, for the loader.
 pub(crate) struct LoadJob {
     pub(crate) kind: JobKind,
     /// Number of the command or task.
@@ -91,10 +91,10 @@ pub(crate) type LoadCallback = Box<dyn Fn(LoadJob, Result<LoadOutput, Vec<String
 pub(crate) fn start(
     jobs: Arc<LoadQueue>,
     continuity: Option<Continuity>,
-    twin: Arc<Mutex<DeviceReplica>>,
+    replica: Arc<Mutex<DeviceReplica>>,
     done: LoadCallback,
 ) -> std::io::Result<()> {
-    let work = move || work(&jobs, continuity, &twin, &done);
+    let work = move || work(&jobs, continuity, &replica, &done);
     std::thread::Builder::new()
         .name("rpi-load".into())
         .spawn(work)?;
@@ -104,13 +104,13 @@ pub(crate) fn start(
 fn work(
     jobs: &LoadQueue,
     continuity: Option<Continuity>,
-    twin: &Mutex<DeviceReplica>,
+    replica: &Mutex<DeviceReplica>,
     done: &LoadCallback,
 ) {
     while let Some(job) = jobs.pop() {
         // A crash of the compiler on one text must not end the loader for all clients.
         let loaded = catch_unwind(AssertUnwindSafe(|| match job.kind {
-            JobKind::Command => load_command(&job, continuity, twin).map(LoadOutput::Command),
+            JobKind::Command => load_command(&job, continuity, replica).map(LoadOutput::Command),
             JobKind::Task => load_task(&job).map(LoadOutput::Task),
         }));
         let loaded = loaded.unwrap_or_else(|_| {
@@ -125,13 +125,13 @@ fn work(
 fn load_command(
     job: &LoadJob,
     continuity: Option<Continuity>,
-    twin: &Mutex<DeviceReplica>,
+    replica: &Mutex<DeviceReplica>,
 ) -> Result<LoadedCommand, Vec<String>> {
     let (image, work, reasons, given) = lower_command(job)?;
     let image = Arc::new(image);
-    let mut twin = twin.lock().unwrap_or_else(PoisonError::into_inner);
-    let generation = twin.generation;
-    let mut command = Command::load(Arc::clone(&image), &mut twin.bank)
+    let mut replica = replica.lock().unwrap_or_else(PoisonError::into_inner);
+    let generation = replica.generation;
+    let mut command = Command::load(Arc::clone(&image), &mut replica.bank)
         .map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     command.set_continuity(continuity.unwrap_or(match job.origin.language {
         // Nets of the reference system are written for control cores without this check.
@@ -157,7 +157,7 @@ fn lower_command(job: &LoadJob) -> Result<LoweredCommand, Vec<String>> {
     let compiled = job.origin.compiled()?;
     let net = select_net(&compiled, job.origin.command.as_deref())?;
     let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
-    let (image, work) = lowered.map_err(|e| vec![e])?;
+    let (image, work) = lowered.map_err(|e| vec![e.to_string()])?;
     Ok((
         image,
         work,
@@ -182,11 +182,11 @@ fn load_task(job: &LoadJob) -> Result<TaskBundle, Vec<String>> {
         )],
         _ => choice_error("task", job.origin.command.as_deref(), known().collect()),
     })?;
-    let lower = |net: &Net| {
-        let (image, work) = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns)?;
-        Ok((image, Some(work)))
+    let lower = |net: &AnalysedNet| {
+        let lowered = rpi_driver::lower_for_tick(net, job.period_ns, job.tick_ns);
+        lowered.map(|(image, work)| (image, Some(work)))
     };
-    TaskBundle::from_task(task, compiled.nets(), lower).map_err(|why| vec![why])
+    TaskBundle::from_task(task, compiled.nets(), lower).map_err(|error| vec![error.to_string()])
 }
 
 impl Source {
@@ -212,13 +212,13 @@ impl Source {
             kind,
             bytes: self.text.as_bytes().to_vec(),
         };
-        let asked = rpi_driver::CompileOptions {
+        let options = rpi_driver::CompileOptions {
             claims: rpi_driver::ClaimPolicy::Off,
             // The text has no file, so it must not load modules from the server's folders.
             no_files: true,
             ..Default::default()
         };
-        let compiled = rpi_driver::compile_with(&input, asked);
+        let compiled = rpi_driver::compile_with(&input, options);
         let compiled = compiled.map_err(|e| vec![e.to_string()])?;
         match compiled.has_errors() {
             true => Err(error_texts(&compiled)),
@@ -227,7 +227,10 @@ impl Source {
     }
 }
 
-fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Net, Vec<String>> {
+fn select_net<'a>(
+    compiled: &'a Compiled,
+    name: Option<&str>,
+) -> Result<&'a AnalysedNet, Vec<String>> {
     let Program::Nets(nets) = &compiled.program else {
         return Err(vec!["images cannot be loaded from a client".to_owned()]);
     };
@@ -272,9 +275,9 @@ fn error_texts(compiled: &Compiled) -> Vec<String> {
         .iter()
         .filter(|f| f.severity() == rpi_diag::Severity::Error);
     let count = errors.clone().count();
-    let told = errors.take(MAX_ERRORS).map(|f| describe(compiled, f));
+    let listed = errors.take(MAX_ERRORS).map(|f| describe(compiled, f));
     let more = (count > MAX_ERRORS).then(|| format!("and {} more", count - MAX_ERRORS));
-    told.chain(more).collect()
+    listed.chain(more).collect()
 }
 
 fn describe(compiled: &Compiled, diagnostic: &rpi_diag::Diagnostic) -> String {

@@ -105,7 +105,7 @@ impl ServerState {
 
 impl Loading<'_> {
     fn load(&mut self, session: u64, load: &LoadRequest<'_>, eval: Option<Eval>, reply: Reply) {
-        let room = self.objects.has_room(session, load.bytes(), self.core);
+        let room = self.objects.make_room(session, load.bytes(), self.core);
         if let Err(why) = room {
             return reply(Err(why));
         }
@@ -125,7 +125,7 @@ impl Loading<'_> {
     }
 
     fn load_task(&mut self, session: u64, load: &LoadRequest<'_>, reply: Reply) {
-        let room = self.objects.has_room(session, load.bytes(), self.core);
+        let room = self.objects.make_room(session, load.bytes(), self.core);
         if let Err(why) = room {
             return reply(Err(why));
         }
@@ -199,7 +199,7 @@ impl Loading<'_> {
             record.completion.reasons = loaded.reasons;
             record.given = loaded.takeover_inputs;
         }
-        match self.core.control.adopt_with_board(loaded.command) {
+        match self.core.control.adopt_with_snapshot(loaded.command) {
             Ok(adopted) => {
                 commands.register_adopted(number, adopted, loaded.image, bytes, self.core);
             }

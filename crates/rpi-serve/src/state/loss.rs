@@ -17,8 +17,8 @@ impl ServerState {
                 self.apply_loss_policy(number, on_loss);
             }
         }
-        self.objects.commands.forget_deaf();
-        self.watchers().for_each(Subscribers::forget_deaf);
+        self.objects.commands.remove_disconnected();
+        self.watchers().for_each(Subscribers::remove_disconnected);
     }
 
     /// Aborts all commands of a session and closes it.
@@ -61,7 +61,8 @@ impl ServerState {
     fn apply_loss_policy_to_tasks(&mut self, session: u64, on_loss: OnLoss) {
         for number in self.objects.tasks.of_session(session) {
             if on_loss != OnLoss::RunOn {
-                self.shop(number).with_task(|task, shop| task.cancel(shop));
+                self.task_core(number)
+                    .with_task(|task, core| task.cancel(core));
             }
             self.objects.tasks.abandon(number);
             self.objects.remove_task_if_abandoned(number);

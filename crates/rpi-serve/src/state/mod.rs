@@ -7,10 +7,10 @@
 //! clients and events of the cycle to the parts:
 //!
 //! ```text
-//! ServerState -- Objects -- Sessions, Commands (Record, Subscriptions, Completion), Tasks
-//!             -- Rules, Devices, Emergency, Recording, Journal
-//!             -- Queue ==> loader thread
-//!             -- CoreLink (PendingRequests, Owed) ==> cycle
+//! ServerState -- Objects -- Sessions, Commands (CommandRecord, Subscriptions, Completion), Tasks
+//!             -- Rules, Devices, Emergency, Recording, EventLog
+//!             -- LoadQueue ==> loader thread
+//!             -- CoreLink (PendingRequests, DeferredOps) ==> cycle
 //! ```
 
 mod command_events;
@@ -82,7 +82,7 @@ use objects::Objects;
 use recording::Recording;
 use rules::Rules;
 
-/// The server state.
+/// State that all connections share: sessions, commands, tasks, rules and devices.
 pub(crate) struct ServerState {
     limits: Limits,
     pub(crate) defaults: CommandDefaults,
@@ -102,7 +102,7 @@ pub(crate) struct SharedState(Arc<Mutex<ServerState>>);
 
 impl fmt::Debug for SharedState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Office")
+        f.write_str("SharedState")
     }
 }
 
@@ -118,9 +118,9 @@ impl SharedState {
     ) -> std::io::Result<SharedState> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let devices = Devices::from_cell(cell, &limits, tick_ns);
-        let twin = devices.twin();
+        let replica = devices.replica();
         let jobs = Arc::new(LoadQueue::new(limits.queued_loads));
-        let office = SharedState(Arc::new(Mutex::new(ServerState {
+        let shared = SharedState(Arc::new(Mutex::new(ServerState {
             limits,
             defaults: CommandDefaults {
                 tick_ns,
@@ -140,14 +140,14 @@ impl SharedState {
             log: EventLog::new(),
         })));
         // A weak reference: dropping the state closes the queue, which ends the loader thread.
-        let weak = Arc::downgrade(&office.0);
+        let weak = Arc::downgrade(&shared.0);
         let done: loader::LoadCallback = Box::new(move |job, loaded| {
             if let Some(state) = weak.upgrade() {
                 SharedState(state).lock().loading().loaded(job, loaded);
             }
         });
-        loader::start(jobs, settings.continuity, twin, done)?;
-        Ok(office)
+        loader::start(jobs, settings.continuity, replica, done)?;
+        Ok(shared)
     }
 
     /// Locks the state. A poisoned lock is taken over, so that a crashed connection does not end the server.

@@ -69,7 +69,9 @@ impl Objects {
         name: &str,
         rule: &RuleRecord,
     ) -> Result<(), ApiError> {
-        let mut records = rule.acts_on().filter_map(|id| self.commands.numbered(*id));
+        let mut records = rule
+            .acts_on()
+            .filter_map(|id| self.commands.find_by_id(*id));
         records.try_for_each(|(_, r)| self.sessions.ensure_may_act_in(client, r.session, name))
     }
 
@@ -88,13 +90,13 @@ impl Objects {
     }
 
     /// Makes room for a command or task with this many bytes of text.
-    pub(super) fn has_room(
+    pub(super) fn make_room(
         &mut self,
         session: u64,
         text: usize,
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
-        self.fits(session, core, |usage, limits, client| {
+        self.ensure_quota(session, core, |usage, limits, client| {
             let (count, bytes) = usage.usage(client);
             let room = count.admit(1, limits.commands);
             room.map_err(|full| ApiError::limit(full, "commands"))?;
@@ -110,7 +112,7 @@ impl Objects {
         bytes: usize,
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
-        self.fits(self.session_of(number), core, |usage, limits, client| {
+        self.ensure_quota(self.session_of(number), core, |usage, limits, client| {
             let memory = usage.usage(client).1.admit(bytes, limits.memory_bytes);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
@@ -124,7 +126,7 @@ impl Objects {
         bytes: usize,
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
-        self.fits(self.session_of(number), core, |usage, limits, _| {
+        self.ensure_quota(self.session_of(number), core, |usage, limits, _| {
             let memory = usage.usage(None).1.admit(bytes, limits.memory_bytes);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
@@ -145,7 +147,7 @@ impl Objects {
     }
 
     /// Removes ended commands and tasks of the client, oldest first, until `admit` succeeds.
-    fn fits(
+    fn ensure_quota(
         &mut self,
         session: u64,
         core: &mut CoreLink,
@@ -179,7 +181,7 @@ impl Objects {
             answer(reply, Err(why));
             self.close_if_empty(session);
         } else if let Some(record) = self.commands.remove(number) {
-            let called = record.called(number);
+            let called = record.display_name(number);
             log.write(format_args!("{called} cannot be loaded: {why}"));
             let reply = record.eval.map(|e| e.reply).or(record.loading);
             answer(reply, Err(why));

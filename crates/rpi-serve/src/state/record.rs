@@ -32,7 +32,7 @@ pub(crate) struct CommandRecord {
     pub(super) given: Vec<CommandInput>,
     pub(crate) status: Status,
     pub(crate) image: Option<Arc<Image>>,
-    pub(super) board: Option<Arc<ExportSnapshot>>,
+    pub(super) snapshot: Option<Arc<ExportSnapshot>>,
     pub(super) subscriptions: Subscriptions,
     pub(super) completion: Completion,
     /// Callback for the result of loading.
@@ -58,7 +58,7 @@ impl CommandRecord {
             given: Vec::new(),
             status: Status::new(phase),
             image: None,
-            board: None,
+            snapshot: None,
             subscriptions: Subscriptions::default(),
             completion: Completion::default(),
             loading: None,
@@ -69,8 +69,8 @@ impl CommandRecord {
     }
 
     /// Returns the name and title of the command for the log.
-    pub(super) fn called(&self, number: u64) -> String {
-        called(&format!("n{number}"), &self.title)
+    pub(super) fn display_name(&self, number: u64) -> String {
+        display_name(&format!("n{number}"), &self.title)
     }
 
     /// Returns whether the command runs or ends on its path.
@@ -114,35 +114,37 @@ impl CommandRecord {
     pub(super) fn set_phase(&mut self, phase: Phase) {
         if self.status.phase != phase {
             self.status.phase = phase;
-            self.tell_state();
+            self.publish_state();
         }
     }
 
-    fn tell_state(&mut self) {
-        let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
+    fn publish_state(&mut self) {
+        let exported = Exported::new(self.snapshot.as_deref(), self.image.as_deref());
         self.subscriptions.report_state(&self.status, &exported);
     }
 
     /// Reports changed values to the subscribers that are due.
     pub(super) fn publish(&mut self, now: Instant) {
-        let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
+        let exported = Exported::new(self.snapshot.as_deref(), self.image.as_deref());
         self.subscriptions.publish(now, &exported);
     }
 
     /// Reports changed values to all subscribers, whatever their periods.
     pub(super) fn publish_now(&mut self) {
-        let exported = Exported::new(self.board.as_deref(), self.image.as_deref());
+        let exported = Exported::new(self.snapshot.as_deref(), self.image.as_deref());
         self.subscriptions.publish_now(&exported);
     }
 
     /// Returns the current exports: key and text.
     pub(crate) fn values(&self) -> Vec<(String, String)> {
-        Exported::new(self.board.as_deref(), self.image.as_deref()).values()
+        Exported::new(self.snapshot.as_deref(), self.image.as_deref()).values()
     }
 
     /// Returns the number of cycles that the command has run.
     pub(crate) fn cycles(&self) -> u64 {
-        self.board.as_ref().map_or(0, |board| board.cycles())
+        self.snapshot
+            .as_ref()
+            .map_or(0, |snapshot| snapshot.cycles())
     }
 
     /// Returns the period in nanoseconds.
@@ -152,7 +154,9 @@ impl CommandRecord {
 
     /// Returns the number of overruns and the worst one; `None` if there was none.
     pub(crate) fn overruns(&self) -> Option<(u64, Overrun)> {
-        self.board.as_ref().and_then(|board| board.overruns())
+        self.snapshot
+            .as_ref()
+            .and_then(|snapshot| snapshot.overruns())
     }
 
     /// Returns the path of a fragment; empty for the command itself.
@@ -169,7 +173,7 @@ impl CommandRecord {
 }
 
 /// Returns a name with its title for display.
-pub(super) fn called(name: &str, title: &str) -> String {
+pub(super) fn display_name(name: &str, title: &str) -> String {
     match title {
         "" => name.to_owned(),
         title => format!("{name} ({title})"),

@@ -28,14 +28,14 @@ impl Recording {
     }
 
     /// Warns once when the recording has stopped because of a write error.
-    pub(super) fn look_after(&mut self, log: &mut EventLog) {
+    pub(super) fn warn_if_failed(&mut self, log: &mut EventLog) {
         if self.is_recording
             && let Some(recorder) = self.recorder.as_ref().filter(|r| !r.is_writing())
         {
             self.is_recording = false;
             let why = recorder.write_error().unwrap_or("the writer has failed");
-            let told = format!("RECORDING STOPPED: {why}");
-            log.warn(&told);
+            let warning = format!("RECORDING STOPPED: {why}");
+            log.warn(&warning);
         }
     }
 

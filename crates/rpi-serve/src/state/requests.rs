@@ -6,7 +6,7 @@ use super::deferred::CommandOp;
 use super::device_spec::NewDevice;
 use super::emergency::requester;
 use super::pending::OnAnswer;
-use super::rule_request::{RuleRequest, note_end_result};
+use super::rule_request::{RuleRequest, record_end_result};
 use super::settings::{self, Value};
 use super::task_core::TaskCoreAdapter;
 use super::types::{ApiError, Reply, Subscriber};
@@ -41,7 +41,7 @@ impl ServerState {
         match may {
             Ok(()) => self
                 .core
-                .ask(&self.objects.commands, name, Control::start, reply),
+                .send_request(&self.objects.commands, name, Control::start, reply),
             Err(why) => reply(Err(why)),
         }
     }
@@ -49,13 +49,14 @@ impl ServerState {
     /// Cancels a command.
     pub(crate) fn cancel(&mut self, name: &str, reply: Reply) {
         self.core
-            .ask(&self.objects.commands, name, Control::cancel, reply);
+            .send_request(&self.objects.commands, name, Control::cancel, reply);
     }
 
     /// Aborts a command.
     pub(crate) fn abort(&mut self, name: &str, reply: Reply) {
         let abort = |core: &mut Control, id| core.abort(id, AbortReason::Request);
-        self.core.ask(&self.objects.commands, name, abort, reply);
+        self.core
+            .send_request(&self.objects.commands, name, abort, reply);
     }
 
     /// Unloads a command. A running one is unloaded as soon as it has ended.
@@ -67,7 +68,9 @@ impl ServerState {
                 commands.unload_at_end(number, &mut self.core);
                 reply(Ok(String::new()));
             }
-            Ok(_) => self.core.ask(commands, name, Control::unload, reply),
+            Ok(_) => self
+                .core
+                .send_request(commands, name, Control::unload, reply),
             Err(why) => reply(Err(why)),
         }
     }
@@ -117,7 +120,7 @@ impl ServerState {
             .and_then(|()| self.rules.make(make, commands, &mut self.core));
         match made {
             Ok((id, ticket)) => {
-                note_end_result(make, commands);
+                record_end_result(make, commands);
                 self.core
                     .track_request(Ok(ticket), OnAnswer::RuleMade(id), Some(reply));
             }
@@ -153,7 +156,7 @@ impl ServerState {
 
     /// Adds a simulated device. A device of the same name and type is kept as it is.
     pub(crate) fn add_device(&mut self, new: &NewDevice<'_>, reply: Reply) {
-        let added = match self.devices.is_there(new) {
+        let added = match self.devices.is_inserted(new) {
             Ok(true) => return reply(Ok(new.name.to_owned())),
             Ok(false) => self
                 .core
@@ -187,7 +190,7 @@ impl ServerState {
         self.devices.clear(place);
         for number in ended {
             if let Some(record) = commands.get(number) {
-                let called = record.called(number);
+                let called = record.display_name(number);
                 self.log.write(format_args!(
                     "{called} is unloaded because device {name} is removed"
                 ));
@@ -208,7 +211,8 @@ impl ServerState {
     /// Cancels a task: no further command starts, and running ones are cancelled.
     pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.tasks.cancel(name)?;
-        self.shop(number).with_task(|task, shop| task.cancel(shop));
+        self.task_core(number)
+            .with_task(|task, core| task.cancel(core));
         Ok(())
     }
 
@@ -220,7 +224,7 @@ impl ServerState {
     }
 
     /// Returns the core as seen by the task with this number.
-    pub(super) fn shop(&mut self, number: u64) -> TaskCoreAdapter<'_> {
+    pub(super) fn task_core(&mut self, number: u64) -> TaskCoreAdapter<'_> {
         TaskCoreAdapter {
             objects: &mut self.objects,
             core: &mut self.core,
@@ -236,11 +240,12 @@ impl ServerState {
         self.log.write(format_args!("EMERGENCY STOP by {by}"));
         self.emergency.raise(by);
         for number in self.objects.tasks.under_way() {
-            self.shop(number).with_task(|task, shop| task.abort(shop));
+            self.task_core(number)
+                .with_task(|task, core| task.abort(core));
         }
         self.emergency
             .send_stop_request(&mut self.core, Some(reply));
-        self.emergency.tell();
+        self.emergency.notify();
     }
 
     /// Resets the emergency stop: commands can be started again.

@@ -27,7 +27,7 @@ pub(crate) struct RuleRequest<'a> {
 }
 
 /// Resolves the names of a request: returns the rule for the core and its record.
-pub(super) fn built(
+pub(super) fn build_rule(
     make: &RuleRequest<'_>,
     commands: &Commands,
 ) -> Result<(Rule, RuleRecord), ApiError> {
@@ -67,21 +67,21 @@ fn condition(expr: &Expr, commands: &Commands) -> Result<Condition, ApiError> {
         Expr::Not(inner) => !condition(inner, commands)?,
         Expr::And(a, b) => condition(a, commands)? & condition(b, commands)?,
         Expr::Or(a, b) => condition(a, commands)? | condition(b, commands)?,
-        Expr::Fact(command, saying) => Condition::from_fact(
+        Expr::Fact(command, fact_expr) => Condition::from_fact(
             commands.command_id(command)?,
-            fact(command, saying, commands)?,
+            fact(command, fact_expr, commands)?,
         ),
     })
 }
 
-fn fact(command: &str, saying: &FactExpr, commands: &Commands) -> Result<Fact, ApiError> {
+fn fact(command: &str, fact_expr: &FactExpr, commands: &Commands) -> Result<Fact, ApiError> {
     let (_, record) = commands.find(command)?;
     let image = record.image.as_deref();
     let place = |what: &str, key: &str, found: Option<usize>| {
         let index = found.and_then(|k| u32::try_from(k).ok());
         index.ok_or_else(|| ApiError::Unknown(format!("{what} {key} of {command}")))
     };
-    Ok(match saying {
+    Ok(match fact_expr {
         FactExpr::Export(key) => {
             let exports = image.map_or(&[][..], |i| &i.exports);
             let found = exports.iter().position(|e| e.key == *key);
@@ -106,7 +106,7 @@ fn fact(command: &str, saying: &FactExpr, commands: &Commands) -> Result<Fact, A
 
 /// Notes the result that ends a command: a rule that only stops a command, when one of its exports is true, declares
 /// that export as such a result.
-pub(super) fn note_end_result(make: &RuleRequest<'_>, commands: &mut Commands) {
+pub(super) fn record_end_result(make: &RuleRequest<'_>, commands: &mut Commands) {
     let (Expr::Fact(command, FactExpr::Export(key)), [stop], [], []) =
         (make.when, make.stop, make.cancel, make.start)
     else {

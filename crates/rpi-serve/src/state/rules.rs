@@ -9,7 +9,7 @@ use super::completion::{must_delay_report, record_takeover, report_completions};
 use super::core_link::CoreLink;
 use super::event_log::EventLog;
 use super::parse_number;
-use super::rule_request::{RuleRequest, built};
+use super::rule_request::{RuleRequest, build_rule};
 use super::subscribers::Subscribers;
 use super::types::{ApiError, RuleState, Subscriber, Update};
 use crate::fair_share::{Client, Holder, Usage};
@@ -80,7 +80,7 @@ impl Rules {
         commands: &Commands,
         core: &mut CoreLink,
     ) -> Result<(RuleId, Ticket), ApiError> {
-        let (rule, record) = built(make, commands)?;
+        let (rule, record) = build_rule(make, commands)?;
         self.ensure_rule_quota(&record)?;
         let (id, ticket) = core.control.schedule(rule)?;
         self.records.insert(id, record);
@@ -105,8 +105,8 @@ impl Rules {
         let rules = Usage::for_client(Some(rule.client), held.clone().map(|(of, _)| (of, 1)));
         let room = rules.admit(1, self.most);
         room.map_err(|full| ApiError::limit(full, "rules"))?;
-        let said = Usage::for_client(Some(rule.client), held).admit(rule.size, self.facts);
-        said.map_err(|full| ApiError::limit(full, RULE_SIZE_LIMIT))
+        let admitted = Usage::for_client(Some(rule.client), held).admit(rule.size, self.facts);
+        admitted.map_err(|full| ApiError::limit(full, RULE_SIZE_LIMIT))
     }
 
     /// Drops the rules of a disconnected client that act on no command. They only served its subscriptions.
@@ -166,7 +166,7 @@ impl Rules {
     }
 
     /// Called when a rule has fired. The report is delayed until the order of updates is correct.
-    pub(super) fn fired(&mut self, id: RuleId, commands: &mut Commands, log: &mut EventLog) {
+    pub(super) fn on_fired(&mut self, id: RuleId, commands: &mut Commands, log: &mut EventLog) {
         record_takeover(commands, &self.stopped_by(id), log);
         self.report_fired(id, commands);
     }
@@ -185,13 +185,13 @@ impl Rules {
             true => self.delayed_rules.push(id),
             false => {
                 report_completions(commands, &stopped);
-                self.over(id, RuleState::Fired);
+                self.on_ended(id, RuleState::Fired);
             }
         }
     }
 
     /// Called when a rule has become inactive.
-    pub(super) fn over(&mut self, id: RuleId, state: RuleState) {
+    pub(super) fn on_ended(&mut self, id: RuleId, state: RuleState) {
         let Some(rule) = self.records.get_mut(&id) else {
             return;
         };
@@ -199,12 +199,12 @@ impl Rules {
         let mut watchers = std::mem::take(&mut rule.watchers);
         self.reported_rules
             .extend(Some(id).filter(|_| !watchers.is_empty()));
-        watchers.tell(&Update::Rule(state));
+        watchers.notify(&Update::Rule(state));
         self.forget_oldest();
     }
 
     /// Ends withholding the values of the commands that were started by rules whose outcome was reported.
-    pub(super) fn release_told(&mut self, commands: &mut Commands) {
+    pub(super) fn release_reported(&mut self, commands: &mut Commands) {
         for rule in std::mem::take(&mut self.reported_rules) {
             self.release_started(rule, commands);
         }

@@ -9,7 +9,7 @@ use super::types::{ApiError, Subscriber, Update, truncated};
 use crate::fair_share::{Client, Holder, Usage};
 use crate::limits::{Limits, OnLoss};
 
-/// A session.
+/// Session of a client: its name, and the policy for its commands when the connection is lost.
 struct Session {
     /// Name given by the client, for display.
     name: String,
@@ -160,7 +160,7 @@ impl Sessions {
     pub(super) fn remove_closed(&mut self, number: u64) {
         let closed = self.records.get(&number).is_some_and(|s| s.closed);
         if closed && let Some(mut session) = self.records.remove(&number) {
-            session.watchers.tell(&Update::Session(false));
+            session.watchers.notify(&Update::Session(false));
         }
     }
 

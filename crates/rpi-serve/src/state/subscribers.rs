@@ -20,12 +20,12 @@ impl Subscribers {
     }
 
     /// Sends an update to all subscribers.
-    pub(super) fn tell(&mut self, update: &Update<'_>) {
+    pub(super) fn notify(&mut self, update: &Update<'_>) {
         self.0.retain_mut(|sink| sink.notify(update));
     }
 
     /// Removes the subscribers whose clients have disconnected.
-    pub(super) fn forget_deaf(&mut self) {
+    pub(super) fn remove_disconnected(&mut self) {
         self.0.retain(|sink| sink.is_connected());
     }
 

@@ -76,19 +76,22 @@ const MIN_PERIOD: Duration = Duration::from_millis(1);
 
 /// The latest exports of a command, if it has run.
 pub(super) struct Exported<'a> {
-    board: Option<&'a ExportSnapshot>,
+    snapshot: Option<&'a ExportSnapshot>,
     image: Option<&'a Image>,
 }
 
 impl<'a> Exported<'a> {
     /// Creates the view of a command's exports.
-    pub(super) fn new(board: Option<&'a ExportSnapshot>, image: Option<&'a Image>) -> Exported<'a> {
-        Exported { board, image }
+    pub(super) fn new(
+        snapshot: Option<&'a ExportSnapshot>,
+        image: Option<&'a Image>,
+    ) -> Exported<'a> {
+        Exported { snapshot, image }
     }
 
     /// Returns the declarations of the exports and their memory slots.
     fn read(&self) -> Option<(&'a [Export], Vec<u64>)> {
-        let cells = self.board.and_then(ExportSnapshot::read_consistent);
+        let cells = self.snapshot.and_then(ExportSnapshot::read_consistent);
         Some((&self.image?.exports, cells?))
     }
 
@@ -148,8 +151,8 @@ impl Subscriptions {
 
     /// Reports a discontinuity to all subscribers.
     pub(super) fn report_discontinuity(&mut self, jump: &str) {
-        let told = |s: &mut Subscription| s.subscriber.notify(&Update::Discontinuity(jump));
-        self.list.retain_mut(told);
+        let notify = |s: &mut Subscription| s.subscriber.notify(&Update::Discontinuity(jump));
+        self.list.retain_mut(notify);
     }
 
     /// Called when the firing of the rule that started the command was reported: ends withholding its values.
@@ -166,10 +169,10 @@ impl Subscriptions {
 
     /// Reports a value of a Boolean export to subscribers with a settling time, regardless of its actual value.
     pub(super) fn report_flag(&mut self, key: &str, value: bool) {
-        let told = [(key.to_owned(), value.to_string())];
+        let values = [(key.to_owned(), value.to_string())];
         let slow = |s: &&mut Subscription| !s.end_delay.is_zero();
         self.list.iter_mut().filter(slow).for_each(|s| {
-            s.subscriber.notify(&Update::Values(&told));
+            s.subscriber.notify(&Update::Values(&values));
         });
     }
 

@@ -81,7 +81,7 @@ impl TaskCore for TaskCoreAdapter<'_> {
         let objects = &mut *self.objects;
         let room = objects.ensure_total_memory(self.number, bytes, self.core);
         room.map_err(|_| RequestError::OutOfMemoryQuota)?;
-        let adopted: AdoptedCommand = self.core.control.adopt_with_board(command)?;
+        let adopted: AdoptedCommand = self.core.control.adopt_with_snapshot(command)?;
         let id = adopted.id;
         let task = objects.tasks.get(self.number);
         let session = task.map_or(0, |task| task.session);
@@ -142,7 +142,7 @@ impl TaskCore for TaskCoreAdapter<'_> {
         let names = indices.iter().map(|index| self.image(*index).name.clone());
         let names = names.collect::<Vec<_>>().join(" and ");
         if let Some(record) = self.record() {
-            record.status.trouble = Some(format!("cannot start {names}: {why}"));
+            record.status.error = Some(format!("cannot start {names}: {why}"));
             record.changed = true;
         }
     }

@@ -74,7 +74,7 @@ pub(crate) struct TaskStatus {
     /// Number of those that could have taken over in motion.
     pub(crate) missed_in_motion: u64,
     /// Commands that could not be started, and the reason.
-    pub(crate) trouble: Option<String>,
+    pub(crate) error: Option<String>,
 }
 
 /// Maximum number of ended commands kept for a task.
@@ -109,7 +109,7 @@ impl TaskStatus {
             steps: Vec::new(),
             late: 0,
             missed_in_motion: 0,
-            trouble: None,
+            error: None,
         }
     }
 

@@ -11,7 +11,7 @@ use super::commands::Commands;
 use super::event_log::EventLog;
 use super::parse_number;
 use super::pending::answer;
-use super::record::called;
+use super::record::display_name;
 use super::subscribers::Subscribers;
 use super::task_status::{Step, TaskPhase, TaskStatus};
 use super::types::{ApiError, Reply, Subscriber, Update};
@@ -68,13 +68,13 @@ impl TaskRecord {
         matches!(self.status.phase, TaskPhase::Ended(_))
     }
 
-    fn called(&self, number: u64) -> String {
-        called(&format!("t{number}"), &self.title)
+    fn display_name(&self, number: u64) -> String {
+        display_name(&format!("t{number}"), &self.title)
     }
 
     fn report_progress(&mut self) {
         if std::mem::take(&mut self.changed) {
-            self.watchers.tell(&Update::Task(&self.status));
+            self.watchers.notify(&Update::Task(&self.status));
         }
     }
 }
@@ -146,7 +146,11 @@ impl Tasks {
     /// Removes a task that could not be loaded. Returns its display name, its session and the callback for the result.
     pub(super) fn remove(&mut self, number: u64) -> Option<(String, u64, Option<Reply>)> {
         let record = self.records.remove(&number)?;
-        Some((record.called(number), record.session, record.load_reply))
+        Some((
+            record.display_name(number),
+            record.session,
+            record.load_reply,
+        ))
     }
 
     fn number(&self, name: &str) -> Result<u64, ApiError> {
@@ -246,7 +250,7 @@ impl Tasks {
     }
 
     /// Passes an event of the cycle to all tasks.
-    pub(super) fn hear(&mut self, event: &Event) {
+    pub(super) fn handle_event(&mut self, event: &Event) {
         let tasks = self.records.values_mut().filter_map(|r| r.task.as_mut());
         tasks.for_each(|task| task.handle_event(event));
     }
@@ -259,7 +263,7 @@ impl Tasks {
         let task = record.task.as_ref();
         let running = task.map(Task::running).unwrap_or_default();
         let named = running.iter().filter_map(|id| {
-            let (number, record) = commands.numbered(*id)?;
+            let (number, record) = commands.find_by_id(*id)?;
             record
                 .runs()
                 .then(|| (format!("n{number}"), record.title.clone()))
@@ -272,14 +276,17 @@ impl Tasks {
             record.status.phase = TaskPhase::Ended(end);
             record.changed = true;
             let word = record.status.phase.name();
-            log.write(format_args!("{} has ended: {word}", record.called(number)));
+            log.write(format_args!(
+                "{} has ended: {word}",
+                record.display_name(number)
+            ));
         }
         record.report_progress();
     }
 
     /// Adds an ended command to the progress of its task.
     pub(super) fn add_step(&mut self, id: CommandId, commands: &Commands) {
-        let Some((_, record)) = commands.numbered(id) else {
+        let Some((_, record)) = commands.find_by_id(id) else {
             return;
         };
         let task = record.task.and_then(|task| self.records.get_mut(&task));
@@ -301,7 +308,7 @@ impl Tasks {
         if let Some(mut record) = self.records.remove(&number) {
             record.report_progress();
             record.status.phase = TaskPhase::Unloaded;
-            record.watchers.tell(&Update::Task(&record.status));
+            record.watchers.notify(&Update::Task(&record.status));
         }
     }
 }

@@ -8,6 +8,7 @@ use rpi_runtime::control::{
 
 use super::source_location::SourceLocation;
 use super::task_status::TaskStatus;
+use crate::condition::ConditionError;
 use crate::fair_share::QuotaError;
 
 /// Life-cycle state of a command, as clients see it.
@@ -104,7 +105,7 @@ pub(crate) enum Update<'a> {
     DeviceRemoved(&'a str),
 }
 
-/// Subscriber of updates.
+/// Receiver of updates about commands, tasks and rules, such as a connection.
 pub(crate) trait Subscriber: Send {
     /// Sends an update. Returns false if the client is disconnected. Must not block.
     fn notify(&mut self, update: &Update<'_>) -> bool;
@@ -113,7 +114,7 @@ pub(crate) trait Subscriber: Send {
     fn is_connected(&self) -> bool;
 }
 
-/// Error of a request.
+/// Error answer to a request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum ApiError {
     /// Unknown name of an object; the text is its kind and name.
@@ -179,6 +180,12 @@ impl From<RequestError> for ApiError {
             }
             RequestError::ValueSize { .. } => ApiError::Invalid(why.to_string()),
         }
+    }
+}
+
+impl From<ConditionError> for ApiError {
+    fn from(error: ConditionError) -> ApiError {
+        ApiError::Invalid(error.to_string())
     }
 }
 

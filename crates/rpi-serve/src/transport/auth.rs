@@ -5,7 +5,7 @@ use std::net::IpAddr;
 use super::auth_throttle::RejectReason;
 use super::http_head::Head;
 
-/// Authentication check.
+/// Check of the token that a client must show.
 #[derive(Clone, Default)]
 pub(crate) struct AuthPolicy {
     /// Expected token. `None` accepts every client; allowed on loopback only.
@@ -17,13 +17,13 @@ impl AuthPolicy {
     /// or in the query `?token=...`.
     pub(crate) fn check_token(&self, head: &Head) -> Option<RejectReason> {
         let token = self.token.as_ref()?;
-        let shown = head.header("authorization");
-        let shown = shown.and_then(|value| value.strip_prefix("Bearer "));
-        let asked = head
+        let in_header = head.header("authorization");
+        let in_header = in_header.and_then(|value| value.strip_prefix("Bearer "));
+        let in_query = head
             .query
             .split('&')
             .find_map(|part| part.strip_prefix("token="));
-        match shown.or(asked) {
+        match in_header.or(in_query) {
             None => Some(RejectReason::NoToken),
             Some(shown) if !constant_time_eq(shown, token) => Some(RejectReason::WrongToken),
             Some(_) => None,
@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn only_the_token_opens() {
-        let guard = AuthPolicy {
+        let policy = AuthPolicy {
             token: Some("secret".into()),
         };
-        let knows = |head: &Head| guard.check_token(head).is_none();
+        let knows = |head: &Head| policy.check_token(head).is_none();
         assert!(knows(&head("/rpc", "Authorization: Bearer secret")));
         assert!(knows(&head("/rpc?token=secret", "X: y")));
         for wrong in [
@@ -108,13 +108,13 @@ mod tests {
 
     #[test]
     fn pages_from_elsewhere_are_turned_away() {
-        let guard = AuthPolicy {
+        let policy = AuthPolicy {
             token: Some("secret".into()),
         };
-        assert!(guard.is_same_origin(&head("/", "X: y")));
-        assert!(guard.is_same_origin(&head("/", "Origin: http://cell:8080")));
-        assert!(!guard.is_same_origin(&head("/", "Origin: http://evil.example")));
-        assert!(!guard.is_same_origin(&head("/", "Origin: null")));
+        assert!(policy.is_same_origin(&head("/", "X: y")));
+        assert!(policy.is_same_origin(&head("/", "Origin: http://cell:8080")));
+        assert!(!policy.is_same_origin(&head("/", "Origin: http://evil.example")));
+        assert!(!policy.is_same_origin(&head("/", "Origin: null")));
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub(crate) enum RejectReason {
     NoToken,
     /// The request has a wrong token.
     WrongToken,
-    /// Too many connections.
+    /// The peer already has the maximum number of open connections.
     TooManyConnections,
 }
 
@@ -61,16 +61,18 @@ impl AuthThrottle {
     pub(super) fn record(&self, peer: Peer, why: RejectReason) -> Option<String> {
         let mut all = self.lock();
         all.retain(|_, s| s.waiting > 0 || s.latest.elapsed() < ENTRY_LIFETIME);
+        // Requests from many addresses must not use up the memory.
         if all.len() >= MAX_ENTRIES && !all.contains_key(&(peer, why)) {
             return None;
         }
-        let stranger = all.entry((peer, why)).or_insert(ThrottleEntry {
+        let client = all.entry((peer, why)).or_insert(ThrottleEntry {
             times: 0,
             latest: Instant::now(),
             waiting: 0,
         });
-        (stranger.times, stranger.latest) = (stranger.times + 1, Instant::now());
-        let (times, what) = (stranger.times, why.description());
+        (client.times, client.latest) = (client.times + 1, Instant::now());
+        let (times, what) = (client.times, why.description());
+        // Powers of ten: repeated requests cannot flood the log, and their number stays visible.
         match times {
             1 => Some(format!("{what}, from {peer}")),
             _ if is_power_of_ten(times) => {
@@ -83,19 +85,19 @@ impl AuthThrottle {
     /// Reserves a delayed answer to a wrong token; `None` if the peer has too many.
     pub(super) fn reserve_delay(&self, peer: Peer) -> Option<DelayedAnswer> {
         let mut all = self.lock();
-        let stranger = all.get_mut(&(peer, RejectReason::WrongToken))?;
-        if stranger.waiting >= MAX_DELAYED {
+        let client = all.get_mut(&(peer, RejectReason::WrongToken))?;
+        if client.waiting >= MAX_DELAYED {
             return None;
         }
-        stranger.waiting += 1;
+        client.waiting += 1;
         Some(DelayedAnswer(self.clone(), peer))
     }
 }
 
 impl Drop for DelayedAnswer {
     fn drop(&mut self) {
-        if let Some(stranger) = self.0.lock().get_mut(&(self.1, RejectReason::WrongToken)) {
-            stranger.waiting -= 1;
+        if let Some(client) = self.0.lock().get_mut(&(self.1, RejectReason::WrongToken)) {
+            client.waiting -= 1;
         }
     }
 }
@@ -115,10 +117,10 @@ mod tests {
 
     #[test]
     fn the_first_is_told_and_then_ever_fewer() {
-        let strangers = AuthThrottle::default();
-        let told = (0..1000).filter_map(|_| strangers.record(peer(1), RejectReason::WrongToken));
+        let throttle = AuthThrottle::default();
+        let warnings = (0..1000).filter_map(|_| throttle.record(peer(1), RejectReason::WrongToken));
         assert_eq!(
-            told.collect::<Vec<_>>(),
+            warnings.collect::<Vec<_>>(),
             [
                 "rejected a request with a wrong token, from 10.0.0.1",
                 "rejected a request with a wrong token, 10 times by now, from 10.0.0.1",
@@ -126,26 +128,22 @@ mod tests {
                 "rejected a request with a wrong token, 1000 times by now, from 10.0.0.1",
             ]
         );
-        assert!(
-            strangers
-                .record(peer(2), RejectReason::WrongToken)
-                .is_some()
-        );
+        assert!(throttle.record(peer(2), RejectReason::WrongToken).is_some());
     }
 
     #[test]
     fn only_so_many_wait_and_are_remembered() {
-        let strangers = AuthThrottle::default();
-        strangers.record(peer(1), RejectReason::WrongToken);
+        let throttle = AuthThrottle::default();
+        throttle.record(peer(1), RejectReason::WrongToken);
         let mut waiting: Vec<DelayedAnswer> = (0..MAX_DELAYED)
-            .map(|_| strangers.reserve_delay(peer(1)).unwrap())
+            .map(|_| throttle.reserve_delay(peer(1)).unwrap())
             .collect();
-        assert!(strangers.reserve_delay(peer(1)).is_none());
+        assert!(throttle.reserve_delay(peer(1)).is_none());
         waiting.pop();
-        assert!(strangers.reserve_delay(peer(1)).is_some());
+        assert!(throttle.reserve_delay(peer(1)).is_some());
         for k in 0..2000_u32 {
-            strangers.record(Peer::from_ip(k.to_be_bytes().into()), RejectReason::NoToken);
+            throttle.record(Peer::from_ip(k.to_be_bytes().into()), RejectReason::NoToken);
         }
-        assert_eq!(strangers.lock().len(), MAX_ENTRIES);
+        assert_eq!(throttle.lock().len(), MAX_ENTRIES);
     }
 }

@@ -94,8 +94,8 @@ pub(crate) fn websocket(
     let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
     let mut life = Liveness::new(silence);
     let end = loop {
-        let heard = match hear(socket.read(), front, &mut life) {
-            Ok(heard) => heard,
+        let answer_expected = match handle_read(socket.read(), front, &mut life) {
+            Ok(answer_expected) => answer_expected,
             Err(end) => break end,
         };
         if life.has_timed_out() {
@@ -107,7 +107,7 @@ pub(crate) fn websocket(
         if is_closing(closing) {
             break CloseReason::Closing;
         }
-        if let Some(end) = send_queued(out, || send(&mut socket, out, heard)) {
+        if let Some(end) = send_queued(out, || send(&mut socket, out, answer_expected)) {
             break end;
         }
     };
@@ -117,7 +117,7 @@ pub(crate) fn websocket(
 }
 
 /// Handles the result of a read. Returns whether an answer is to be expected, or the reason for the end.
-fn hear(
+fn handle_read(
     read: Result<Message, Error>,
     front: &mut dyn ConnectionHandler,
     life: &mut Liveness,
@@ -187,20 +187,30 @@ impl Liveness {
     }
 }
 
+/// Iterates over the queued messages. If an answer is expected, the iterator waits for it for a short time.
+fn queued_messages(
+    out: &OutboxReceiver,
+    answer_expected: bool,
+) -> impl Iterator<Item = String> + '_ {
+    let wait = match answer_expected {
+        true => ANSWER_WAIT,
+        false => Duration::ZERO,
+    };
+    let first = out.messages.recv_timeout(wait).ok();
+    std::iter::successors(first, |_| out.messages.try_recv().ok())
+}
+
 fn send(
     socket: &mut WebSocket<Box<dyn Stream>>,
     out: &OutboxReceiver,
-    heard: bool,
+    answer_expected: bool,
 ) -> io::Result<()> {
     let failed = |why: Error| match why {
         Error::Io(why) => why,
         other => io::Error::other(other),
     };
-    let wait = if heard { ANSWER_WAIT } else { Duration::ZERO };
-    let mut next = out.messages.recv_timeout(wait).ok();
-    while let Some(message) = next {
+    for message in queued_messages(out, answer_expected) {
         socket.write(Message::text(message)).map_err(failed)?;
-        next = out.messages.try_recv().ok();
     }
     socket.flush().map_err(failed)
 }
@@ -216,7 +226,7 @@ pub(crate) fn lines(
     let mut waiting = Vec::new();
     let mut chunk = vec![0; 16 << 10];
     while !is_closing(closing) {
-        let heard = match stream.read(&mut chunk) {
+        let answer_expected = match stream.read(&mut chunk) {
             Ok(0) => return CloseReason::Closed,
             Ok(read) => {
                 waiting.extend_from_slice(&chunk[..read]);
@@ -233,7 +243,7 @@ pub(crate) fn lines(
             let _ = send_lines(&mut stream, out, true);
             return CloseReason::TooLong;
         }
-        if let Some(end) = send_queued(out, || send_lines(&mut stream, out, heard)) {
+        if let Some(end) = send_queued(out, || send_lines(&mut stream, out, answer_expected)) {
             return end;
         }
     }
@@ -254,13 +264,14 @@ fn handle_lines(waiting: &mut Vec<u8>, front: &mut dyn ConnectionHandler) -> boo
     true
 }
 
-fn send_lines(stream: &mut dyn Write, out: &OutboxReceiver, heard: bool) -> io::Result<()> {
-    let wait = if heard { ANSWER_WAIT } else { Duration::ZERO };
-    let mut next = out.messages.recv_timeout(wait).ok();
-    while let Some(message) = next {
+fn send_lines(
+    stream: &mut dyn Write,
+    out: &OutboxReceiver,
+    answer_expected: bool,
+) -> io::Result<()> {
+    for message in queued_messages(out, answer_expected) {
         stream.write_all(message.as_bytes())?;
         stream.write_all(b"\n")?;
-        next = out.messages.try_recv().ok();
     }
     stream.flush()
 }

@@ -23,7 +23,7 @@ impl Head {
     ///
     /// # Errors
     /// If the head is incomplete, too long, too slow or malformed.
-    pub(crate) fn read(stream: &mut dyn Read, patience: Duration) -> io::Result<Head> {
+    pub(crate) fn read(stream: &mut dyn Read, timeout: Duration) -> io::Result<Head> {
         let begin = Instant::now();
         let mut bytes = Vec::new();
         let mut chunk = [0; 1024];
@@ -34,7 +34,7 @@ impl Head {
                     invalid_data("not an HTTP/1.1 request; check the scheme and the port")
                 });
             }
-            if bytes.len() > MAX_HEAD_BYTES || begin.elapsed() > patience {
+            if bytes.len() > MAX_HEAD_BYTES || begin.elapsed() > timeout {
                 return Err(invalid_data("the request is too long or too slow"));
             }
             match stream.read(&mut chunk) {
@@ -81,7 +81,7 @@ impl Head {
         &self,
         stream: &mut dyn Read,
         most: usize,
-        patience: Duration,
+        timeout: Duration,
     ) -> io::Result<Vec<u8>> {
         let length = self.header("content-length").map_or(Ok(0), str::parse);
         let length: usize =
@@ -93,7 +93,9 @@ impl Head {
         let mut body = self.remaining.clone();
         let mut chunk = [0; 16 << 10];
         while body.len() < length {
-            if begin.elapsed() > patience {
+            // The limit is for the whole body. With a limit per read, a client could keep the connection by sending
+            // single bytes.
+            if begin.elapsed() > timeout {
                 return Err(invalid_data("the body is too slow"));
             }
             match stream.read(&mut chunk) {

@@ -54,14 +54,16 @@ impl Acceptor {
 
     fn accept(&self, stream: TcpStream, peer: Peer) {
         let ready = stream
+            // Some systems let an accepted socket inherit the non-blocking mode of the listener. Messages are small,
+            // and without `set_nodelay` each would wait for the acknowledgement of the one before.
             .set_nonblocking(false)
             .and_then(|()| stream.set_nodelay(true))
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
         if ready.is_ok() {
-            self.spawn_connection(peer, move |reception| match &reception.identity {
-                None => reception.serve(Box::new(stream), peer),
-                Some(identity) => reception.serve_secure(identity, stream, peer),
+            self.spawn_connection(peer, move |acceptor| match &acceptor.identity {
+                None => acceptor.serve(Box::new(stream), peer),
+                Some(identity) => acceptor.serve_secure(identity, stream, peer),
             });
         }
     }
@@ -76,13 +78,13 @@ impl Acceptor {
         else {
             return self.log_rejection(peer, RejectReason::TooManyConnections);
         };
-        let reception = self.clone();
+        let acceptor = self.clone();
         let _ = thread::Builder::new()
             .name("rpi-client".into())
             .spawn(move || {
                 // Moved into the thread, so that the connection is counted until the thread ends.
                 let _place = place;
-                serve(&reception);
+                serve(&acceptor);
             });
     }
 
@@ -135,6 +137,7 @@ impl Acceptor {
             let needed = "a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`";
             return web::Response::error(401, needed).send(stream);
         }
+        // A delayed answer occupies a thread. Beyond the limit of a peer, the connection is closed without an answer.
         let Some(_wait) = self.throttle.reserve_delay(peer) else {
             return Ok(());
         };
@@ -144,8 +147,8 @@ impl Acceptor {
 
     /// Logs a rejected connection or request.
     fn log_rejection(&self, peer: Peer, why: RejectReason) {
-        if let Some(told) = self.throttle.record(peer, why) {
-            self.state.lock().log.warn(&told);
+        if let Some(warning) = self.throttle.record(peer, why) {
+            self.state.lock().log.warn(&warning);
         }
     }
 
@@ -211,10 +214,10 @@ impl Acceptor {
         peer: Peer,
         out: Outbox,
     ) -> Option<Box<dyn ConnectionHandler>> {
-        let office = self.state.clone();
+        let shared = self.state.clone();
         match path {
-            "/DirectIO" => Some(Box::new(DioConnection::new(office, peer, out))),
-            "/rpc" => Some(Box::new(RpcConnection::new(office, peer, out))),
+            "/DirectIO" => Some(Box::new(DioConnection::new(shared, peer, out))),
+            "/rpc" => Some(Box::new(RpcConnection::new(shared, peer, out))),
             _ => None,
         }
     }
@@ -227,14 +230,14 @@ const TLS_REQUIRED: &str = "this port speaks TLS only: https:// or wss://";
 const HANDSHAKE: u8 = 22;
 
 /// Returns whether the client starts a TLS handshake. No byte is taken from the stream.
-fn starts_tls(stream: &TcpStream, patience: Duration) -> io::Result<bool> {
+fn starts_tls(stream: &TcpStream, timeout: Duration) -> io::Result<bool> {
     let begin = Instant::now();
     let mut first = [0];
     loop {
         match stream.peek(&mut first) {
             Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(_) => return Ok(first[0] == HANDSHAKE),
-            Err(e) if is_timeout(&e) && begin.elapsed() < patience => {}
+            Err(e) if is_timeout(&e) && begin.elapsed() < timeout => {}
             Err(e) => return Err(e),
         }
     }
@@ -270,6 +273,7 @@ impl Drop for ConnectionSlot {
         if let Some(own) = counts.get_mut(&self.1) {
             *own -= 1;
         }
+        // Otherwise the map would grow with every address that ever connected.
         counts.retain(|_, own| *own > 0);
     }
 }
@@ -292,21 +296,21 @@ impl Acceptor {
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
         if ready.is_ok() {
-            self.spawn_connection(Peer::Local, move |reception| {
+            self.spawn_connection(Peer::Local, move |acceptor| {
                 let (out, outgoing) = outbox(
-                    reception.limits.queued_messages,
-                    reception.limits.subscriptions,
+                    acceptor.limits.queued_messages,
+                    acceptor.limits.subscriptions,
                 );
-                let mut front = RpcConnection::new(reception.state.clone(), Peer::Local, out);
-                let most = reception.limits.message_bytes;
+                let mut front = RpcConnection::new(acceptor.state.clone(), Peer::Local, out);
+                let most = acceptor.limits.message_bytes;
                 let end = framing::lines(
                     Box::new(stream),
                     most,
                     &mut front,
                     &outgoing,
-                    &reception.closing,
+                    &acceptor.closing,
                 );
-                reception.log_if_not_reading(end, Peer::Local);
+                acceptor.log_if_not_reading(end, Peer::Local);
             });
         }
     }

@@ -5,18 +5,23 @@ use std::io;
 use std::net::TcpStream;
 use std::path::Path;
 
+use crate::open_error::IdentityError;
+
 /// Certificate and key of the server; cannot be created without TLS.
 #[derive(Clone)]
-pub(crate) struct Identity(Infallible);
+pub(crate) struct TlsIdentity(Infallible);
 
-impl Identity {
+impl TlsIdentity {
+    /// Rejects the files, because the server cannot use them.
+    ///
     /// # Errors
     /// Always.
-    pub(crate) fn read(_: &Path, _: &Path) -> Result<Identity, String> {
-        Err("this server was built without TLS".to_owned())
+    pub(crate) fn read(_: &Path, _: &Path) -> Result<TlsIdentity, IdentityError> {
+        Err(IdentityError::TlsUnsupported)
     }
 
-    pub(crate) fn secure(&self, _: TcpStream) -> io::Result<TcpStream> {
+    /// Never called, because there is no identity.
+    pub(crate) fn accept(&self, _: TcpStream) -> io::Result<TcpStream> {
         match self.0 {}
     }
 }

@@ -46,6 +46,8 @@ impl Outbox {
         if self.closed.load(Ordering::Relaxed) {
             return false;
         }
+        // A client that does not read is disconnected. Waiting would block the thread that serves all clients, and
+        // without single messages the client would be wrong about the state.
         let put = self.messages.try_send(message).is_ok();
         if !put {
             self.close();

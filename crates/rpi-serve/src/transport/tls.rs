@@ -10,6 +10,8 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
+use crate::open_error::IdentityError;
+
 /// Certificate and key of the server.
 #[derive(Clone)]
 pub(crate) struct TlsIdentity(Arc<ServerConfig>);
@@ -18,9 +20,12 @@ impl TlsIdentity {
     /// Reads the certificate chain, the server's own certificate first, and the private key, both in PEM (RFC 7468).
     ///
     /// # Errors
-    /// If a file cannot be read or used; the text names it.
-    pub(crate) fn read(certificates: &Path, key: &Path) -> Result<TlsIdentity, String> {
-        let of = |path: &Path, why: &dyn std::fmt::Display| format!("{}: {why}", path.display());
+    /// If a file cannot be read or used.
+    pub(crate) fn read(certificates: &Path, key: &Path) -> Result<TlsIdentity, IdentityError> {
+        let of = |path: &Path, reason: &dyn std::fmt::Display| IdentityError::File {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        };
         let chain = CertificateDer::pem_file_iter(certificates).and_then(Iterator::collect);
         let chain: Vec<_> = chain.map_err(|why| of(certificates, &why))?;
         if chain.is_empty() {
@@ -48,7 +53,7 @@ impl TlsIdentity {
     }
 }
 
-/// A TLS connection.
+/// Server side of a TLS connection.
 pub(crate) struct TlsStream(StreamOwned<ServerConnection, TcpStream>);
 
 impl Read for TlsStream {

@@ -16,7 +16,7 @@ pub(crate) use response::Response;
 
 /// Answers an HTTP request.
 pub(crate) fn respond(
-    (office, peer): (&SharedState, Peer),
+    (shared, peer): (&SharedState, Peer),
     limits: &Limits,
     head: &Head,
     body: &[u8],
@@ -24,12 +24,12 @@ pub(crate) fn respond(
     let body = String::from_utf8_lossy(body);
     let parts: Vec<&str> = head.path.split('/').filter(|p| !p.is_empty()).collect();
     match (head.method.as_str(), parts.as_slice()) {
-        ("POST", ["eval"]) => post::eval(office, &form::parse(&body), limits.request_timeout),
+        ("POST", ["eval"]) => post::eval(shared, &form::parse(&body), limits.request_timeout),
         ("POST", ["devices"]) => {
-            post::device((office, peer), &form::parse(&body), limits.request_timeout)
+            post::device((shared, peer), &form::parse(&body), limits.request_timeout)
         }
-        ("POST", ["sessions", name]) => post::session((office, peer), name, &form::parse(&body)),
-        ("GET", parts) => pages::page(office, parts),
+        ("POST", ["sessions", name]) => post::session((shared, peer), name, &form::parse(&body)),
+        ("GET", parts) => pages::page(shared, parts),
         _ => Response::error(405, "this method is not allowed here"),
     }
 }

@@ -24,20 +24,20 @@ const INDEX: &str = "RPI control core\n\n\
     /rpc       websocket: JSON-RPC 2.0\n";
 
 /// Returns the page with this path.
-pub(crate) fn page(office: &SharedState, parts: &[&str]) -> Response {
+pub(crate) fn page(shared: &SharedState, parts: &[&str]) -> Response {
     match parts {
         [] => Response::text(INDEX.to_owned()),
         ["modules"] => Response::xml(modules()),
         ["types"] => Response::xml(types()),
-        ["devices"] => Response::xml(devices(office)),
-        ["sessions"] => Response::xml(sessions(office)),
-        ["nets"] => Response::xml(nets(office)),
+        ["devices"] => Response::xml(devices(shared)),
+        ["sessions"] => Response::xml(sessions(shared)),
+        ["nets"] => Response::xml(nets(shared)),
         ["extensions"] => Response::xml(extensions()),
-        ["log"] => Response::text(office.lock().log.text()),
-        ["nets", name, "dio"] => page_or_404(text(office, name), Response::text),
-        ["nets", name, "xml"] => page_or_404(net_structure(office, name), Response::xml),
-        ["nets", name, "debug"] => page_or_404(debug(office, name), Response::xml),
-        ["nets", name, "stats"] => page_or_404(stats(office, name), Response::xml),
+        ["log"] => Response::text(shared.lock().log.text()),
+        ["nets", name, "dio"] => page_or_404(text(shared, name), Response::text),
+        ["nets", name, "xml"] => page_or_404(net_structure(shared, name), Response::xml),
+        ["nets", name, "debug"] => page_or_404(debug(shared, name), Response::xml),
+        ["nets", name, "stats"] => page_or_404(stats(shared, name), Response::xml),
         ["rpc" | "DirectIO"] => Response::error(426, "this path is a websocket, not a page"),
         _ => Response::error(404, "there is no such page; / lists all pages"),
     }
@@ -107,9 +107,9 @@ fn types() -> String {
     xml.finish()
 }
 
-fn devices(office: &SharedState) -> String {
+fn devices(shared: &SharedState) -> String {
     let mut xml = XmlWriter::new("devices");
-    for info in office.lock().devices.all() {
+    for info in shared.lock().devices.all() {
         xml.begin("device", &[("name", &info.name), ("type", &info.kind)]);
         for (interface, parameters) in &info.interfaces {
             xml.begin("interface", &[("name", interface)]);
@@ -123,17 +123,17 @@ fn devices(office: &SharedState) -> String {
     xml.finish()
 }
 
-fn sessions(office: &SharedState) -> String {
+fn sessions(shared: &SharedState) -> String {
     let mut xml = XmlWriter::new("sessions");
-    for (name, owner) in office.lock().objects.sessions.all() {
+    for (name, owner) in shared.lock().objects.sessions.all() {
         xml.leaf("session", &[("name", &name), ("description", owner)], "");
     }
     xml.finish()
 }
 
-fn nets(office: &SharedState) -> String {
+fn nets(shared: &SharedState) -> String {
     let mut xml = XmlWriter::new("nets");
-    for (name, record) in office.lock().objects.commands.all() {
+    for (name, record) in shared.lock().objects.commands.all() {
         let state = format!("{:?}", record.status.phase);
         let about = [
             ("name", name.as_str()),
@@ -145,8 +145,8 @@ fn nets(office: &SharedState) -> String {
     xml.finish()
 }
 
-fn text(office: &SharedState, name: &str) -> Result<String, ApiError> {
-    let state = office.lock();
+fn text(shared: &SharedState, name: &str) -> Result<String, ApiError> {
+    let state = shared.lock();
     let (_, record) = state.objects.commands.find(name)?;
     let origin = record.origin.as_ref();
     let none = || ApiError::Unknown(format!("text of {name}: it is part of a task"));
@@ -154,16 +154,16 @@ fn text(office: &SharedState, name: &str) -> Result<String, ApiError> {
 }
 
 /// Returns the structure of a net as XML. The net is compiled again from its text, with the state unlocked.
-fn net_structure(office: &SharedState, name: &str) -> Result<String, ApiError> {
-    let origin = office.lock().objects.commands.find(name)?.1.origin.clone();
+fn net_structure(shared: &SharedState, name: &str) -> Result<String, ApiError> {
+    let origin = shared.lock().objects.commands.find(name)?.1.origin.clone();
     let none = || ApiError::Unknown(format!("text of {name}: it is part of a task"));
     let page = origin.ok_or_else(none)?.net(|net| Ok(net_xml::page(net)));
     page.map_err(ApiError::Rejected)
 }
 
 /// Returns the inputs of a command and its latest exports.
-fn debug(office: &SharedState, name: &str) -> Result<String, ApiError> {
-    let state = office.lock();
+fn debug(shared: &SharedState, name: &str) -> Result<String, ApiError> {
+    let state = shared.lock();
     let (_, record) = state.objects.commands.find(name)?;
     let mut xml = XmlWriter::new("debug");
     xml.leaf("state", &[], &format!("{:?}", record.status.phase));
@@ -193,8 +193,8 @@ fn extensions() -> String {
     xml.finish()
 }
 
-fn stats(office: &SharedState, name: &str) -> Result<String, ApiError> {
-    let state = office.lock();
+fn stats(shared: &SharedState, name: &str) -> Result<String, ApiError> {
+    let state = shared.lock();
     let (_, record) = state.objects.commands.find(name)?;
     let mut xml = XmlWriter::new("stats");
     xml.leaf("cycles", &[], &record.cycles().to_string());

@@ -12,18 +12,18 @@ use crate::state::{ApiError, NewDevice, Reply, SharedState};
 type Form = BTreeMap<String, String>;
 
 /// Runs a net for one cycle and returns its exports as XML.
-pub(crate) fn eval(office: &SharedState, form: &Form, patience: Duration) -> Response {
+pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Response {
     let Some(net) = form.get("dionet") else {
         return Response::error(400, "expected a form with dionet=...");
     };
     let (sender, answer) = channel();
     let failed = sender.clone();
-    office.lock().eval(
+    shared.lock().eval(
         net,
         Box::new(move |values| drop(sender.send(Ok(values)))),
         Box::new(move |result| drop(result.map_err(|why| failed.send(Err(why))))),
     );
-    match answer.recv_timeout(patience) {
+    match answer.recv_timeout(timeout) {
         Ok(Ok(values)) => {
             let mut xml = XmlWriter::new("eval");
             for (key, value) in &values {
@@ -38,14 +38,14 @@ pub(crate) fn eval(office: &SharedState, form: &Form, patience: Duration) -> Res
 
 /// Adds or removes a device.
 pub(crate) fn device(
-    (office, peer): (&SharedState, Peer),
+    (shared, peer): (&SharedState, Peer),
     form: &Form,
-    patience: Duration,
+    timeout: Duration,
 ) -> Response {
     let name = form.get("name").map_or("", String::as_str);
     let (reply, answer) = reply_channel();
     if form.get("action").is_some_and(|action| action == "remove") {
-        office.lock().remove_device(name, reply);
+        shared.lock().remove_device(name, reply);
     } else {
         let new = NewDevice {
             peer,
@@ -53,9 +53,9 @@ pub(crate) fn device(
             kind: form.get("type").map_or("", String::as_str),
             parameters: form,
         };
-        office.lock().add_device(&new, reply);
+        shared.lock().add_device(&new, reply);
     }
-    match answer.recv_timeout(patience) {
+    match answer.recv_timeout(timeout) {
         Ok(Ok(_)) => Response::text("done\n".to_owned()),
         Ok(Err(why)) => Response::error(400, &why.to_string()),
         Err(_) => Response::error(503, "timeout: no answer from the cycle"),
@@ -63,14 +63,14 @@ pub(crate) fn device(
 }
 
 /// Ends a session.
-pub(crate) fn session((office, peer): (&SharedState, Peer), name: &str, form: &Form) -> Response {
+pub(crate) fn session((shared, peer): (&SharedState, Peer), name: &str, form: &Form) -> Response {
     if form
         .get("action")
         .is_none_or(|action| action != "TERMINATE")
     {
         return Response::error(400, "expected a form with action=TERMINATE");
     }
-    let mut state = office.lock();
+    let mut state = shared.lock();
     // An HTTP request counts as a client without sessions.
     let nobody = state.objects.client(peer);
     let ended = state

@@ -116,8 +116,8 @@ fn good_and_bad(scene: &Scene) {
         all_requests(scene, round);
     }
     let count = AtomicU64::new(0);
-    for trouble in BAD_CLIENTS {
-        run_bad_client(*trouble, scene, 7, &count);
+    for run in BAD_CLIENTS {
+        run_bad_client(*run, scene, 7, &count);
     }
     wait_for_calm(scene);
 }

@@ -121,8 +121,8 @@ fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
     let counts: Vec<AtomicU64> = BAD_CLIENTS.iter().map(|_| AtomicU64::new(0)).collect();
     digest.wait(1);
     // Run each kind once first, so that permanent allocations exist before memory is measured.
-    for (trouble, count) in BAD_CLIENTS.iter().zip(&counts) {
-        run_bad_client(*trouble, scene, 0, count);
+    for (run, count) in BAD_CLIENTS.iter().zip(&counts) {
+        run_bad_client(*run, scene, 0, count);
     }
     wait_for_calm(scene);
     let (held, before) = (MEMORY.allocated(), resident_memory_kb("VmRSS:"));
@@ -153,11 +153,9 @@ fn attack(scene: &Scene, digest: &Digest, seconds: u64) {
 }
 
 /// Runs one bad client. A client that the server disconnects may panic.
-fn run_bad_client(trouble: bad_clients::BadClient, scene: &Scene, seed: u64, count: &AtomicU64) {
+fn run_bad_client(run: bad_clients::BadClient, scene: &Scene, seed: u64, count: &AtomicU64) {
     let mut random = Random(seed | 1);
-    drop(catch_unwind(AssertUnwindSafe(|| {
-        trouble(scene, &mut random)
-    })));
+    drop(catch_unwind(AssertUnwindSafe(|| run(scene, &mut random))));
     count.fetch_add(1, Ordering::Relaxed);
 }
 

@@ -75,8 +75,8 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
         ]
     );
     assert!(ask("Authorization: Bearer open sesame").starts_with("HTTP/1.1 200"));
-    let stranger = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
-    assert!(ask(stranger).starts_with("HTTP/1.1 403"));
+    let client = "Authorization: Bearer open sesame\r\nOrigin: http://elsewhere";
+    assert!(ask(client).starts_with("HTTP/1.1 403"));
 }
 
 /// Wrong tokens are answered with a delay and use only a few connections; a correct token is accepted meanwhile.
@@ -109,16 +109,16 @@ fn guessing_a_token_is_slow_and_holds_nobody_up() {
     while !server
         .warnings()
         .iter()
-        .any(|told| told.contains("10 times"))
+        .any(|warning| warning.contains("10 times"))
     {
-        assert!(begin.elapsed() < PATIENCE, "they are not told");
+        assert!(begin.elapsed() < PATIENCE, "there is no warning");
     }
     assert!(ask(token).starts_with("HTTP/1.1 200"));
     assert!(begin.elapsed() < limits.wrong_token_delay, "it had to wait");
     let answers: Vec<String> = guesses.into_iter().map(|g| g.join().unwrap()).collect();
     assert!(begin.elapsed() >= limits.wrong_token_delay, "they had not");
-    let told = answers.iter().filter(|a| a.contains("the token is wrong"));
-    assert_eq!(told.count(), 8, "{answers:?}");
+    let rejected = answers.iter().filter(|a| a.contains("the token is wrong"));
+    assert_eq!(rejected.count(), 8, "{answers:?}");
 }
 
 #[test]
@@ -170,9 +170,9 @@ fn a_net_and_what_has_happened_can_be_looked_at() {
     client.ask(&format!("nest(\"{net}\")")).unwrap();
     client.ask(&format!("gne(\"{net}\",0.001)")).unwrap();
     client.wait("a value", |text| text.contains("outtwice").then_some(()));
-    let told = get(address, &format!("/nets/{net}/debug"));
-    assert!(told.contains("<export key=\"twice\">2"), "{told}");
-    assert!(told.contains("<input key=\"gain\""), "{told}");
+    let page = get(address, &format!("/nets/{net}/debug"));
+    assert!(page.contains("<export key=\"twice\">2"), "{page}");
+    assert!(page.contains("<input key=\"gain\""), "{page}");
     client.ask(&format!("neab(\"{net}\")")).unwrap();
     client.wait("its end", |text| text.contains("TERMINATED").then_some(()));
     let log = get(address, "/log");
@@ -296,7 +296,10 @@ fn a_text_from_a_client_reads_no_files() {
     for method in ["command.load", "task.load"] {
         let text = format!("include {:?}\n{COUNT}", secret.to_str().unwrap());
         let load = json!({"session": owner.session.clone(), "text": text});
-        let told = owner.ask(method, &load).to_string();
-        assert!(told.contains("RPI1005") && !told.contains("hush"), "{told}");
+        let answer = owner.ask(method, &load).to_string();
+        assert!(
+            answer.contains("RPI1005") && !answer.contains("hush"),
+            "{answer}"
+        );
     }
 }

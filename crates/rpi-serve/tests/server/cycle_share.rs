@@ -56,8 +56,8 @@ impl Scene {
     /// Returns the bound in s of a command with this many cosines.
     fn bound(&mut self, count: usize) -> f64 {
         let command = self.cosines(count);
-        let told = self.ask("command.describe", &command);
-        told["result"]["bound"].as_f64().unwrap()
+        let answer = self.ask("command.describe", &command);
+        answer["result"]["bound"].as_f64().unwrap()
     }
 }
 
@@ -71,11 +71,11 @@ fn count_for(scene: &mut Scene, share: f64) -> usize {
 fn who_is_too_heavy_alone_is_not_loaded() {
     let mut scene = Scene::new(&settings());
     let count = count_for(&mut scene, 1.1);
-    let told = scene.load(&cosines(count), "rpi");
-    let error = &told["error"];
-    assert_eq!(error["code"], -32008, "{told}");
-    assert!(error["data"]["needed"].as_f64() > Some(0.8e-3), "{told}");
-    assert_eq!(error["data"]["granted"], 0.8e-3, "{told}");
+    let answer = scene.load(&cosines(count), "rpi");
+    let error = &answer["error"];
+    assert_eq!(error["code"], -32008, "{answer}");
+    assert!(error["data"]["needed"].as_f64() > Some(0.8e-3), "{answer}");
+    assert_eq!(error["data"]["granted"], 0.8e-3, "{answer}");
     let message = error["message"].as_str().unwrap();
     assert!(message.contains("--cycle-share"), "{message}");
     let unbounded = Settings {
@@ -91,10 +91,10 @@ fn who_is_too_heavy_beside_others_waits_for_them() {
     let count = count_for(&mut scene, 0.6);
     let [first, second] = [(); 2].map(|()| scene.cosines(count));
     assert!(scene.ask("command.start", &first)["error"].is_null());
-    let told = scene.ask("command.start", &second);
-    assert_eq!(told["error"]["code"], -32008, "{told}");
-    assert!(told["error"]["data"]["taken"].as_f64() > Some(0.4e-3));
-    let message = told["error"]["message"].as_str().unwrap();
+    let answer = scene.ask("command.start", &second);
+    assert_eq!(answer["error"]["code"], -32008, "{answer}");
+    assert!(answer["error"]["data"]["taken"].as_f64() > Some(0.4e-3));
+    let message = answer["error"]["message"].as_str().unwrap();
     assert!(message.starts_with("RPI7003: "), "{message}");
     assert!(scene.ask("command.abort", &first)["error"].is_null());
     let begin = std::time::Instant::now();
@@ -117,8 +117,8 @@ fn those_that_take_turns_at_an_arm_count_once() {
     let [first, second] = loaded;
     assert!(first.is_string(), "{}", scene.load(&text, "rpi"));
     let after = json!({"command": second, "after": first});
-    let told = call(&mut scene.client, 4, "command.schedule", &after);
-    assert!(told["error"].is_null(), "{told}");
+    let answer = call(&mut scene.client, 4, "command.schedule", &after);
+    assert!(answer["error"].is_null(), "{answer}");
     assert!(scene.ask("command.start", &first)["error"].is_null());
 }
 
@@ -132,12 +132,12 @@ fn those_that_follow_one_another_count_once() {
     assert!(scene.ask("command.start", &chain[0])["error"].is_null());
     for pair in chain.windows(2) {
         let after = json!({"command": pair[1], "after": pair[0]});
-        let told = call(&mut scene.client, 4, "command.schedule", &after);
-        assert!(told["error"].is_null(), "{told}");
+        let answer = call(&mut scene.client, 4, "command.schedule", &after);
+        assert!(answer["error"].is_null(), "{answer}");
     }
     let beside = scene.cosines(count);
-    let told = scene.ask("command.start", &beside);
-    assert_eq!(told["error"]["code"], -32008, "{told}");
+    let answer = scene.ask("command.start", &beside);
+    assert_eq!(answer["error"]["code"], -32008, "{answer}");
 }
 
 /// The work of a primitive grows with the size of its matrices.

@@ -40,7 +40,7 @@ fn filled(message: &str, nets: &Names, names: &Names) -> String {
 }
 
 /// Matches a text against a pattern of fixed parts separated by `*`. Returns the name and text of at most one `$name`.
-fn fits(text: &str, pattern: &str) -> Option<Option<(String, String)>> {
+fn match_pattern(text: &str, pattern: &str) -> Option<Option<(String, String)>> {
     if let Some((before, rest)) = pattern.split_once('$') {
         let end = rest
             .find(|c: char| !c.is_alphanumeric())
@@ -79,8 +79,8 @@ fn replay(file: &str) {
         let message = filled(message, &nets, &names);
         match direction {
             ">" => client.send(&message),
-            "<" => names.extend(client.wait(&line, |text| fits(text, &message))),
-            "<!" => names.extend(client.wait_for_next(&line, |text| fits(text, &message))),
+            "<" => names.extend(client.wait(&line, |text| match_pattern(text, &message))),
+            "<!" => names.extend(client.wait_for_next(&line, |text| match_pattern(text, &message))),
             _ => panic!("what is {line}?"),
         }
     }
@@ -103,10 +103,10 @@ fn a_blend_completes_the_predecessor() {
 
 #[test]
 fn patterns_fit_what_they_say() {
-    assert_eq!(fits("c1=ok()", "c1=ok()"), Some(None));
-    assert_eq!(fits("c1=ok(1)", "c1=ok()"), None);
-    assert_eq!(fits("a(x,b,y)", "a(*b*)"), Some(None));
-    assert_eq!(fits("a(x,y)", "a(*b*)"), None);
+    assert_eq!(match_pattern("c1=ok()", "c1=ok()"), Some(None));
+    assert_eq!(match_pattern("c1=ok(1)", "c1=ok()"), None);
+    assert_eq!(match_pattern("a(x,b,y)", "a(*b*)"), Some(None));
+    assert_eq!(match_pattern("a(x,y)", "a(*b*)"), None);
     let taken = Some(Some(("n".to_owned(), "n7".to_owned())));
-    assert_eq!(fits("c1=ok(\"n7\")", "c1=ok(\"$n\")"), taken);
+    assert_eq!(match_pattern("c1=ok(\"n7\")", "c1=ok(\"$n\")"), taken);
 }

@@ -194,8 +194,8 @@ fn what_does_not_fit_a_state_is_told_with_it() {
     let count = owner.load(crate::rules::COUNT, "count", "rpi");
     let command = json!({"command": count});
     let mut why = |method: &str| {
-        let told = owner.ask(method, &command);
-        told["error"]["message"]
+        let answer = owner.ask(method, &command);
+        answer["error"]["message"]
             .as_str()
             .unwrap_or_default()
             .to_owned()
@@ -220,10 +220,10 @@ fn numbers_keep_every_bit() {
     owner.ask("command.start", &command);
     let begin = Instant::now();
     let twice = loop {
-        let told = owner.ask("command.describe", &command)["result"]["values"].clone();
-        match told["twice"].as_str() {
+        let values = owner.ask("command.describe", &command)["result"]["values"].clone();
+        match values["twice"].as_str() {
             Some(twice) => break twice.parse::<f64>().unwrap(),
-            None => assert!(begin.elapsed() < Duration::from_secs(30), "{told}"),
+            None => assert!(begin.elapsed() < Duration::from_secs(30), "{values}"),
         }
     };
     assert_eq!(twice, 2.0 * gain);

@@ -225,13 +225,13 @@ task Once () let Long(); tel
     let task = json!({"task": task});
     owner.ask("task.start", &task);
     let begin = Instant::now();
-    let told = loop {
-        let told = owner.ask("task.describe", &task)["result"].clone();
-        if told["state"] == "failed" {
-            break told;
+    let status = loop {
+        let status = owner.ask("task.describe", &task)["result"].clone();
+        if status["state"] == "failed" {
+            break status;
         }
-        assert!(begin.elapsed() < PATIENCE, "{told}");
+        assert!(begin.elapsed() < PATIENCE, "{status}");
     };
-    let trouble = told["trouble"].as_str().unwrap();
-    assert!(trouble.contains("memory quota is exhausted"), "{trouble}");
+    let error = status["trouble"].as_str().unwrap();
+    assert!(error.contains("memory quota is exhausted"), "{error}");
 }

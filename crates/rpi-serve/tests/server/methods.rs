@@ -9,7 +9,7 @@ use rpi_testkit::{files_below, workspace_root};
 type ClientSources = (&'static str, &'static str, &'static str);
 
 const CLIENTS: [ClientSources; 2] = [
-    ("rpi-client", "crates/rpi-client/src", ".rs"),
+    ("rpi-client", "clients/rust/src", ".rs"),
     ("clients/python", "clients/python/rpi_client", ".py"),
 ];
 

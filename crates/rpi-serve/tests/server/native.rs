@@ -57,14 +57,14 @@ fn a_program_is_loaded_scheduled_and_watched_to_its_end() {
     assert_eq!(ending["result"], "done");
     assert_eq!(ending["error"], 0);
     assert_eq!(ending["cycles"], 500);
-    let told = call(
+    let answer = call(
         &mut client,
         8,
         "command.describe",
         &json!({"command": second}),
     );
-    assert_eq!(told["result"]["values"]["n"], "500");
-    assert_eq!(told["result"]["results"], json!(["done"]));
+    assert_eq!(answer["result"]["values"]["n"], "500");
+    assert_eq!(answer["result"]["results"], json!(["done"]));
 }
 
 #[test]
@@ -135,14 +135,15 @@ fn a_unix_socket_takes_a_message_per_line() {
     let load = json!({"session": session, "text": ECHO, "language": "rpinet"});
     let loaded = ask(json!({"id": 2, "method": "command.load", "params": load}));
     let command = &loaded["result"]["command"];
-    let told = ask(json!({"id": 3, "method": "command.describe", "params": {"command": command}}));
-    assert_eq!(told["result"]["inputs"][0]["key"], "gain");
-    assert_eq!(told["result"]["state"], "ready");
+    let answer =
+        ask(json!({"id": 3, "method": "command.describe", "params": {"command": command}}));
+    assert_eq!(answer["result"]["inputs"][0]["key"], "gain");
+    assert_eq!(answer["result"]["state"], "ready");
     stream.write_all(&vec![b' '; 1 << 16]).unwrap();
-    let complaint: Value = serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap();
-    assert_eq!(complaint["error"]["code"], -32600, "{complaint}");
+    let error_line: Value = serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap();
+    assert_eq!(error_line["error"]["code"], -32600, "{error_line}");
     assert_eq!(
-        complaint["error"]["message"],
+        error_line["error"]["message"],
         "a message has at most 4096 bytes"
     );
     assert!(answers.next().is_none_or(|line| line.is_err()));
@@ -196,11 +197,11 @@ fn only_sockets_that_nobody_listens_at_are_replaced() {
 fn until(server: &rpi_serve::Server, page: &str, wanted: impl Fn(&str) -> bool) {
     let begin = std::time::Instant::now();
     loop {
-        let told = crate::client::get(server.address(), page);
-        if wanted(&told) {
+        let page = crate::client::get(server.address(), page);
+        if wanted(&page) {
             return;
         }
-        assert!(begin.elapsed() < crate::client::PATIENCE, "{told}");
+        assert!(begin.elapsed() < crate::client::PATIENCE, "{page}");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
 }
@@ -213,9 +214,9 @@ fn a_session_that_runs_on_goes_with_what_nobody_has_started() {
     let opened = call(&mut client, 1, "session.open", &opened);
     let load = json!({"session": opened["result"]["session"], "text": ECHO, "language": "rpinet"});
     call(&mut client, 2, "command.load", &load);
-    until(&server, "/sessions", |told| told.contains("left behind"));
+    until(&server, "/sessions", |page| page.contains("left behind"));
     drop(client);
-    until(&server, "/sessions", |told| !told.contains("left behind"));
+    until(&server, "/sessions", |page| !page.contains("left behind"));
 }
 
 #[test]
@@ -232,14 +233,14 @@ fn whoever_takes_a_session_up_again_owns_it() {
         "the client of session {} has disconnected",
         session.as_str().unwrap()
     );
-    until(&server, "/log", |told| told.contains(&lost));
+    until(&server, "/log", |page| page.contains(&lost));
     let mut heir = Client::rpc(server.address());
     call(&mut heir, 1, "command.load", &load);
     call(&mut heir, 2, "command.abort", &json!({"command": running}));
-    until(&server, "/nets", |told| !told.contains("Running"));
-    until(&server, "/sessions", |told| told.contains("heirloom"));
+    until(&server, "/nets", |page| !page.contains("Running"));
+    until(&server, "/sessions", |page| page.contains("heirloom"));
     drop(heir);
-    until(&server, "/sessions", |told| !told.contains("heirloom"));
+    until(&server, "/sessions", |page| !page.contains("heirloom"));
 }
 
 /// Returns a command that ends by the result `left` or `right`, given by `side`.
@@ -296,7 +297,7 @@ fn a_task_branches_by_result() {
             let params = &update["params"];
             (params["command"] == *winner && params["state"] == "terminated").then_some(())
         });
-        client.wait("the loser is unloaded, and told", |text| {
+        client.wait("the loser is unloaded, and reported", |text| {
             let update: Value = serde_json::from_str(text).ok()?;
             let params = &update["params"];
             (params["command"] == *loser && params["state"] == "unloaded").then_some(())

@@ -1,5 +1,5 @@
-//! Commands whose cycles take too long: they are counted with their location in the program, and ended if their policy
-//! says so.
+//! Commands whose cycles take too long are counted with their location in the program, and ended if their policy is
+//! to end them.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -54,8 +54,8 @@ fn load(client: &mut Client, session: &Value, on_overrun: &str) -> Value {
 }
 
 fn describe(client: &mut Client, command: &Value) -> Value {
-    let told = call(client, 4, "command.describe", &json!({"command": command}));
-    told["result"].clone()
+    let description = call(client, 4, "command.describe", &json!({"command": command}));
+    description["result"].clone()
 }
 
 /// Starts a command and waits until its description satisfies `is_so`.
@@ -64,11 +64,11 @@ fn run_until(client: &mut Client, command: &Value, is_so: impl Fn(&Value) -> boo
     assert!(started["error"].is_null(), "{started}");
     let begin = Instant::now();
     loop {
-        let told = describe(client, command);
-        if is_so(&told) {
-            return told;
+        let description = describe(client, command);
+        if is_so(&description) {
+            return description;
         }
-        assert!(begin.elapsed() < PATIENCE, "{told}");
+        assert!(begin.elapsed() < PATIENCE, "{description}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -79,14 +79,14 @@ fn what_takes_too_long_is_counted_with_its_place() {
     let mut client = Client::rpc(server.address());
     let session = session(&mut client);
     let heavy = load(&mut client, &session, "count");
-    let often = |told: &Value| told["overruns"]["count"].as_u64() > Some(20);
-    let told = run_until(&mut client, &heavy, often);
-    assert_eq!(told["state"], "running", "counting ends nothing");
-    let overruns = &told["overruns"];
-    assert_eq!(overruns["fragment"], "Busy", "{told}");
+    let often = |description: &Value| description["overruns"]["count"].as_u64() > Some(20);
+    let description = run_until(&mut client, &heavy, often);
+    assert_eq!(description["state"], "running", "counting ends nothing");
+    let overruns = &description["overruns"];
+    assert_eq!(overruns["fragment"], "Busy", "{description}");
     let took = overruns["took"].as_f64().unwrap();
-    assert!(took > 10e-6 && took < 10.0, "{told}");
-    assert!(overruns["late"].as_f64() > Some(0.0), "{told}");
+    assert!(took > 10e-6 && took < 10.0, "{description}");
+    assert!(overruns["late"].as_f64() > Some(0.0), "{description}");
 }
 
 /// A command with an abort policy ends with cause and location; another command keeps running. A replay of the
@@ -115,17 +115,19 @@ fn a_policy_of_its_own_ends_a_command_and_no_other() {
         .clone();
     call(&mut client, 3, "command.start", &json!({"command": light}));
     let heavy = load(&mut client, &session, "abort:3/5");
-    let told = run_until(&mut client, &heavy, |told| told["state"] == "terminated");
-    let ending = &told["ending"];
-    assert_eq!(ending["cause"], "aborted", "{told}");
+    let description = run_until(&mut client, &heavy, |description| {
+        description["state"] == "terminated"
+    });
+    let ending = &description["ending"];
+    assert_eq!(ending["cause"], "aborted", "{description}");
     assert_eq!(ending["why"], "too many overruns");
-    assert_eq!(ending["place"], "Busy", "{told}");
-    assert!(ending["cycles"].as_u64() >= Some(3), "{told}");
+    assert_eq!(ending["place"], "Busy", "{description}");
+    assert!(ending["cycles"].as_u64() >= Some(3), "{description}");
     assert_eq!(describe(&mut client, &light)["state"], "running");
     server.close().unwrap();
     let bytes = std::fs::read(&path).unwrap();
-    let told = br#""fragment":"Busy""#;
-    assert!(bytes.windows(told.len()).any(|text| text == told));
+    let fragment = br#""fragment":"Busy""#;
+    assert!(bytes.windows(fragment.len()).any(|text| text == fragment));
     let report = replay(&Recording::read(&bytes).unwrap()).unwrap();
     assert!(report.agrees(), "{report}");
 }
@@ -137,9 +139,9 @@ fn a_policy_that_is_none_is_refused_with_the_forms() {
     let session = session(&mut client);
     for bad in [json!("abort:9/3"), json!("dance"), json!(3)] {
         let params = json!({"session": session, "text": "", "on_overrun": bad});
-        let told = call(&mut client, 2, "command.load", &params);
-        assert_eq!(told["error"]["code"], -32602, "{told}");
-        let message = told["error"]["message"].as_str().unwrap();
+        let answer = call(&mut client, 2, "command.load", &params);
+        assert_eq!(answer["error"]["code"], -32602, "{answer}");
+        let message = answer["error"]["message"].as_str().unwrap();
         assert!(message.contains("on_overrun"), "{message}");
     }
 }

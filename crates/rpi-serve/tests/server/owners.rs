@@ -36,8 +36,8 @@ fn a_page_ends_no_session_of_somebody_who_is_there() {
     let page = format!("/sessions/{}", owner.session.as_str().unwrap());
     let end = || post(server.address(), &page, "action=TERMINATE");
     assert!(end().starts_with("HTTP/1.1 403"), "{}", end());
-    let told = owner.ask("command.describe", &json!({"command": count}));
-    assert_eq!(told["result"]["state"], "ready", "{told}");
+    let answer = owner.ask("command.describe", &json!({"command": count}));
+    assert_eq!(answer["result"]["state"], "ready", "{answer}");
     let shared = owner.ask("session.open", &json!({"shared": true}));
     let page = format!(
         "/sessions/{}",
@@ -114,8 +114,8 @@ fn commands_that_go_with_their_device_are_named() {
     assert_eq!(removed["result"], json!({}), "{removed}");
     let log = crate::client::get(server.address(), "/log");
     let name = hold.as_str().unwrap();
-    let told = format!("{name} (hold) is unloaded because device two is removed");
-    assert!(log.contains(&told), "{log}");
+    let reason = format!("{name} (hold) is unloaded because device two is removed");
+    assert!(log.contains(&reason), "{log}");
 }
 
 /// An unknown name of a command or task is reported as unknown, not as ambiguous.

@@ -67,13 +67,13 @@ fn a_full_disk_is_told_at_once_and_stops_nothing() {
         std::thread::sleep(Duration::from_millis(5));
         warnings = server.warnings();
     }
-    let told = "RECORDING STOPPED: no storage space";
-    assert_eq!(warnings, [told]);
-    assert!(server.warnings().is_empty(), "it is told once");
+    let warning = "RECORDING STOPPED: no storage space";
+    assert_eq!(warnings, [warning]);
+    assert!(server.warnings().is_empty(), "there is one warning");
     let log = get(server.address(), "/log");
-    assert!(log.contains(told), "{log}");
-    let told = get(server.address(), "/nets");
-    assert!(told.contains("Running"), "{told}");
+    assert!(log.contains(warning), "{log}");
+    let page = get(server.address(), "/nets");
+    assert!(page.contains("Running"), "{page}");
     let why = server.close().unwrap_err();
     assert_eq!(why.kind(), io::ErrorKind::StorageFull, "{why}");
 }

@@ -150,7 +150,7 @@ fn strands_that_cannot_start_together_are_all_named() {
     assert!(task.is_string(), "{loaded}");
     owner.ask("task.start", &json!({"task": task}));
     owner.ask("watch.task", &json!({"task": task}));
-    let trouble = owner.client.wait("why not", |text| {
+    let error = owner.client.wait("why not", |text| {
         let update: Value = serde_json::from_str(text).ok()?;
         update["params"]["trouble"].as_str().map(str::to_owned)
     });
@@ -158,11 +158,8 @@ fn strands_that_cannot_start_together_are_all_named() {
         "cannot start Count and Swing",
         "cannot start Swing and Count",
     ];
-    assert!(
-        both.iter().any(|names| trouble.starts_with(names)),
-        "{trouble}"
-    );
-    assert!(trouble.contains("is held by holder"), "{trouble}");
+    assert!(both.iter().any(|names| error.starts_with(names)), "{error}");
+    assert!(error.contains("is held by holder"), "{error}");
 }
 
 /// An ended command of a task reports the devices that it left moving.
@@ -207,10 +204,13 @@ fn an_emergency_stop_brakes_what_moves() {
     });
     assert_eq!(ending["why"], "emergency stop", "{ending}");
     assert_eq!(ending["braked"], json!(["arm"]), "{ending}");
-    let told = owner.ask("command.describe", &json!({"command": swing}));
-    let told = &told["result"];
-    assert_eq!(told["state"], "terminated", "{told}");
-    assert_eq!(told["ending"], ending, "whoever asks later hears the same");
+    let description = owner.ask("command.describe", &json!({"command": swing}));
+    let description = &description["result"];
+    assert_eq!(description["state"], "terminated", "{description}");
+    assert_eq!(
+        description["ending"], ending,
+        "whoever asks later hears the same"
+    );
     assert_eq!(ending["cause"], "aborted", "{ending}");
     let place = ending["place"].as_str().unwrap_or_default();
     assert!(place.contains("arm"), "what has moved it: {ending}");

@@ -44,8 +44,8 @@ fn who_watches_a_task_is_told_that_it_is_unloaded() {
         }
         owner.ask("task.unload", &json!({"task": task}));
         for end in ends {
-            next(&mut owner, ("task", &task), |told| {
-                (told["state"] == *end).then_some(())
+            next(&mut owner, ("task", &task), |update| {
+                (update["state"] == *end).then_some(())
             });
         }
     }
@@ -73,20 +73,22 @@ fn a_leap_is_told_to_whom_it_concerns() {
         owner.ask("command.start", &json!({"command": first}));
         std::thread::sleep(std::time::Duration::from_millis(50));
         owner.ask("command.cancel", &json!({"command": first}));
-        let jump = next(&mut owner, ("command", &leap), |told| {
-            told["jump"].as_str().map(str::to_owned)
+        let jump = next(&mut owner, ("command", &leap), |update| {
+            update["jump"].as_str().map(str::to_owned)
         });
         assert!(jump.starts_with("velocity of arm[0] would be "), "{jump}");
         assert!(jump.ends_with("is the limit"), "{jump}");
         if let Some(cause) = cause {
-            let ending = next(&mut owner, ("command", &leap), |told| {
-                told["ending"].is_object().then(|| told["ending"].clone())
+            let ending = next(&mut owner, ("command", &leap), |update| {
+                update["ending"]
+                    .is_object()
+                    .then(|| update["ending"].clone())
             });
             assert_eq!(ending["cause"], cause, "{ending}");
             assert_eq!(ending["jump"], json!(jump), "{ending}");
         }
-        let told = owner.ask("command.describe", &json!({"command": leap}));
-        assert_eq!(told["result"]["jump"], json!(jump), "{told}");
+        let answer = owner.ask("command.describe", &json!({"command": leap}));
+        assert_eq!(answer["result"]["jump"], json!(jump), "{answer}");
         let log = get(server.address(), "/log");
         assert!(
             log.contains(&format!("(leap) takes over with a jump: {jump}")),

@@ -4,17 +4,43 @@
 
 use super::Arm;
 use super::limits::AxisState;
+use crate::cell::ArmSpec;
 use nalgebra::{SMatrix, Vector6};
 use rpi_kin::model::InverseKinematics;
-use rpi_kin::{InverseKinematicsError, MAX_AXES, Pose, jacobian};
+use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose, jacobian};
 
 /// A value for each axis, with the length of the longest arm; unused entries are zero.
 pub(super) type PerAxis = [f64; MAX_AXES];
 
-impl Arm {
+/// Kinematics of an arm with a tool.
+#[derive(Clone, Debug)]
+pub(super) struct ArmKinematics {
+    model: &'static ArmModel,
+    /// Pose of the tool in the flange frame.
+    tool: Pose,
+    /// Number of axes.
+    axes: usize,
+    /// Limits of the axes, for the inverse kinematics.
+    limits: [AxisLimits; MAX_AXES],
+}
+
+impl ArmKinematics {
+    pub(super) fn new(spec: &ArmSpec) -> Self {
+        let mut limits = [AxisLimits::from_radians(0.0, 0.0, 0.0); MAX_AXES];
+        limits
+            .iter_mut()
+            .zip(&spec.limits)
+            .for_each(|(slot, own)| *slot = *own);
+        Self {
+            model: spec.model,
+            tool: spec.tool,
+            axes: spec.joints.len().min(spec.limits.len()),
+            limits,
+        }
+    }
+
     /// Forward kinematics: pose of the tool in the base frame for joint positions in rad.
-    #[must_use]
-    pub fn forward(&self, joints: &[f64]) -> Pose {
+    pub(super) fn forward(&self, joints: &[f64]) -> Pose {
         self.model.forward(joints) * self.tool
     }
 
@@ -27,7 +53,7 @@ impl Arm {
     ) -> Result<PerAxis, InverseKinematicsError> {
         let flange = pose * self.tool.inverse();
         self.model
-            .inverse_with_elbow(&flange, hint, elbow, &self.limits[..self.axes()])
+            .inverse_with_elbow(&flange, hint, elbow, &self.limits[..self.axes])
     }
 
     /// Velocity of the tool for joint positions and velocities: linear (m/s), then angular (rad/s).
@@ -41,7 +67,7 @@ impl Arm {
     }
 
     fn jacobian(&self, joints: &PerAxis) -> SMatrix<f64, 6, MAX_AXES> {
-        let tool = self.forward(&joints[..self.axes()]).translation.vector;
+        let tool = self.forward(&joints[..self.axes]).translation.vector;
         jacobian::geometric(&self.model.chain, joints, &tool)
     }
 
@@ -59,7 +85,9 @@ impl Arm {
         };
         rpi_kin::angle::wrap(angle(HALF) - angle(-HALF)) / (2.0 * HALF)
     }
+}
 
+impl Arm {
     /// Commanded state of one axis; at rest at 0 if the axis does not exist.
     pub(super) fn commanded_at(&self, axis: usize) -> AxisState {
         self.axes
@@ -69,7 +97,12 @@ impl Arm {
 
     /// Measured state of one axis; at rest at 0 if the axis does not exist.
     pub(super) fn measured_at(&self, axis: usize) -> AxisState {
-        self.history.read().get(axis).copied().unwrap_or_default()
+        self.sensing
+            .history
+            .read()
+            .get(axis)
+            .copied()
+            .unwrap_or_default()
     }
 
     /// One component of the commanded states of all axes.
@@ -83,14 +116,14 @@ impl Arm {
 
     /// One component of the measured states of all axes.
     pub(super) fn measured(&self, part: fn(&AxisState) -> f64) -> PerAxis {
-        core::array::from_fn(|axis| part(&self.history.read()[axis]))
+        core::array::from_fn(|axis| part(&self.sensing.history.read()[axis]))
     }
 
     /// Joint torques caused by a contact at the tool, in N m.
     pub(super) fn external_torques(&self) -> PerAxis {
-        self.torques(
+        self.kinematics.torques(
             &self.measured(|state| state.position),
-            &self.fault_effects.contact,
+            &self.faults.effects.contact,
         )
     }
 
@@ -102,6 +135,7 @@ impl Arm {
     /// Commanded pose of the tool in the base frame.
     #[must_use]
     pub fn pose(&self) -> Pose {
-        self.forward(&self.commanded(|state| state.position)[..self.axes()])
+        let joints = self.commanded(|state| state.position);
+        self.kinematics.forward(&joints[..self.axes()])
     }
 }

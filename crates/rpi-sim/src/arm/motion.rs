@@ -11,7 +11,7 @@ use crate::device::{SlotWriter, pose_from};
 use crate::error_code::ErrorCode;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
-use rpi_motion::node_table::PathError;
+use rpi_motion::PathError;
 use rpi_motion::path::{Arc, Piece, ToolPath};
 use rpi_motion::stop_margin::stopping_distances;
 use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint, scan_path};
@@ -81,7 +81,7 @@ struct PathBrake {
 struct Request<'a> {
     motion: i64,
     target: &'a [u64],
-    asked: Bounds,
+    requested: Bounds,
     controls: Controls,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Request<'a> {
         Some(Self {
             motion: motion.cast_signed(),
             target,
-            asked: Bounds {
+            requested: Bounds {
                 speed,
                 acceleration,
                 jerk,
@@ -246,7 +246,7 @@ impl Motion {
     ) -> Result<(), PathFault> {
         let from = &state.position;
         let path = self.path(kind, from, request.target)?;
-        if !request.asked.are_positive() {
+        if !request.requested.are_positive() {
             return Err(ErrorCode::NOT_POSITIVE.into());
         }
         scan_path(&self.arm, &path, from).map_err(|error| self.fault(&error, &path))?;
@@ -255,7 +255,7 @@ impl Motion {
             return self.hold_end(&path, state);
         }
         self.way = path.way();
-        let begun = self.core.begin(path, state, request.asked);
+        let begun = self.core.begin(path, state, request.requested);
         begun.map_err(|error| match error {
             MotionError::Path(error) => {
                 // The core has forgotten the path that it was on.
@@ -272,8 +272,9 @@ impl Motion {
             Path::Joints(line) => line.joints(line.length()),
             Path::Tool(tool) => {
                 let (pose, near) = (tool.pose(tool.length()), &state.position);
-                let found = self.arm.inverse(&pose, near, near);
-                found.map_err(PathFault::from)?
+                let arm_angle = self.arm.arm_angle(near).unwrap_or(0.0);
+                let found = self.arm.inverse(&pose, near, arm_angle);
+                found.map_err(PathFault::from)?.0
             }
         };
         let begun = self.core.begin_hold(&end, state);

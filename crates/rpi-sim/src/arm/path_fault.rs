@@ -4,8 +4,7 @@ use super::limits::Violation;
 use super::port::inverse_error_code;
 use crate::error_code::ErrorCode;
 use rpi_kin::{AxisLimits, InverseKinematicsError};
-use rpi_motion::Path;
-use rpi_motion::node_table::{PathError, PathErrorKind};
+use rpi_motion::{Path, PathError, PathErrorKind};
 
 /// Why a motion cannot be made, and the axis that it concerns. On a path of the tool the value is the place and the
 /// limit the length, in m.

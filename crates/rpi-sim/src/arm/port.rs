@@ -1,8 +1,8 @@
 //! Access to the arm's ports: reading sensors, checking and staging set-points, calling functions.
 
 use super::limits::{AxisState, Violation};
-use super::port_table::{PORTS, Parameter, PortAction, PortRow, Target};
-use super::{Arm, PARAMETERS};
+use super::port_table::{PORTS, PortAction, PortRow, Target};
+use super::{Arm, parameters};
 use crate::cell::EnforcedLimits;
 use crate::device::{
     Device, PortIndex, Report, SlotWriter, find_port, is_in_row, pose_from, split_numbered_name,
@@ -14,10 +14,6 @@ use rpi_device::{Discontinuity, PortQuery, Quantity, Rejection, ResolveError};
 use rpi_kin::{InverseKinematicsError, MAX_AXES};
 
 impl Arm {
-    fn line(slot: PortIndex) -> Option<&'static PortRow> {
-        PORTS.get(usize::from(slot.row))
-    }
-
     /// Checks a set-point of one axis or of all. Returns the resulting states, `None` for axes that it does not set;
     /// the error names the axis.
     fn check_set_point(
@@ -41,7 +37,7 @@ impl Arm {
             Target::Tool => {
                 let joints = self.commanded(|state| state.position);
                 let near = &joints[..self.axes()];
-                let found = self.inverse(&pose_from(value), near, near);
+                let found = self.kinematics.inverse(&pose_from(value), near, near);
                 let found =
                     found.map_err(|why| (None, Violation::from_code(inverse_error_code(why))))?;
                 (0..self.axes()).try_for_each(|axis| stage(axis, found[axis]))?;
@@ -113,66 +109,26 @@ impl Arm {
         first.unwrap_or(ErrorCode::OK)
     }
 
-    /// True if the arm accepts a parameter: finite numbers, no negative mass, a known control strategy.
-    fn accepts_parameter(&self, parameter: Parameter, value: &[u64]) -> bool {
-        let first = value.first().copied().unwrap_or_default();
-        let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
-        match parameter {
-            Parameter::Strategy => matches!(first, 10 | 20 | 30),
-            Parameter::Tool | Parameter::ToolAndTcp => finite && f64::from_bits(first) >= 0.0,
-            _ => finite,
-        }
-    }
-
-    fn store_parameter(&mut self, parameter: Parameter, index: usize, value: &[u64]) {
-        if let Parameter::Strategy = parameter {
-            self.strategy = value
-                .first()
-                .map_or(self.strategy, |bits| bits.cast_signed());
-            return;
-        }
-        if let Some(kept) = self.parameters.get_mut(parameter_index(parameter, index)) {
-            for (k, slot) in kept.iter_mut().enumerate() {
-                let k = match parameter {
-                    Parameter::ToolAndTcp => LOAD_INDICES.get(k).copied(),
-                    _ => Some(k),
-                };
-                let bits = k.and_then(|k| value.get(k));
-                *slot = bits.map_or(*slot, |bits| f64::from_bits(*bits));
-            }
-        }
-    }
-
     /// The requested control strategy: 10 position, 20 Cartesian impedance, 30 joint impedance.
     #[must_use]
     pub fn strategy(&self) -> i64 {
-        self.strategy
+        self.parameters.strategy
     }
 
     /// The requested tool load: mass (kg), centre of mass (m), moments of inertia (kg m²), tool centre point (m).
     #[must_use]
     pub fn load(&self) -> &[f64] {
-        &self.parameters[parameter_index(Parameter::Tool, 0)][..10]
+        self.parameters.load()
     }
 }
 
-/// Indices of the numbers of [`Arm::load`] in a value of `tool_and_tcp`: mass, centre of mass as a pose, moments of
-/// inertia, tool centre point as a pose. Only the positions of the poses are used.
-const LOAD_INDICES: [usize; 10] = [0, 1, 2, 3, 8, 9, 10, 11, 12, 13];
+/// The row of a port in the port table.
+fn port_row(slot: PortIndex) -> Option<&'static PortRow> {
+    PORTS.get(usize::from(slot.row))
+}
 
 /// States of the axes that a set-point sets.
 type StagedStates = [Option<AxisState>; MAX_AXES];
-
-/// Index of a parameter's values; also its resource number after those of the axes.
-fn parameter_index(parameter: Parameter, index: usize) -> usize {
-    match parameter {
-        Parameter::Tool | Parameter::ToolAndTcp => 0,
-        Parameter::ToolImpedance => 1,
-        Parameter::ToolSine => 2,
-        Parameter::JointImpedance => 3 + index,
-        Parameter::Strategy => PARAMETERS,
-    }
-}
 
 /// Limits for the continuity check at a takeover. Jerk is excluded: it would need a third earlier set-point.
 const CONTINUITY_LIMITS: EnforcedLimits = EnforcedLimits {
@@ -213,18 +169,16 @@ impl Device for Arm {
     }
 
     fn has_port(&self, slot: PortIndex) -> bool {
-        is_in_row(Self::line(slot).map(|line| &line.spec), slot, |_| {
-            self.axes()
-        })
+        is_in_row(port_row(slot).map(|line| &line.spec), slot, |_| self.axes())
     }
 
     fn resources_of(&self, slot: PortIndex) -> Range<u32> {
         let index = usize::from(slot.index);
-        let range = match Self::line(slot).map(|line| &line.action) {
+        let range = match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Move(Target::Joint)) => index..index + 1,
             Some(PortAction::Move(_)) => 0..self.axes(),
             Some(PortAction::Parameter(parameter)) => {
-                let own = MAX_AXES + parameter_index(*parameter, index);
+                let own = MAX_AXES + parameters::resource_index(*parameter, index);
                 own..own + 1
             }
             _ => 0..0,
@@ -233,20 +187,20 @@ impl Device for Arm {
     }
 
     fn read(&self, slot: PortIndex, value: &mut [u64]) -> bool {
-        let Some(PortAction::Sense(sense)) = Self::line(slot).map(|line| &line.action) else {
+        let Some(PortAction::Sense(sense)) = port_row(slot).map(|line| &line.action) else {
             return false;
         };
         sense(self, usize::from(slot.index), &mut SlotWriter::new(value));
-        !self.fault_effects.samples_lost
+        !self.faults.effects.samples_lost
     }
 
     fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection {
-        match Self::line(slot).map(|line| &line.action) {
+        match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Move(target)) => {
                 self.check_motion(*target, usize::from(slot.index), value)
             }
             Some(PortAction::Parameter(_)) if self.has_failed() => Rejection::DEVICE_FAILED,
-            Some(PortAction::Parameter(parameter)) if self.accepts_parameter(*parameter, value) => {
+            Some(PortAction::Parameter(parameter)) if parameters::accepts(*parameter, value) => {
                 Rejection::NONE
             }
             _ => Rejection::ILLEGAL_VALUE,
@@ -254,7 +208,7 @@ impl Device for Arm {
     }
 
     fn jump(&self, slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
-        let Some(PortAction::Move(target)) = Self::line(slot).map(|line| &line.action) else {
+        let Some(PortAction::Move(target)) = port_row(slot).map(|line| &line.action) else {
             return None;
         };
         let judged =
@@ -269,7 +223,7 @@ impl Device for Arm {
     }
 
     fn error(&self, slot: PortIndex) -> i64 {
-        let code = match Self::line(slot).map(|line| &line.action) {
+        let code = match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Move(Target::Joint)) => self.axis_code(usize::from(slot.index)),
             Some(PortAction::Move(_)) => self.any_code(),
             _ => self.code,
@@ -279,7 +233,7 @@ impl Device for Arm {
 
     fn write(&mut self, slot: PortIndex, value: &[u64]) {
         let index = usize::from(slot.index);
-        match Self::line(slot).map(|line| &line.action) {
+        match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Move(target)) => {
                 // Checked again, because `write` does not rely on an earlier call of `check`.
                 let staged = self
@@ -292,15 +246,15 @@ impl Device for Arm {
                     .filter(|(_, staged)| staged.is_some());
                 set.for_each(|(axis, staged)| axis.staged = staged);
             }
-            Some(PortAction::Parameter(parameter)) if self.accepts_parameter(*parameter, value) => {
-                self.store_parameter(*parameter, index, value)
+            Some(PortAction::Parameter(parameter)) if parameters::accepts(*parameter, value) => {
+                self.parameters.store(*parameter, index, value)
             }
             _ => {}
         }
     }
 
     fn call(&mut self, slot: PortIndex, arguments: &[u64], result: &mut [u64]) -> bool {
-        match Self::line(slot).map(|line| &line.action) {
+        match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Plan(kind)) => {
                 self.call_motion(*kind, arguments, &mut SlotWriter::new(result))
             }
@@ -342,7 +296,6 @@ impl Device for Arm {
     }
 
     fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
-        self.reports.drain(..).for_each(each);
-        core::mem::take(&mut self.reports_lost)
+        self.reports.drain(each)
     }
 }

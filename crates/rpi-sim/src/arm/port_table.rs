@@ -175,22 +175,22 @@ pub(super) const PORTS: &[PortRow] = &[
         out.put_bits(arm.any_code().0.cast_unsigned())
     }),
     sensor("tcp.force_x", REAL, |arm, _, out| {
-        out.put_real(arm.fault_effects.contact[0])
+        out.put_real(arm.faults.effects.contact[0])
     }),
     sensor("tcp.force_y", REAL, |arm, _, out| {
-        out.put_real(arm.fault_effects.contact[1])
+        out.put_real(arm.faults.effects.contact[1])
     }),
     sensor("tcp.force_z", REAL, |arm, _, out| {
-        out.put_real(arm.fault_effects.contact[2])
+        out.put_real(arm.faults.effects.contact[2])
     }),
     sensor("tcp.torque_x", REAL, |arm, _, out| {
-        out.put_real(arm.fault_effects.contact[3])
+        out.put_real(arm.faults.effects.contact[3])
     }),
     sensor("tcp.torque_y", REAL, |arm, _, out| {
-        out.put_real(arm.fault_effects.contact[4])
+        out.put_real(arm.faults.effects.contact[4])
     }),
     sensor("tcp.torque_z", REAL, |arm, _, out| {
-        out.put_real(arm.fault_effects.contact[5])
+        out.put_real(arm.faults.effects.contact[5])
     }),
     actuator(
         "joint.position",
@@ -299,7 +299,7 @@ pub(super) const PORTS: &[PortRow] = &[
     sensor(
         "force",
         PortValue::One(rpi_image::Scalar::Wrench),
-        |arm, _, out| out.put_reals(arm.fault_effects.contact.iter().copied()),
+        |arm, _, out| out.put_reals(arm.faults.effects.contact.iter().copied()),
     ),
     sensor("error", BOOL, |arm, _, out| {
         out.put_bits(u64::from(arm.any_code().0 != 0))
@@ -314,7 +314,7 @@ fn put_joints(arm: &Arm, values: PerAxis, out: &mut SlotWriter<'_>) {
 }
 
 fn commanded_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
-    let twist = arm.twist(
+    let twist = arm.kinematics.twist(
         &arm.commanded(|s| s.position),
         &arm.commanded(|s| s.velocity),
     );
@@ -322,12 +322,17 @@ fn commanded_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
 }
 
 fn measured_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
-    let twist = arm.twist(&arm.measured(|s| s.position), &arm.measured(|s| s.velocity));
+    let twist = arm
+        .kinematics
+        .twist(&arm.measured(|s| s.position), &arm.measured(|s| s.velocity));
     out.put_reals(twist.iter().copied());
 }
 
 fn measured_pose(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
-    out.put_pose(&arm.forward(&arm.measured(|s| s.position)[..arm.axes()]));
+    out.put_pose(
+        &arm.kinematics
+            .forward(&arm.measured(|s| s.position)[..arm.axes()]),
+    );
 }
 
 /// Reads `count` reals from slot `from` on; `None` if there are too few.
@@ -343,7 +348,7 @@ fn reals(cells: &[u64], from: usize, count: usize) -> Option<PerAxis> {
 fn kinematics(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -> bool {
     let joints = reals(arguments, 0, arm.axes());
     joints
-        .map(|joints| out.put_pose(&arm.forward(&joints[..arm.axes()])))
+        .map(|joints| out.put_pose(&arm.kinematics.forward(&joints[..arm.axes()])))
         .is_some()
 }
 
@@ -371,7 +376,9 @@ fn put_inverse(
         return false;
     };
     let axes = arm.axes();
-    let found = arm.inverse(&pose_from(arguments), &hint[..axes], &elbow[..axes]);
+    let found = arm
+        .kinematics
+        .inverse(&pose_from(arguments), &hint[..axes], &elbow[..axes]);
     found.map(|joints| put_joints(arm, joints, out)).is_ok()
 }
 
@@ -382,7 +389,7 @@ fn velocity_kinematics(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -
     else {
         return false;
     };
-    out.put_reals(arm.twist(&joints, &velocities).iter().copied());
-    out.put_real(arm.elbow_velocity(&joints, &velocities));
+    out.put_reals(arm.kinematics.twist(&joints, &velocities).iter().copied());
+    out.put_real(arm.kinematics.elbow_velocity(&joints, &velocities));
     true
 }

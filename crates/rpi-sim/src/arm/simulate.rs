@@ -1,19 +1,18 @@
 //! Simulation of an arm from tick to tick.
 
+use super::Arm;
 use super::axis::Axis;
 use super::brake::Brake;
 use super::limits::Violation;
-use super::{Arm, FaultEffects, REPORT_CAPACITY, measured_sample};
 use crate::device::Report;
 use crate::error_code::ErrorCode;
-use crate::fault::FaultKind;
 
 impl Arm {
     /// Simulates one tick that ends at `time` (s): applies set-points, moves the drives, takes samples.
     pub fn step(&mut self, time: f64) {
         self.time = time;
         self.update_faults();
-        if self.fault_effects.set_points_lost {
+        if self.faults.effects.set_points_lost {
             self.drop_staged();
         }
         self.decide();
@@ -22,13 +21,13 @@ impl Arm {
         } else {
             self.drive();
         }
-        self.sense();
+        self.sensing.sample(&mut self.axes, &self.faults.effects);
     }
 
     /// Decides what happens in this tick: follow set-points, brake, or stand still.
     fn decide(&mut self) {
-        let told = core::mem::take(&mut self.stop_requested);
-        if told || self.has_failed() {
+        let stop_requested = core::mem::take(&mut self.stop_requested);
+        if stop_requested || self.has_failed() {
             return self.begin_braking();
         }
         let came = self.axes.iter().any(|axis| axis.staged.is_some());
@@ -141,20 +140,6 @@ impl Arm {
         self.ticks_left = left.saturating_sub(1);
     }
 
-    fn sense(&mut self) {
-        let (share, tick) = (self.lag_fraction, self.tick);
-        self.axes
-            .iter_mut()
-            .for_each(|axis| axis.measure(share, tick));
-        let mut sample = measured_sample(&self.axes);
-        let deviation = self.deviation + self.fault_effects.deviation;
-        for axis in sample.iter_mut().take(self.axes.len()) {
-            axis.position += self.noise.normal(deviation);
-        }
-        let age = self.ticks(self.latency + self.fault_effects.delay);
-        self.history.add(sample, age);
-    }
-
     /// True if the arm moves or has not reached its last set-point. A staged set-point takes precedence over the
     /// present velocity: a set-point at the present position brings an axis to rest.
     pub(super) fn is_moving(&self) -> bool {
@@ -169,32 +154,10 @@ impl Arm {
 
     /// Computes the effects of the faults that are active now.
     pub(super) fn update_faults(&mut self) {
-        self.fault_effects = FaultEffects::default();
-        let mut whole = ErrorCode::OK;
-        let mut failed = [false; rpi_kin::MAX_AXES];
-        for fault in self
-            .faults
-            .iter()
-            .filter(|fault| fault.is_active(self.time))
-        {
-            match fault.kind {
-                FaultKind::JointFailure(axis) => failed
-                    .get_mut(axis)
-                    .into_iter()
-                    .for_each(|axis| *axis = true),
-                FaultKind::EmergencyStop => whole = ErrorCode::EMERGENCY_STOP,
-                FaultKind::LostSamples => self.fault_effects.samples_lost = true,
-                FaultKind::LostSetPoints => self.fault_effects.set_points_lost = true,
-                FaultKind::Latency(delay) => self.fault_effects.delay += delay,
-                FaultKind::Noise(deviation) => self.fault_effects.deviation += deviation,
-                FaultKind::Contact(wrench) => self.fault_effects.contact += wrench,
-            }
-        }
-        if let Some(surface) = self.surface {
-            // Component 2 is the force along z.
-            self.fault_effects.contact[2] += surface.force(self.pose().translation.z);
-        }
-        self.update_failures(whole, &failed);
+        let surface = self.faults.surface;
+        let force = surface.map(|surface| surface.force(self.pose().translation.z));
+        let failures = self.faults.update(self.time, force);
+        self.update_failures(failures.whole, &failures.axes);
     }
 
     /// Sets and clears failures. Each new failure is reported once.
@@ -224,10 +187,6 @@ impl Arm {
     }
 
     pub(super) fn report(&mut self, axis: Option<usize>, violation: Violation) {
-        if self.reports.len() == REPORT_CAPACITY {
-            self.reports_lost += 1;
-            return;
-        }
         let Violation { code, value, limit } = violation;
         self.reports.push(Report {
             time: self.time,
@@ -236,20 +195,5 @@ impl Arm {
             value,
             limit,
         });
-    }
-
-    /// Reserves space for the largest latency that any fault may cause.
-    pub(super) fn reserve_history(&mut self) {
-        let delays = self.faults.iter().map(|fault| match fault.kind {
-            FaultKind::Latency(delay) => delay,
-            _ => 0.0,
-        });
-        let oldest = self.ticks(self.latency + delays.sum::<f64>());
-        self.history.reserve(oldest);
-    }
-
-    fn ticks(&self, time: f64) -> usize {
-        // The conversion saturates. Times are never negative, and the history limits the age.
-        (time / self.tick).ceil() as usize
     }
 }

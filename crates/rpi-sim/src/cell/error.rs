@@ -14,6 +14,14 @@ pub struct CellError {
     pub help: Option<String>,
 }
 
+impl fmt::Display for CellError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for CellError {}
+
 /// Maximum number of characters shown of a line.
 const MAX_LINE_WIDTH: usize = 120;
 

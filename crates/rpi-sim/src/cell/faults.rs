@@ -59,12 +59,12 @@ fn read_one(mut reader: TableReader<'_>, axes: usize) -> Option<ScheduledFault> 
         .iter()
         .find(|(known, _)| Some(*known) == word)
         .map(|(_, read)| read)?;
-    let trouble = read(&mut reader, axes);
+    let error = read(&mut reader, axes);
     reader.finish();
     Some(ScheduledFault {
         from,
         until,
-        kind: trouble?,
+        kind: error?,
     })
 }
 

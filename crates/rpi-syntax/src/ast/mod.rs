@@ -15,7 +15,7 @@
 //! | `task.rs` | tasks |
 //! | `children.rs`, `children_mut.rs` | direct subexpressions of an expression |
 //! | `walk.rs` | visitor of a whole declaration |
-//! | `build.rs` | constructors of nodes without source text |
+//! | `builder.rs` | constructors of nodes without source text |
 
 mod body;
 mod builder;

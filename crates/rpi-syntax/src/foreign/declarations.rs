@@ -1,6 +1,6 @@
 //! Enum types without `enum`, and modules named by a path or file name.
 
-use super::ports::in_text_order;
+use super::type_first::in_text_order;
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;

@@ -280,8 +280,13 @@ pub(super) fn method_call(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
     let diagnostic =
         foreign_syntax("values have no methods").primary(place, "method call of another language");
     let moves = ["mov", "lin", "ptp", "go", "drive"];
-    let help = match moves.iter().any(|word| name.to_ascii_lowercase().starts_with(word)) {
-        true => "a motion is a fragment: `way = Line(arm, p);`, then `arm.tcp = way.pose;`".to_owned(),
+    let help = match moves
+        .iter()
+        .any(|word| name.to_ascii_lowercase().starts_with(word))
+    {
+        true => {
+            "a motion is a fragment: `way = Line(arm, p);`, then `arm.tcp = way.pose;`".to_owned()
+        }
         false => format!("a node takes the value as an argument: `y = {name}({of}, ...);`"),
     };
     Some(remove_phrase(diagnostic.help(help)))

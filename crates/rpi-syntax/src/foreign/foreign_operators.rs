@@ -66,7 +66,7 @@ pub(crate) enum AssignContext {
 pub(crate) fn assign_diagnostic(span: Span, text: &str, of: AssignContext) -> (Diagnostic, Token) {
     let seen = "`:=` is from another language";
     let (message, sign, token) = match of {
-        AssignContext::Argument => (NAMED_ARGUMENT, ":", Token::Colon),
+        AssignContext::Argument => ("an argument name is followed by `:`", ":", Token::Colon),
         _ if is_in_brackets(&text[..span.start as usize]) => {
             let diagnostic = foreign_syntax("a modified copy of a value is written with `with`")
                 .primary(span, seen);
@@ -110,10 +110,6 @@ pub(crate) fn operator_diagnostic(span: Span, text: &str, sign: &ForeignOperator
         )
         .fix(fix.replace(span, with_spaces(span, text, meant)))
 }
-
-/// Message about `f(a := x)`.
-// The parser compares messages with this constant to merge the diagnostics of one call.
-pub(crate) const NAMED_ARGUMENT: &str = "an argument name is followed by `:`";
 
 /// Returns whether the text ends within an open `[` of its last statement. Looks back 400 characters at most.
 fn is_in_brackets(before: &str) -> bool {

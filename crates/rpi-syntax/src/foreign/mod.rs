@@ -4,6 +4,7 @@
 //! follow-up errors arise. The lexer recognises foreign operators ([`sign`]). All other constructs are recognised at
 //! the token that the grammar rejected ([`recognise`]).
 
+mod bodies;
 mod brackets;
 mod closing_keywords;
 mod declarations;
@@ -18,16 +19,19 @@ mod kind2;
 mod misspelt_keywords;
 mod operators;
 mod ports;
+mod state_rewriter;
+mod statement_kinds;
 mod statements;
 mod states;
+mod steps;
 mod transitions;
+mod type_first;
 mod typed_equations;
 mod updates;
 mod word_operators;
 
 pub(crate) use foreign_operators::{
-    AssignContext, NAMED_ARGUMENT, assign_diagnostic, find_operator, operator_diagnostic,
-    with_spaces,
+    AssignContext, assign_diagnostic, find_operator, operator_diagnostic, with_spaces,
 };
 pub(crate) use initial_values::remove_initial_values;
 
@@ -60,27 +64,27 @@ pub(crate) enum Repair {
 // The order matters: the first recogniser that matches wins, so specific ones stand before general ones.
 const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
     equation_values::doubled_semi,
-    statements::step_by_condition,
-    statements::step_without_arguments,
-    statements::repeat_without_times,
-    statements::times_without_repeat,
-    statements::steps_without_semi,
-    statements::step_with_value,
-    statements::result_without_keyword,
+    steps::step_by_condition,
+    steps::step_without_arguments,
+    steps::repeat_without_times,
+    steps::times_without_repeat,
+    steps::steps_without_semi,
+    steps::step_with_value,
+    steps::result_without_keyword,
     ports::matlab_header,
     declarations::enum_without_keyword,
     declarations::module_by_path,
-    ports::ports_with_type_first,
+    type_first::ports_with_type_first,
     ports::incomplete_port,
     ports::returns_sign,
     ports::bare_ports,
     ports::locals_keyword,
     ports::locals_closing_keyword,
     ports::let_rec,
-    ports::const_with_type_first,
-    ports::array_type,
-    ports::declared_in_body,
-    ports::array_in_body,
+    type_first::const_with_type_first,
+    type_first::array_type,
+    type_first::declared_in_body,
+    type_first::array_in_body,
     states::named_automaton,
     states::initial_keyword,
     states::returns_at_end,
@@ -149,10 +153,10 @@ const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
     typed_equations::shift,
     operators::unmatched_bracket,
     headers::missing_returns,
-    headers::body_in_braces,
-    headers::body_without_let,
-    headers::no_let_after_locals,
-    headers::begin_end,
+    bodies::body_in_braces,
+    bodies::body_without_let,
+    bodies::no_let_after_locals,
+    bodies::begin_end,
     headers::comma_for_semi,
     headers::unclosed_ports,
     headers::missing_semi,
@@ -180,7 +184,7 @@ const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
 
 /// Returns the first construct of another language that explains a rejected token.
 pub(crate) fn recognise(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
-    RECOGNISERS.iter().find_map(|habit| habit(found))
+    RECOGNISERS.iter().find_map(|recogniser| recogniser(found))
 }
 
 /// Creates a diagnostic (RPI0016) about syntax of another language.

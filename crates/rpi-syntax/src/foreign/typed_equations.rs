@@ -100,13 +100,13 @@ pub(super) fn missing_eq(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
     let before = at.checked_sub(1).and_then(|at| found.token_at(at))?;
     let second = at.checked_sub(2).and_then(|at| found.token_at(at));
     let begins = matches!(second, Some(Colon | Const | Let | Semi | Tel));
-    let fits = match (word, before) {
+    let is_equation = match (word, before) {
         (Some(_), _) => before == Ident,
         (None, Ident) => found.expects(Eq) && begins && !found.source_text(at - 1).is_empty(),
         (None, BoolType | IntType | RealType | RBracket) => found.expects(Eq),
         (None, _) => false,
     };
-    if !fits || !is_value(found, at) {
+    if !is_equation || !is_value(found, at) {
         return None;
     }
     let gap = found

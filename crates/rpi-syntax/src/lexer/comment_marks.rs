@@ -3,10 +3,10 @@
 //! Each of them is also an operator in some language. So a mark after an operand begins a comment only if the rest of
 //! the line is not an operand.
 
-use super::{Lexeme, Lexer};
+use super::{Lexeme, Lexer, LexicalErrorKind};
 use crate::Dialect;
 use crate::token::Token;
-use crate::{keywords, lexical_errors};
+use crate::{lexical_errors, neighbours};
 use logos::Logos;
 use rpi_diag::{Diagnostic, Span};
 
@@ -33,9 +33,10 @@ impl Lexer<'_> {
     /// Reports a division written as `x // 2`, and pushes the RPI operator.
     pub(super) fn slash_division(&mut self, lexeme: Lexeme) {
         let span = self.span(lexeme);
-        self.output
-            .diagnostics
-            .push(lexical_errors::double_slash(span, self.text));
+        self.report(
+            LexicalErrorKind::ForeignSyntax,
+            lexical_errors::double_slash(span, self.text),
+        );
         self.push(Token::Div, lexeme);
     }
 
@@ -60,7 +61,7 @@ impl Lexer<'_> {
 
     /// Returns whether an operand ends before a mark and another one may begin after it.
     fn is_between_operands(&self, rest: &str) -> bool {
-        self.last_token().is_some_and(keywords::ends_value) && self.may_be_operand(rest)
+        self.last_token().is_some_and(neighbours::ends_value) && self.may_be_operand(rest)
     }
 
     /// Returns whether the rest of a line may be an operand: no unknown character, no two names or numbers in a row.
@@ -87,7 +88,7 @@ impl Lexer<'_> {
                 called || PREDECLARED.contains(&name) || self.guessed_names.declares(name)
             }
             Token::Minus | Token::LBracket | Token::NumberWord | Token::IecLiteral => true,
-            other => keywords::begins_operand(*other) || other.keyword().is_some_and(|_| !in_row),
+            other => neighbours::begins_operand(*other) || other.keyword().is_some_and(|_| !in_row),
         };
         begins && !strange && !in_row
     }

@@ -1,6 +1,6 @@
 //! Lexing of numbers: checks, and conversion of literals of other languages.
 
-use super::{Lexeme, Lexer};
+use super::{Lexeme, Lexer, LexicalErrorKind};
 use crate::Dialect;
 use crate::foreign_literal::{self, ForeignLiteral, LiteralReplacement};
 use crate::lexical_errors::{self, SuffixKind};
@@ -14,7 +14,9 @@ impl Lexer<'_> {
         let is_machine = self.is_machine_int_operand();
         let diagnostic =
             lexical_errors::check_number(self.span(lexeme), self.slice(lexeme), is_machine);
-        self.output.diagnostics.extend(diagnostic);
+        if let Some(diagnostic) = diagnostic {
+            self.report(LexicalErrorKind::Other, diagnostic);
+        }
         self.push(lexeme.token, lexeme);
     }
 
@@ -51,7 +53,7 @@ impl Lexer<'_> {
             // `5z` may be a misspelling of a flow `z5`.
             let (number, suffix) = text.split_at(digits);
             numeral.is_sure &= !self.guessed_names.declares(&format!("{suffix}{number}"));
-            return self.foreign_literal(lexeme, Code::RPI0007, numeral);
+            return self.foreign_literal(lexeme, LexicalErrorKind::Other, numeral);
         }
         let word = self.keyword_after_number(&text[digits..]);
         let behind = match word {
@@ -60,7 +62,7 @@ impl Lexer<'_> {
             None => SuffixKind::Unit,
         };
         let diagnostic = lexical_errors::invalid_suffix(self.span(lexeme), text, digits, behind);
-        self.output.diagnostics.push(diagnostic);
+        self.report(LexicalErrorKind::Other, diagnostic);
         let end = lexeme.start + digits as u32;
         let token = match text[..digits].contains(['.', 'e', 'E']) {
             true => Token::Real,
@@ -113,15 +115,18 @@ impl Lexer<'_> {
     /// Reports a literal of IEC 61131-3, such as `T#500ms`, and pushes its RPI equivalent.
     pub(super) fn iec_literal(&mut self, lexeme: Lexeme) {
         let numeral = foreign_literal::convert_iec(self.slice(lexeme));
-        self.foreign_literal(lexeme, Code::RPI0016, numeral);
+        self.foreign_literal(lexeme, LexicalErrorKind::ForeignSyntax, numeral);
     }
 
     /// Reports a literal of another language and pushes its replacement.
-    fn foreign_literal(&mut self, lexeme: Lexeme, code: Code, numeral: ForeignLiteral) {
+    fn foreign_literal(&mut self, lexeme: Lexeme, kind: LexicalErrorKind, numeral: ForeignLiteral) {
+        let code = match kind {
+            LexicalErrorKind::ForeignSyntax => Code::RPI0016,
+            _ => Code::RPI0007,
+        };
         let (span, text) = (self.span(lexeme), self.slice(lexeme));
-        self.output
-            .diagnostics
-            .push(lexical_errors::foreign_literal(span, text, code, &numeral));
+        let diagnostic = lexical_errors::foreign_literal(span, text, code, &numeral);
+        self.report(kind, diagnostic);
         let place = (lexeme.start, lexeme.end);
         match numeral.replacement {
             LiteralReplacement::Bool(true) => self.push(Token::True, lexeme),

@@ -7,7 +7,8 @@ use super::list::{CURLY, PARENS, SQUARE, brackets};
 use super::ty;
 use super::{Printer, parens};
 use crate::ast::*;
-use crate::ops::{Associativity, BinaryOp, PRECEDENCE_PRIMARY, UnaryOp};
+use crate::ops::{PRECEDENCE_PRIMARY, UnaryOp};
+use crate::print::infix;
 use crate::string_literal::quote;
 use rpi_diag::Span;
 
@@ -25,9 +26,9 @@ pub(super) fn print_expr(printer: &Printer<'_>, expr: &Expr) -> Doc {
         ExprKind::Slice(slice) => slice_of(printer, slice),
         ExprKind::BitRange(of) => bits(printer, of),
         ExprKind::Unary(op, operand) => unary(printer, *op, operand),
-        ExprKind::Binary(binary) => chain(printer, binary),
+        ExprKind::Binary(binary) => infix::chain(printer, binary),
         ExprKind::When(when) => print_when(printer, when),
-        ExprKind::If(conditional) => print_conditional(printer, conditional),
+        ExprKind::If(conditional) => infix::print_conditional(printer, conditional),
         ExprKind::Call(call) => call::print_call(printer, call),
         ExprKind::BoolList(among, elements) => print_among(printer, *among, elements),
         ExprKind::Merge(merge) => print_merge(printer, merge),
@@ -170,23 +171,8 @@ fn unary(printer: &Printer<'_>, op: UnaryOp, operand: &Expr) -> Doc {
     ])
 }
 
-/// Prints a chain of operators of one precedence level, `a and b and c`. Lines break at all operators or at none.
-fn chain(printer: &Printer<'_>, binary: &Binary) -> Doc {
-    if binary.op == BinaryOp::Repeat {
-        return array_repeat(printer, binary);
-    }
-    let links = links(binary);
-    list::print_phrases(printer, &links, |p, _, link| {
-        let operand = wrapped(p, link.operand, link.parens);
-        match link.op {
-            Some(op) => concat([word(op.spelling()), word(" "), operand]),
-            None => operand,
-        }
-    })
-}
-
 /// Prints an array of repeated elements: `x^3`.
-fn array_repeat(printer: &Printer<'_>, binary: &Binary) -> Doc {
+pub(crate) fn array_repeat(printer: &Printer<'_>, binary: &Binary) -> Doc {
     let element = wrapped(printer, &binary.lhs, parens::left(binary.op, &binary.lhs));
     let size = wrapped(printer, &binary.rhs, parens::right(binary.op, &binary.rhs));
     concat([element, word("^"), size])
@@ -206,24 +192,6 @@ pub(super) fn print_clock(printer: &Printer<'_>, clock: &Clock) -> Doc {
             concat([ty::print_name(printer, value), word("("), flow, word(")")])
         }
     }
-}
-
-/// Prints `if a then x else if b then y else z`. Lines break at all branches or at none.
-fn print_conditional(printer: &Printer<'_>, conditional: &IfExpr) -> Doc {
-    let branches = branches(conditional);
-    list::print_phrases(printer, &branches, |p, _, branch| match branch {
-        ConditionalBranch::If {
-            head,
-            condition,
-            yes,
-        } => concat([
-            word(head),
-            print_expr(p, condition),
-            word(" then "),
-            print_expr(p, yes),
-        ]),
-        ConditionalBranch::Else(no) => concat([word("else "), print_expr(p, no)]),
-    })
 }
 
 fn print_among(printer: &Printer<'_>, among: BoolListOp, elements: &[Expr]) -> Doc {
@@ -383,108 +351,4 @@ fn pattern(of: &Pattern) -> String {
 
 fn field_span(field: &FieldValue) -> Span {
     field.field.span.merge(field.value.span)
-}
-
-/// Operand of a chain, with the operator before it.
-struct ChainOperand<'e> {
-    op: Option<BinaryOp>,
-    operand: &'e Expr,
-    parens: bool,
-}
-
-/// Returns the operands of a chain of operators of one precedence level.
-fn links(binary: &Binary) -> Vec<ChainOperand<'_>> {
-    match binary.op.associativity() {
-        Associativity::Right => links_to_right(binary),
-        Associativity::Left | Associativity::None => links_to_left(binary),
-    }
-}
-
-fn links_to_left(mut binary: &Binary) -> Vec<ChainOperand<'_>> {
-    let mut links = Vec::new();
-    loop {
-        let (op, lhs) = (binary.op, &binary.lhs);
-        links.push(ChainOperand {
-            op: Some(op),
-            operand: &binary.rhs,
-            parens: parens::right(op, &binary.rhs),
-        });
-        match &lhs.kind {
-            ExprKind::Binary(inner)
-                if inner.op.precedence() == op.precedence() && !parens::left(op, lhs) =>
-            {
-                binary = inner
-            }
-            _ => {
-                let parens = parens::left(op, lhs);
-                links.push(ChainOperand {
-                    op: None,
-                    operand: lhs,
-                    parens,
-                });
-                links.reverse();
-                return links;
-            }
-        }
-    }
-}
-
-fn links_to_right(mut binary: &Binary) -> Vec<ChainOperand<'_>> {
-    let mut links = Vec::new();
-    let mut before = None;
-    loop {
-        let (op, rhs) = (binary.op, &binary.rhs);
-        let parens = parens::left(op, &binary.lhs);
-        links.push(ChainOperand {
-            op: before,
-            operand: &binary.lhs,
-            parens,
-        });
-        before = Some(op);
-        match &rhs.kind {
-            ExprKind::Binary(inner) if inner.op.precedence() == op.precedence() => binary = inner,
-            _ => {
-                let parens = parens::right(op, rhs);
-                links.push(ChainOperand {
-                    op: before,
-                    operand: rhs,
-                    parens,
-                });
-                return links;
-            }
-        }
-    }
-}
-
-/// Branch of a chain of conditional expressions.
-enum ConditionalBranch<'e> {
-    If {
-        head: &'static str,
-        condition: &'e Expr,
-        yes: &'e Expr,
-    },
-    Else(&'e Expr),
-}
-
-fn branches(mut conditional: &IfExpr) -> Vec<ConditionalBranch<'_>> {
-    let mut branches = Vec::new();
-    loop {
-        branches.push(ConditionalBranch::If {
-            head: match (branches.is_empty(), conditional.is_static) {
-                (true, false) => "if ",
-                (true, true) => "with ",
-                (false, false) => "else if ",
-                (false, true) => "else with ",
-            },
-            condition: &conditional.condition,
-            yes: &conditional.then_value,
-        });
-        match &conditional.else_value.kind {
-            ExprKind::If(inner) => conditional = inner,
-            _ => {
-                branches.push(ConditionalBranch::Else(&conditional.else_value));
-                return branches;
-            }
-        }
-    }
 }

@@ -7,7 +7,8 @@
 use super::align::{DocWord, align};
 use super::flat_doc::{DocPiece, Enclosure, flatten, rebuild};
 use super::layout::{Doc, INDENT};
-use super::trivia::{GapComments, Source, is_closer};
+use super::piece_map::{GapPieces, PieceMap};
+use super::trivia::{GapComments, Source};
 use crate::comments::{Comment, CommentKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -19,25 +20,18 @@ pub(super) fn insert_comments(doc: Doc, source: &Source<'_>) -> Doc {
     }
     let pieces = flatten(&doc);
     drop(doc);
-    let words: Vec<usize> = (0..pieces.len()).filter(|i| is_word(&pieces[*i])).collect();
-    let became = align(
-        &source.significant_texts(),
-        &doc_words(&pieces, &words, source),
-    );
-    let mut weaver = CommentInserter {
+    let map = PieceMap::new(pieces);
+    let became = align(&source.significant_texts(), &doc_words(&map, source));
+    let mut inserter = CommentInserter {
         source,
-        is_hanging: hanging_pieces(&pieces),
-        flat_ranges: flat_ranges(&pieces),
-        closing_ends: closing_ends(&pieces),
-        pieces,
-        words,
+        map,
         insertions: BTreeMap::new(),
     };
     for (all, (before, behind)) in group_by_gap(source, &became) {
-        let gap = source.classify(all, weaver.closes(behind));
-        weaver.insert_gap(gap, before, behind);
+        let gap = source.classify(all, inserter.map.closes(behind));
+        inserter.insert_gap(gap, before, behind);
     }
-    rebuild(weaver.pieces, weaver.insertions)
+    rebuild(inserter.map.pieces, inserter.insertions)
 }
 
 /// Position in the document: indices of the words before and after it.
@@ -68,13 +62,9 @@ fn group_by_gap<'a>(
         .collect()
 }
 
-/// Returns whether a piece is a word: a token that is not a separator.
-fn is_word(piece: &DocPiece) -> bool {
-    matches!(piece, DocPiece::Token(_)) && !piece.is_separator()
-}
-
 /// Returns the words of the document. A word at the beginning of a part has its source token as anchor.
-fn doc_words<'p>(pieces: &'p [DocPiece], words: &[usize], source: &Source<'_>) -> Vec<DocWord<'p>> {
+fn doc_words<'p>(map: &'p PieceMap, source: &Source<'_>) -> Vec<DocWord<'p>> {
+    let pieces = &map.pieces;
     let mut from = 0;
     let word = |i: &usize| {
         let part = pieces[from..*i].iter().rev().find_map(|piece| match piece {
@@ -90,79 +80,15 @@ fn doc_words<'p>(pieces: &'p [DocPiece], words: &[usize], source: &Source<'_>) -
             anchor: part.map(|offset| source.word_at(offset)),
         }
     };
-    words.iter().map(word).collect()
-}
-
-/// Returns for each piece whether its innermost indenting frame is [`Frame::Hang`].
-fn hanging_pieces(pieces: &[DocPiece]) -> Vec<bool> {
-    let mut open = vec![false];
-    let hang = |piece: &DocPiece| {
-        match piece {
-            DocPiece::Open(Enclosure::Hang) => open.push(true),
-            DocPiece::Open(Enclosure::Indent(_)) => open.push(false),
-            DocPiece::Close(Enclosure::Hang | Enclosure::Indent(_)) => drop(open.pop()),
-            _ => {}
-        }
-        open.last().copied().unwrap_or_default()
-    };
-    pieces.iter().map(hang).collect()
-}
-
-/// Returns for each piece the index after its closing piece; its own index if it opens nothing.
-fn closing_ends(pieces: &[DocPiece]) -> Vec<usize> {
-    let mut ends: Vec<usize> = (0..pieces.len()).collect();
-    let mut open = Vec::new();
-    for (i, piece) in pieces.iter().enumerate() {
-        match piece {
-            DocPiece::Open(_) => open.push(i),
-            DocPiece::Close(_) => open.pop().into_iter().for_each(|begin| ends[begin] = i + 1),
-            _ => {}
-        }
-    }
-    ends
-}
-
-/// Returns the piece ranges that are always printed on one line.
-fn flat_ranges(pieces: &[DocPiece]) -> Vec<Range<usize>> {
-    let mut flats: Vec<Range<usize>> = Vec::new();
-    for (i, piece) in pieces.iter().enumerate() {
-        match piece {
-            DocPiece::Open(Enclosure::Flat) => flats.push(i..i),
-            DocPiece::Close(Enclosure::Flat) => {
-                flats.iter_mut().rev().take(1).for_each(|f| f.end = i)
-            }
-            _ => {}
-        }
-    }
-    flats
+    map.words.iter().map(word).collect()
 }
 
 /// State of the insertion of comments.
 struct CommentInserter<'s> {
     source: &'s Source<'s>,
-    pieces: Vec<DocPiece>,
-    /// Indices of the pieces that are words.
-    words: Vec<usize>,
-    /// For each piece, whether its innermost indenting frame is [`Frame::Hang`].
-    is_hanging: Vec<bool>,
-    /// Ranges of pieces that are always on one line.
-    flat_ranges: Vec<Range<usize>>,
-    /// For each piece, the index after its closing piece.
-    closing_ends: Vec<usize>,
+    map: PieceMap,
     /// Pieces to insert before a piece, by its index.
     insertions: BTreeMap<usize, Vec<DocPiece>>,
-}
-
-/// Pieces between two words of the document.
-struct GapPieces {
-    /// Range from the first word, or the separator after it, to the second word.
-    range: Range<usize>,
-    /// Index of the first line break in the range.
-    line_break: Option<usize>,
-    /// Whether the second word closes a bracket or block.
-    closes: bool,
-    /// Whether a separator follows the first word.
-    has_separator: bool,
 }
 
 impl CommentInserter<'_> {
@@ -173,12 +99,12 @@ impl CommentInserter<'_> {
         before: Option<usize>,
         behind: Option<usize>,
     ) {
-        let lead = self.gap_pieces(behind);
-        let after = before.map_or(0, |word| self.words[word] + 1);
-        let after = self.flat_end(after, lead.range.end);
+        let lead = self.map.gap_pieces(behind);
+        let after = before.map_or(0, |word| self.map.words[word] + 1);
+        let after = self.map.flat_end(after, lead.range.end);
         self.insert_before_separator(&mut gap, after);
-        let end = self.after_closing(self.after_separator(after));
-        if let Some(frame) = self.flat_around(end, lead.range.end) {
+        let end = self.map.after_closing(self.map.after_separator(after));
+        if let Some(frame) = self.map.flat_around(end, lead.range.end) {
             let all = gap.trailing.iter().chain(&gap.own_line).chain(&gap.leading);
             let lines = all.flat_map(|c| [self.comment(c), DocPiece::Hard]);
             let lines = lines.collect();
@@ -197,25 +123,13 @@ impl CommentInserter<'_> {
         let ahead = gap.leading.iter();
         let ahead = ahead.flat_map(|c| self.inline_pieces(lead.range.end, c, false));
         let ahead = ahead.collect();
-        self.insert_before(self.flat_start(lead.range.end), ahead);
-    }
-
-    /// Returns the start of the flat range that begins with this word, else the word's own index.
-    // Other comments of the flat range are also inserted there, after this one.
-    fn flat_start(&self, word: usize) -> usize {
-        let next = self.flat_ranges.partition_point(|flat| flat.end < word);
-        let around = self.flat_ranges.get(next).filter(|flat| flat.start < word);
-        let is_first = |flat: &&Range<usize>| {
-            let between = &self.pieces[flat.start..word];
-            !between.iter().any(|p| matches!(p, DocPiece::Token(_)))
-        };
-        around.filter(is_first).map_or(word, |flat| flat.start)
+        self.insert_before(self.map.flat_start(lead.range.end), ahead);
     }
 
     /// Inserts comments between a word and its separator or closing bracket.
     fn insert_before_separator(&mut self, gap: &mut GapComments<'_>, after: usize) {
         let breaks = !gap.trailing.is_empty() || !gap.own_line.is_empty();
-        if self.ends_line(after) || breaks && self.after_separator(after) == after {
+        if self.map.ends_line(after) || breaks && self.map.after_separator(after) == after {
             gap.trailing.splice(..0, gap.before_separator.drain(..));
         }
         let within = gap
@@ -234,8 +148,8 @@ impl CommentInserter<'_> {
         let suffixes = gap.trailing.iter();
         let suffixes = suffixes.map(|c| DocPiece::Suffix(self.source.comment_text(c)));
         self.insert_before(end, suffixes.collect());
-        let follows = self.words.partition_point(|word| *word < end);
-        let follows = self.gap_pieces(Some(follows));
+        let follows = self.map.words.partition_point(|word| *word < end);
+        let follows = self.map.gap_pieces(Some(follows));
         let apart = follows.range != lead.range;
         if gap.own_line.is_empty() || apart {
             self.break_line(&follows, gap);
@@ -267,7 +181,7 @@ impl CommentInserter<'_> {
                 DocPiece::SourceOffset(_) | DocPiece::Open(_) | DocPiece::Close(_)
             )
         };
-        let mut before = self.pieces[..at].iter().rev();
+        let mut before = self.map.pieces[..at].iter().rev();
         let apart = touches(before.find(|p| !takes_no_room(p)));
         let mut pieces = Vec::new();
         pieces.extend(apart.then(|| DocPiece::Text(" ".into())));
@@ -276,101 +190,20 @@ impl CommentInserter<'_> {
         pieces
     }
 
-    /// Returns whether a line break is possible before the next token.
-    fn ends_line(&self, after: usize) -> bool {
-        let mut rest = self.pieces[after..].iter();
-        let next = rest.find(|p| p.is_break() || matches!(p, DocPiece::Token(_)));
-        next.is_none_or(DocPiece::is_break)
-    }
-
-    /// Returns the index after the separators that directly follow, or `after`.
-    fn after_separator(&self, after: usize) -> usize {
-        let mut end = after;
-        for (i, piece) in self.pieces.iter().enumerate().skip(after) {
-            match piece {
-                DocPiece::Open(_) | DocPiece::Close(_) | DocPiece::SourceOffset(_) => {}
-                piece if piece.is_separator() => end = i + 1,
-                _ => break,
-            }
-        }
-        end
-    }
-
-    /// Returns the index after the frames that close at `after`, so that a comment there does not break them.
-    fn after_closing(&self, after: usize) -> usize {
-        let indents = |piece: &&DocPiece| matches!(piece, DocPiece::Close(Enclosure::Indent(_)));
-        let ends = |p: &&DocPiece| {
-            matches!(p, DocPiece::Close(_) | DocPiece::SourceOffset(_)) && !indents(p)
-        };
-        let count = self.pieces[after..].iter().take_while(ends).count();
-        // An offset belongs to the piece after it.
-        let is_end = |i: &usize| matches!(self.pieces[*i], DocPiece::Close(_));
-        let last = (after..after + count).rfind(is_end);
-        last.map_or(after, |last| last + 1)
-    }
-
-    /// Returns the index before the frames that open at the end of a range, so that a line break does not break them.
-    fn before_opening(&self, range: &Range<usize>) -> usize {
-        let begins =
-            |piece: &&DocPiece| matches!(piece, DocPiece::Open(_) | DocPiece::SourceOffset(_));
-        let begun = self.pieces[range.clone()].iter().rev().take_while(begins);
-        range.end - begun.count()
-    }
-
-    /// Returns the pieces before a word, or after the last word.
-    fn gap_pieces(&self, word: Option<usize>) -> GapPieces {
-        let count = self.words.len();
-        let word = word.unwrap_or(count);
-        let after = word
-            .checked_sub(1)
-            .map_or(0, |before| self.words[before] + 1);
-        let to = self.words.get(word).copied().unwrap_or(self.pieces.len());
-        let from = self.after_separator(after).min(to);
-        GapPieces {
-            line_break: (from..to).find(|i| self.pieces[*i].is_break()),
-            closes: self.closes(Some(word)),
-            has_separator: from > after,
-            range: from..to,
-        }
-    }
-
-    /// Returns whether a word closes a bracket or block.
-    fn closes(&self, word: Option<usize>) -> bool {
-        let at = word.and_then(|word| self.words.get(word));
-        let piece = at.and_then(|at| self.pieces.get(*at));
-        matches!(piece, Some(DocPiece::Token(text)) if is_closer(text))
-    }
-
-    /// Returns the start of the flat range that contains both positions.
-    fn flat_around(&self, from: usize, to: usize) -> Option<usize> {
-        let next = self.flat_ranges.partition_point(|flat| flat.end < to);
-        let flat = self.flat_ranges.get(next)?;
-        (flat.start < from).then_some(flat.start)
-    }
-
-    /// Returns the end of the flat range that contains `from` but not `to`, else `from`.
-    // No comment may end a line within a flat range.
-    fn flat_end(&self, from: usize, to: usize) -> usize {
-        let next = self.flat_ranges.partition_point(|flat| flat.end < from);
-        let around = self.flat_ranges.get(next);
-        let around = around.filter(|flat| flat.start < from && flat.end < to);
-        around.map_or(from, |flat| flat.end)
-    }
-
     /// Breaks the line after a comment at its end.
     fn break_line(&mut self, between: &GapPieces, gap: &GapComments<'_>) {
-        if between.range.end >= self.pieces.len() {
+        if between.range.end >= self.map.pieces.len() {
             return;
         }
-        let to = self.before_opening(&between.range);
+        let to = self.map.before_opening(&between.range);
         match between.line_break {
-            Some(at) => self.pieces[at] = DocPiece::Hard,
+            Some(at) => self.map.pieces[at] = DocPiece::Hard,
             None if between.closes => self.insert_before(to, vec![DocPiece::Hard]),
             None => self.insert_indented(to, vec![DocPiece::Hard]),
         }
         if let Some(last) = gap.trailing.last().filter(|_| gap.own_line.is_empty())
             && self.ends_documentation(last, self.next_start(gap))
-            && !self.pieces[between.range.clone()]
+            && !self.map.pieces[between.range.clone()]
                 .iter()
                 .any(|p| matches!(p, DocPiece::Empty))
         {
@@ -390,7 +223,7 @@ impl CommentInserter<'_> {
 
     /// Inserts pieces before index `at` and indents them, with the frame that opens there, by one step.
     fn insert_indented(&mut self, at: usize, pieces: Vec<DocPiece>) {
-        let hangs = self.is_hanging.get(at).copied().unwrap_or_default();
+        let hangs = self.map.is_hanging.get(at).copied().unwrap_or_default();
         let frame = Enclosure::Indent(if hangs { 2 * INDENT } else { INDENT });
         let put = self.insertions.get(&at).and_then(|put| put.last());
         if matches!(
@@ -402,12 +235,12 @@ impl CommentInserter<'_> {
         }
         self.insert_before(at, vec![DocPiece::Open(frame)]);
         self.insert_before(at, pieces);
-        let places = self.pieces[at..].iter();
+        let places = self.map.pieces[at..].iter();
         let begins = at
             + places
                 .take_while(|p| matches!(p, DocPiece::SourceOffset(_)))
                 .count();
-        let end = self.closing_ends.get(begins).copied().unwrap_or(begins);
+        let end = self.map.closing_ends.get(begins).copied().unwrap_or(begins);
         self.insert_before(end, vec![DocPiece::Close(frame)]);
     }
 
@@ -424,12 +257,12 @@ impl CommentInserter<'_> {
             lines.push((*blank, self.comment(comment)));
         }
         let last = blanks.last().is_some_and(|blank| *blank);
-        let next = self.before_opening(range);
+        let next = self.map.before_opening(range);
         match *line_end {
-            _ if first && range.end < self.pieces.len() => {
+            _ if first && range.end < self.map.pieces.len() => {
                 self.insert_before(0, lines_after_break(lines, last))
             }
-            _ if range.end >= self.pieces.len() => {
+            _ if range.end >= self.map.pieces.len() => {
                 // A file with nothing but comments begins with the first comment, not with a line break.
                 let lines = lines_before_break(lines)
                     .into_iter()
@@ -437,27 +270,30 @@ impl CommentInserter<'_> {
                 self.insert_before(range.end, lines.collect());
             }
             Some(at) if between.closes => {
-                let end = self.block_end(range.start..at);
+                let end = self.map.block_end(range.start..at);
                 match end {
                     Some(end) => self.insert_before(end, lines_before_break(lines)),
                     None => self.insert_indented(
-                        self.after_closing(range.start),
+                        self.map.after_closing(range.start),
                         lines_before_break(lines),
                     ),
                 }
-                self.pieces[at] = DocPiece::Hard;
+                self.map.pieces[at] = DocPiece::Hard;
             }
             Some(at) => {
-                self.pieces[at] = DocPiece::Hard;
+                self.map.pieces[at] = DocPiece::Hard;
                 for i in at + 1..range.end {
-                    if matches!(self.pieces[i], DocPiece::Empty) {
-                        self.pieces[i] = DocPiece::Text(String::new());
+                    if matches!(self.map.pieces[i], DocPiece::Empty) {
+                        self.map.pieces[i] = DocPiece::Text(String::new());
                     }
                 }
                 self.insert_before(at + 1, lines_after_break(lines, last));
             }
             None if between.closes => {
-                self.insert_indented(self.after_closing(range.start), lines_before_break(lines));
+                self.insert_indented(
+                    self.map.after_closing(range.start),
+                    lines_before_break(lines),
+                );
                 self.insert_before(next, vec![DocPiece::Hard]);
             }
             None => {
@@ -468,16 +304,11 @@ impl CommentInserter<'_> {
         }
     }
 
-    /// Returns the index of the piece that ends the indentation of a block, before its closing keyword.
-    fn block_end(&self, mut range: Range<usize>) -> Option<usize> {
-        range.rfind(|i| matches!(self.pieces[*i], DocPiece::Close(Enclosure::Indent(_))))
-    }
-
     /// Returns whether an empty line precedes each comment, and the piece after the last comment.
     fn blank_lines(&self, between: &GapPieces, gap: &GapComments<'_>, first: bool) -> Vec<bool> {
         let source = self.source;
-        let pieces = &self.pieces[between.range.clone()];
-        let line_end = between.line_break.map(|at| &self.pieces[at]);
+        let pieces = &self.map.pieces[between.range.clone()];
+        let line_end = between.line_break.map(|at| &self.map.pieces[at]);
         let in_block = first || matches!(line_end, Some(DocPiece::Hard));
         let head = &pieces[..between.line_break.map_or(0, |at| at - between.range.start)];
         let begins = head

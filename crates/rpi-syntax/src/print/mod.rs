@@ -3,12 +3,12 @@
 //! | file | content |
 //! |---|---|
 //! | `layout.rs` | documents, and their layout in lines |
-//! | `gaps.rs` | positions of comments relative to the tokens of the source |
-//! | `pieces.rs`, `align.rs`, `weave.rs` | insertion of comments into a document |
+//! | `trivia.rs` | positions of comments relative to the tokens of the source |
+//! | `flat_doc.rs`, `piece_map.rs`, `align.rs`, `insert_comments.rs` | insertion of comments into a document |
 //! | `list.rs` | lists in brackets and lists of lines, with the empty lines between them |
 //! | `parens.rs` | required parentheses |
-//! | `head.rs` | headers of declarations |
-//! | `expr.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `contract.rs`, `task.rs` | constructs of the language |
+//! | `header.rs` | headers of declarations |
+//! | `expr.rs`, `infix.rs`, `call.rs`, `ty.rs`, `decl.rs`, `body.rs`, `blocks.rs`, `contract.rs`, `task.rs` | constructs of the language |
 
 mod align;
 mod blocks;
@@ -19,10 +19,12 @@ mod decl;
 mod expr;
 mod flat_doc;
 mod header;
+mod infix;
 mod insert_comments;
 mod layout;
 mod list;
 mod parens;
+mod piece_map;
 mod task;
 mod trivia;
 mod ty;

@@ -1,6 +1,6 @@
 //! Diagnostics of programs with syntax errors.
 //!
-//! Each file of `tests/broken` ends with comments that list its expected diagnostics. `BLESS=1` rewrites them.
+//! Each file of `tests/broken` ends with comments that list its expected diagnostics. `cargo xtask bless syntax` rewrites them.
 
 use rpi_diag::{Code, Diagnostic, FileId, SourceMap};
 use rpi_syntax::ast::{ItemKind, StatementKind};
@@ -25,7 +25,7 @@ fn check(path: &Path) -> Option<String> {
     let (program, says) = text.split_once(EXPECTED_MARK).unwrap_or((&text, ""));
     let program = format!("{}\n", program.trim_end());
     let found = diagnostics_text(&program, Dialect::from_path(&path.to_string_lossy()));
-    if std::env::var_os("BLESS").is_some() {
+    if std::env::var_os("RPI_BLESS").is_some() {
         std::fs::write(path, format!("{program}{EXPECTED_MARK}{found}")).expect("writable");
     }
     let differs = format!("{}\n--- says\n{says}--- but\n{found}", path.display());

@@ -7,4 +7,5 @@ mod format;
 mod generated_trees;
 mod precedence;
 mod support;
+mod tree_strategies;
 mod truncated;

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_driver::{Input, InputKind, compile, emit, import, read};
-use rpi_net::Net;
+use rpi_driver::{AnalysedNet, Input, InputKind, compile, emit, import, read};
 
 use crate::round_trip::program;
 use crate::run::compare_nets;
@@ -38,7 +37,7 @@ pub(crate) fn come_back(path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-fn as_read(text: &str) -> Result<Net, String> {
+fn as_read(text: &str) -> Result<AnalysedNet, String> {
     let input = Input {
         path: PathBuf::from("written.rpinet"),
         kind: InputKind::Rpinet,
@@ -54,7 +53,7 @@ fn as_read(text: &str) -> Result<Net, String> {
 #[test]
 fn what_a_net_cannot_hold_is_told() {
     let page = rpi_diag::Code::RPI9102.page();
-    for (fence, told) in [
+    for (fence, expected) in [
         ("```rpi-wrong emit-rpinet", 1),
         ("```rpi-right emit-rpinet", 0),
     ] {
@@ -72,7 +71,7 @@ fn what_a_net_cannot_hold_is_told() {
             panic!("{:?}", compiled.diagnostics)
         };
         let (text, diagnostics) = emit::rpinet(net);
-        assert_eq!(diagnostics.len(), told, "{diagnostics:?}");
+        assert_eq!(diagnostics.len(), expected, "{diagnostics:?}");
         assert!(text.contains("outTerminate=") && text.contains("Key='done'"));
     }
 }

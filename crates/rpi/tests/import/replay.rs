@@ -121,7 +121,7 @@ fn shifted(name: &str, shift: i64) -> String {
 
 /// Returns the program's net with the names of the original net, and with its ports at the borders of fragments.
 fn with_original_names(trip: &RoundTrip) -> Net {
-    let mut net = trip.new.clone();
+    let mut net = (*trip.new).clone();
     let back: BTreeMap<NodeId, NodeId> = trip.nodes.iter().map(|(a, b)| (*b, *a)).collect();
     for id in trip.new.node_ids() {
         let name = &mut net.nodes[id.index()].name;

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rpi_diag::{Code, Severity};
-use rpi_driver::{Input, InputKind, compile, import, read};
+use rpi_driver::{AnalysedNet, Input, InputKind, compile, import, read};
 use rpi_net::{FragmentId, Net, NodeId};
 use rpi_syntax::Dialect;
 
 /// A net, the net of its program, and the correspondence of their nodes.
 pub(crate) struct RoundTrip {
-    pub(crate) old: Net,
-    pub(crate) new: Net,
+    pub(crate) old: AnalysedNet,
+    pub(crate) new: AnalysedNet,
     /// New nodes of the original nodes, as far as they remain.
     pub(crate) nodes: BTreeMap<NodeId, NodeId>,
     /// New fragments of the original fragments.
@@ -38,7 +38,7 @@ impl RoundTrip {
 }
 
 /// Reads a recorded net.
-pub(crate) fn net_of(path: &Path) -> Result<Net, String> {
+pub(crate) fn net_of(path: &Path) -> Result<AnalysedNet, String> {
     let compiled = read(path).and_then(|input| compile(&input));
     let compiled = compiled.map_err(|e| e.to_string())?;
     match compiled.nets() {
@@ -48,7 +48,7 @@ pub(crate) fn net_of(path: &Path) -> Result<Net, String> {
 }
 
 /// Compiles a program of one command, which must have no diagnostic.
-pub(crate) fn program(text: String) -> Result<Net, String> {
+pub(crate) fn program(text: String) -> Result<AnalysedNet, String> {
     let input = Input {
         path: PathBuf::from("imported.rpi"),
         kind: InputKind::Rpi,

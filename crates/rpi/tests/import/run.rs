@@ -4,9 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rpi_core::{CycleContext, Instance, Verdict};
-use rpi_driver::lower_for_execution;
+use rpi_driver::{AnalysedNet, lower_for_execution};
 use rpi_image::image::{CommandEnd, CommandEndKind};
-use rpi_net::Net;
 
 use crate::bank::{RecordingBank, SetPoints, TWO_ARMS};
 use crate::round_trip::RoundTrip;
@@ -67,8 +66,8 @@ pub(crate) fn behaves_alike(path: &Path) -> Result<bool, String> {
 /// Checks that two nets behave alike in a cell; the second one may export more. Returns whether a device had a
 /// set-point.
 pub(crate) fn compare_nets(
-    old: &Net,
-    new: &Net,
+    old: &AnalysedNet,
+    new: &AnalysedNet,
     cell: &str,
     period_ns: u64,
 ) -> Result<bool, String> {
@@ -87,8 +86,8 @@ pub(crate) fn compare_nets(
     }
 }
 
-fn run(net: &Net, cell: &str, period_ns: u64) -> Result<Vec<CycleBehaviour>, String> {
-    let image = lower_for_execution(net, period_ns)?;
+fn run(net: &AnalysedNet, cell: &str, period_ns: u64) -> Result<Vec<CycleBehaviour>, String> {
+    let image = lower_for_execution(net, period_ns).map_err(|e| e.to_string())?;
     let mut bank = RecordingBank::new(cell, period_ns);
     let mut machine = Instance::load(image, &mut bank).map_err(|faults| format!("{faults:?}"))?;
     let mut all = Vec::new();

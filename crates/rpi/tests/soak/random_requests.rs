@@ -41,7 +41,7 @@ pub(crate) struct RandomDriver {
     random: Random,
     known: BTreeMap<CommandId, CommandRecord>,
     /// Commands that pending requests will start.
-    asked: BTreeMap<Ticket, Vec<CommandId>>,
+    pending_starts: BTreeMap<Ticket, Vec<CommandId>>,
     /// Device faults are expected until this time (s).
     troubled: f64,
     tally: Tally,
@@ -78,7 +78,7 @@ impl RandomDriver {
             images: images(&mut random),
             random,
             known: BTreeMap::new(),
-            asked: BTreeMap::new(),
+            pending_starts: BTreeMap::new(),
             troubled: 0.0,
             tally: Tally::default(),
         }
@@ -214,7 +214,7 @@ impl RandomDriver {
         };
         if let Some(id) = self.load(wanted, &[]) {
             let ticket = self.control.start(id).expect("there is room for requests");
-            self.asked.insert(ticket, vec![id]);
+            self.pending_starts.insert(ticket, vec![id]);
         }
     }
 
@@ -268,14 +268,14 @@ impl RandomDriver {
 
     fn schedule(&mut self, rule: Rule) {
         let starts = rule.starts().to_vec();
-        let asked = self.control.schedule(rule);
-        self.asked
-            .insert(asked.expect("there is room for rules").1, starts);
+        let scheduled = self.control.schedule(rule);
+        self.pending_starts
+            .insert(scheduled.expect("there is room for rules").1, starts);
     }
 
     /// A refused command will never run, for example the successor of a command that was cancelled meanwhile.
     fn answered(&mut self, ticket: Ticket, refused: bool) {
-        let starts = self.asked.remove(&ticket).unwrap_or_default();
+        let starts = self.pending_starts.remove(&ticket).unwrap_or_default();
         for id in starts.into_iter().filter(|_| refused) {
             self.control.unload(id).expect("it is ready");
             self.known.remove(&id);
@@ -330,7 +330,7 @@ impl RandomDriver {
     }
 
     fn inject_fault(&mut self) {
-        let trouble = match self.random.below(2) {
+        let kind = match self.random.below(2) {
             0 => FaultKind::JointFailure(self.random.below(AXES)),
             _ => FaultKind::EmergencyStop,
         };
@@ -339,11 +339,7 @@ impl RandomDriver {
         let from = bank.time();
         let until = from + 0.05;
         self.troubled = until;
-        let fault = ScheduledFault {
-            from,
-            until,
-            kind: trouble,
-        };
+        let fault = ScheduledFault { from, until, kind };
         assert!(bank.inject(arm, fault));
     }
 
@@ -387,7 +383,7 @@ impl fmt::Display for RandomDriver {
         let t = &self.tally;
         write!(
             f,
-            "{} takeovers ({} ends in motion) in {} ticks: {} aborted, {} cancelled, {} faults, {} braked, {} given up",
+            "{} takeovers ({} ends in motion) in {} ticks: {} aborted, {} cancelled, {} faults, {} braked, {} dropped",
             t.takeovers,
             t.in_motion,
             t.ticks,

@@ -5,7 +5,8 @@
 //! a set becomes empty, which is a contradiction. Only nodes in fragments that are known to be active are propagated,
 //! since other nodes are not evaluated. The method is sound, incomplete and bounded.
 
-use super::Event;
+use super::contradiction::ContradictionError;
+use super::event::Event;
 use super::numbers;
 use super::truth_tables::{self, ValueSet, by_rule, constant};
 use crate::fragment_tree::FragmentTree;
@@ -29,26 +30,21 @@ pub(crate) struct ProofContext<'a> {
 
 impl ProofContext<'_> {
     /// Obstacles to an event: enclosing fragments that are not always active, and flows that may be absent.
-    pub(crate) fn obstacles(self, happening: &Event) -> (Vec<FragmentId>, Vec<PortRef>) {
+    pub(crate) fn obstacles(self, event: &Event) -> (Vec<FragmentId>, Vec<PortRef>) {
         let ProofContext {
             net,
             tree,
             presences,
             ..
         } = self;
-        let around = net.ancestors(happening.fragment);
+        let around = net.ancestors(event.fragment);
         let gates = around.filter(|f| presences.activity(*f) != FlowPresence::Total);
-        let seen =
-            |p: &PortRef| presences.presence_at(net, tree, happening.fragment, &Input::Port(*p));
-        let open = happening.present.iter().copied();
+        let seen = |p: &PortRef| presences.presence_at(net, tree, event.fragment, &Input::Port(*p));
+        let open = event.present.iter().copied();
         let open = open.filter(|p| seen(p) != FlowPresence::Total);
         (gates.collect(), open.collect())
     }
 }
-
-/// Error for facts that contradict each other.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct ContradictionError;
 
 /// Remaining number of node visits.
 pub(crate) type EffortBudget = Cell<u32>;
@@ -167,12 +163,12 @@ impl<'a> Facts<'a> {
     }
 
     /// Adds that an event does not occur. Adds nothing if more than one cause is possible.
-    pub(crate) fn deny(&mut self, happening: &Event) -> FactResult {
-        let (gates, open) = self.background.obstacles(happening);
+    pub(crate) fn deny(&mut self, event: &Event) -> FactResult {
+        let (gates, open) = self.background.obstacles(event);
         match (&gates[..], &open[..]) {
             ([], []) => Err(ContradictionError),
             ([gate], []) => self.deactivate(*gate),
-            ([], [port]) => self.require(happening.fragment, *port, ValueSet::ABSENT),
+            ([], [port]) => self.require(event.fragment, *port, ValueSet::ABSENT),
             _ => Ok(()),
         }
     }
@@ -318,9 +314,9 @@ impl<'a> Facts<'a> {
         let output = self.possible_values(port);
         let (mut inputs, mut outputs) = (vec![ValueSet::EMPTY; seen.len()], ValueSet::EMPTY);
         for combination in combinations(seen) {
-            let given = gate(&combination).intersection(output);
-            if given != ValueSet::EMPTY {
-                outputs = outputs.union(given);
+            let possible = gate(&combination).intersection(output);
+            if possible != ValueSet::EMPTY {
+                outputs = outputs.union(possible);
                 for (all, one) in inputs.iter_mut().zip(&combination) {
                     *all = all.union(*one);
                 }
@@ -345,8 +341,8 @@ impl<'a> Facts<'a> {
         let sets: Vec<ValueSet> = connected(node, seen).map(|(_, s)| *s).collect();
         for (k, output) in (0..).zip(node.desc().outputs) {
             let port = PortRef { node: id, port: k };
-            let given = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
-            self.narrow_if(port, given)?;
+            let possible = by_rule(output.presence, &sets, node.outputs[usize::from(k)]);
+            self.narrow_if(port, possible)?;
             if self.possible_values(port) == ValueSet::ABSENT {
                 self.revise_absent(id, output.presence, seen)?;
             }

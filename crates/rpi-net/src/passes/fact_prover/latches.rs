@@ -155,9 +155,9 @@ fn never_restarts(background: ProofContext<'_>, fragment: FragmentId) -> bool {
     chain.all(|f| background.net.fragment(f).restart == Restart::Never)
 }
 
-fn is_constant(background: ProofContext<'_>, input: &Input, wanted: bool) -> bool {
+fn is_constant(background: ProofContext<'_>, input: &Input, expected: bool) -> bool {
     let value = match input {
-        Input::Unconnected => return !wanted,
+        Input::Unconnected => return !expected,
         Input::Const(value) => Some(&**value),
         Input::Port(port) => {
             let node = background.net.node(port.node);
@@ -166,7 +166,7 @@ fn is_constant(background: ProofContext<'_>, input: &Input, wanted: bool) -> boo
                 .filter(|_| node.desc().role == Role::Constant)
         }
     };
-    value.and_then(Value::as_bool) == Some(wanted)
+    value.and_then(Value::as_bool) == Some(expected)
 }
 
 /// Source of a latch's `inOn` (0) or `inOff` (1).

@@ -4,6 +4,8 @@
 //! or two flows, and latches that turn each other off for good or are turned on by the same one-time signal
 //! ([`latches`]). What is not proved is checked at run time.
 
+mod contradiction;
+mod event;
 pub(crate) mod facts;
 mod latches;
 mod numbers;
@@ -11,7 +13,9 @@ pub(crate) mod truth_tables;
 mod values;
 
 use crate::net::{FragmentId, PortRef};
-use facts::{ContradictionError, Facts};
+use contradiction::ContradictionError;
+pub(crate) use event::Event;
+use facts::Facts;
 pub(crate) use facts::{EffortBudget, ProofContext};
 use latches::Latches;
 use std::collections::BTreeMap;
@@ -25,13 +29,6 @@ const CASES: usize = 6;
 /// Maximal number of node visits of all proofs for one net: without and with case distinctions.
 const EFFORT: u32 = 10_000;
 const EFFORT_FOR_CASES: u32 = 2_000;
-
-/// Event in a cycle: a fragment is active, and some flows are present as seen from it.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct Event {
-    pub(crate) fragment: FragmentId,
-    pub(crate) present: Vec<PortRef>,
-}
 
 /// Prover for one net with a limited effort.
 pub(crate) struct Prover<'a> {
@@ -97,8 +94,8 @@ impl<'a> Prover<'a> {
     }
 
     /// Whether all flows of an event are present whenever its fragment is active.
-    fn is_always_present(&self, happening: &Event) -> bool {
-        self.background.obstacles(happening).1.is_empty()
+    fn is_always_present(&self, event: &Event) -> bool {
+        self.background.obstacles(event).1.is_empty()
     }
 
     /// Facts that follow from two fragments being active; an error if they never are in the same cycle.
@@ -177,11 +174,11 @@ pub(crate) fn never_true_without(
     (reader, port): (FragmentId, PortRef),
     others: &[PortRef],
 ) -> bool {
-    let given = EFFORT_FOR_CASES.min(all.get());
-    if given == 0 {
+    let share = EFFORT_FOR_CASES.min(all.get());
+    if share == 0 {
         return false;
     }
-    let effort = EffortBudget::new(given);
+    let effort = EffortBudget::new(share);
     let mut facts = Facts::new(background, &effort);
     let held = facts.activate(reader).and_then(|()| {
         let mut others = others.iter();
@@ -190,6 +187,6 @@ pub(crate) fn never_true_without(
     let held = held
         .and_then(|()| facts.require(reader, port, ValueSet::TRUE))
         .and_then(|()| facts.propagate());
-    all.set(all.get().saturating_sub(1 + given - effort.get()));
+    all.set(all.get().saturating_sub(1 + share - effort.get()));
     held.is_err()
 }

@@ -1,7 +1,7 @@
 //! Contradictions between comparisons of a number with constants, such as `x = 1` and `x = 2` or `x > 3` and `x <= 2`,
 //! and integers for which all possible values are excluded.
 
-use super::facts::ContradictionError;
+use super::contradiction::ContradictionError;
 use super::truth_tables::ValueSet;
 use super::values;
 use crate::net::{Input, Net, Node, PortRef};
@@ -93,8 +93,8 @@ pub(super) fn check(
             _ => continue,
         };
         let node = net.node(port.node);
-        let said = range(node, holds).or_else(|| range_in_ticks(net, node, holds));
-        let Some((number, range)) = said else {
+        let output = range(node, holds).or_else(|| range_in_ticks(net, node, holds));
+        let Some((number, range)) = output else {
             continue;
         };
         let range = Bounds {

@@ -157,10 +157,10 @@ fn strict(inputs: &[ValueSet], value: bool) -> ValueSet {
 
 /// Output of an edge detector: it may be true only if the input has the value that it detects.
 fn edge(node: &Node, value: ValueSet) -> ValueSet {
-    let wanted = node.params.first().and_then(Value::as_bool).unwrap_or(true);
+    let expected = node.params.first().and_then(Value::as_bool).unwrap_or(true);
     match value {
         ValueSet::ABSENT => ValueSet::ABSENT,
-        value if value == ValueSet::from_bool(wanted) => ValueSet::PRESENT,
+        value if value == ValueSet::from_bool(expected) => ValueSet::PRESENT,
         _ => ValueSet::FALSE,
     }
 }

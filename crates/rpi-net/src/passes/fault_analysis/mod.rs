@@ -5,7 +5,7 @@
 //! | file | content |
 //! |---|---|
 //! | `range.rs` | intervals of integers, and arithmetic on them |
-//! | `known.rs` | interval of every flow: least fixed point |
+//! | `intervals.rs` | interval of every flow: least fixed point |
 //! | `transfer.rs`, `truth.rs` | interval of a node's output |
 //! | `refine.rs` | limits that a condition implies for the flows that it compares |
 //! | `growth.rs` | counters, which do not overflow within a run |

@@ -60,7 +60,7 @@ pub(super) const LONG_RUN_HOLD: usize = 7;
 /// Tick length in runs in nanoseconds: the default of a robot cell.
 pub(super) const TICK_NS: u64 = 1_000_000;
 
-/// State of a run.
+/// Execution with concrete values: the current cycle, the inputs so far, and the choice of missing inputs.
 pub(super) struct ConcreteDomain<'a> {
     pub(super) cycle: usize,
     /// Inputs read so far. Missing ones are generated.

@@ -57,12 +57,9 @@ impl<'a> Cone<'a> {
             fragments: FxHashSet::default(),
             open: Vec::new(),
         };
-        for happening in of {
-            search.fragment(happening.fragment);
-            happening
-                .present
-                .iter()
-                .for_each(|port| search.node(port.node));
+        for event in of {
+            search.fragment(event.fragment);
+            event.present.iter().for_each(|port| search.node(port.node));
         }
         flows.iter().for_each(|port| search.node(port.node));
         search.run(limit);

@@ -61,10 +61,10 @@ impl<'a, D: Domain> Cycle<'a, D> {
     }
 
     /// Whether an event occurs: its fragment is active and its flows are present.
-    pub(super) fn occurs(&mut self, happening: &Event) -> D::Bool {
-        let active = self.activity(happening.fragment);
+    pub(super) fn occurs(&mut self, event: &Event) -> D::Bool {
+        let active = self.activity(event.fragment);
         let mut all = active;
-        for port in &happening.present {
+        for port in &event.present {
             let present = self.flow(*port).present;
             all = self.domain.and(all, present);
         }
@@ -179,7 +179,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         }
         let fragment = self.cone.net.fragment(id);
         let outer = self.is_reset(fragment.parent.unwrap_or(FragmentId::ROOT));
-        let asked = match fragment.restart {
+        let requested = match fragment.restart {
             Restart::Never => None,
             Restart::OnActivation => {
                 let was = self.register(&RegisterKind::WasActive(id));
@@ -190,11 +190,11 @@ impl<'a, D: Domain> Cycle<'a, D> {
             }
             Restart::Every(condition) => Some(self.is_true(condition)),
         };
-        let fresh = match asked {
+        let fresh = match requested {
             None => outer,
-            Some(asked) => {
+            Some(requested) => {
                 let active = self.activity(id);
-                let own = self.domain.and(active, asked);
+                let own = self.domain.and(active, requested);
                 self.domain.or(outer, own)
             }
         };

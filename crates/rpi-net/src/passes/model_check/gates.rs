@@ -227,9 +227,9 @@ fn latch<D: Domain>(
     let armed = domain.not(reset);
     let [active, done] = memory.map(|cell| domain.truth(cell));
     let (active, done) = (domain.and(active, armed), domain.and(done, armed));
-    let wanted = domain.or(active, on);
+    let requested = domain.or(active, on);
     let (not_done, not_off) = (domain.not(done), domain.not(off));
-    let active = domain.all([wanted, not_done, not_off]);
+    let active = domain.all([requested, not_done, not_off]);
     let done = domain.or(done, off);
     let output = always_present(domain, active);
     (output, vec![domain.boolean(active), domain.boolean(done)])

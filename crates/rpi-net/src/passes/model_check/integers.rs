@@ -103,8 +103,8 @@ impl Integers {
         let named = self.unconstrained(solver);
         for (branch, guard) in [(yes, !condition), (no, condition)] {
             let equal = self.equal(solver, named, branch);
-            let fits = self.fits(solver, branch);
-            solver.add_clause(&[guard, !fits, equal]);
+            let in_range = self.fits(solver, branch);
+            solver.add_clause(&[guard, !in_range, equal]);
         }
         named
     }
@@ -240,7 +240,7 @@ impl Integers {
             return Some(self.sum(known));
         }
         let quotient = LinearTerm::variable(solver.integer(i64::MIN / size, i64::MAX / size));
-        let fits = solver.fits(&key.0);
+        let in_range = solver.fits(&key.0);
         let rest = key.0.add_scaled(&quotient, size.checked_neg()?)?;
         let zero = LinearTerm::constant(0);
         let negated = zero.add_scaled(&rest, -1)?;
@@ -255,7 +255,7 @@ impl Integers {
         ];
         for (unless, sum) in bounds {
             let lit = solver.at_most_zero(&sum);
-            solver.add_clause(&[!fits, unless, lit]);
+            solver.add_clause(&[!in_range, unless, lit]);
         }
         self.quotients.insert(key, quotient.clone());
         Some(self.sum(quotient))

@@ -79,9 +79,9 @@ impl Candidate {
         match self {
             Candidate::Clause(facts) => {
                 let mut any = Lit::FALSE;
-                for (fact, wanted) in facts {
+                for (fact, polarity) in facts {
                     let lit = fact.lit(domain, state);
-                    any = domain.solver.or(any, if *wanted { lit } else { !lit });
+                    any = domain.solver.or(any, if *polarity { lit } else { !lit });
                 }
                 any
             }

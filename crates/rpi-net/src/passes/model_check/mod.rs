@@ -14,8 +14,11 @@ mod domain;
 mod double_order;
 mod gates;
 mod integers;
+mod interpretation;
 mod invariants;
 mod query;
+mod real_comparison;
+mod real_functions;
 mod reals;
 mod symbolic;
 mod trace;
@@ -101,9 +104,9 @@ pub(crate) fn decide(
 pub(crate) fn always_one(
     background: ProofContext<'_>,
     schedule: &Schedule,
-    happenings: &[Event],
+    all_events: &[Event],
 ) -> bool {
-    let event = Query::Neither(happenings.to_vec());
+    let event = Query::Neither(all_events.to_vec());
     let verdicts = solve_queries(background, schedule, vec![event]);
     matches!(verdicts[..], [Some(Verdict::Exclusive(_))])
 }
@@ -118,10 +121,10 @@ fn solve_queries(
     }
     let net = background.net;
     let ends = ends(net);
-    let happenings: Vec<Event> = events.iter().flat_map(|e| e.events()).cloned().collect();
+    let all_events: Vec<Event> = events.iter().flat_map(|e| e.events()).cloned().collect();
     let is_total = |port| background.presences.own(port) == FlowPresence::Total;
     let question = Problem {
-        cone: Cone::new(net, schedule, &happenings, &ends, NODES, is_total),
+        cone: Cone::new(net, schedule, &all_events, &ends, NODES, is_total),
         ends,
         ends_at_once: ends_at_once(net),
         events,

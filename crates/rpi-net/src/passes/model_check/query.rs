@@ -27,13 +27,13 @@ impl Query {
     /// Whether a cycle satisfies the condition.
     pub(super) fn is_satisfied<D: Domain>(&self, cycle: &mut Cycle<'_, D>) -> D::Bool {
         let mut is = cycle.domain.bit(true);
-        for happening in self.events() {
-            let happens = cycle.occurs(happening);
-            let wanted = match self {
+        for event in self.events() {
+            let happens = cycle.occurs(event);
+            let required = match self {
                 Query::Both(_) => happens,
                 Query::Neither(_) => cycle.domain.not(happens),
             };
-            is = cycle.domain.and(is, wanted);
+            is = cycle.domain.and(is, required);
         }
         is
     }

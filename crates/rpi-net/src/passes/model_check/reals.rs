@@ -1,42 +1,22 @@
-//! Real terms and their comparisons.
+//! Real terms.
 //!
 //! A real is represented by an integer, its position in the order of all doubles, and a literal for NaN. So comparisons
 //! are exact although the solver has no floating-point arithmetic. A comparison of a monotone function of one real with
 //! a constant is reduced to a bound on the argument by binary search. Any other function is an unconstrained real.
 
-use super::double_order::{double_at, last_where, max_position, position};
-use super::integers::{IntId, Integers};
+use super::double_order::{max_position, position};
+use super::integers::IntId;
+use super::real_functions::{Binary, Monotone, Unary, apply_binary, apply_unary};
 use crate::solver::{LinearTerm, Lit, Solver};
 use rustc_hash::FxHashMap;
 
 /// Maximal nesting depth, and maximal number of terms of a problem.
-const DEPTH: u32 = 120;
-const TERMS: usize = 60_000;
+pub(super) const DEPTH: u32 = 120;
+pub(super) const TERMS: usize = 60_000;
 
 /// Index of a real term.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct RealId(u32);
-
-/// Operation on one real.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Unary {
-    Negate,
-    Absolute,
-    Floor,
-    Ceiling,
-    Round,
-}
-
-/// Operation on two reals.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Minimum,
-    Maximum,
-}
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum RealTerm {
@@ -55,30 +35,11 @@ pub(super) enum RealTerm {
 pub(super) struct Reals {
     terms: Vec<(RealTerm, u32)>,
     known: FxHashMap<RealTerm, RealId>,
-    comparisons: FxHashMap<(RealId, RealId, bool), Lit>,
+    /// Literals of comparisons that have been made.
+    pub(super) comparisons: FxHashMap<(RealId, RealId, bool), Lit>,
     nans: FxHashMap<RealId, Lit>,
     /// Position variables of terms that are not interpreted.
     places: FxHashMap<RealId, usize>,
-}
-
-/// Comparison `a < b` if `is_strict`, otherwise `a <= b`.
-#[derive(Clone, Copy)]
-struct Comparison {
-    a: RealId,
-    b: RealId,
-    is_strict: bool,
-}
-
-impl Comparison {
-    fn holds(self, a: f64, b: f64) -> bool {
-        if self.is_strict { a < b } else { a <= b }
-    }
-}
-
-/// Integer terms and solver, which comparisons need.
-pub(super) struct TermContext<'a> {
-    pub(super) integers: &'a mut Integers,
-    pub(super) solver: &'a mut Solver,
 }
 
 impl Reals {
@@ -96,7 +57,7 @@ impl Reals {
         real
     }
 
-    fn depth(&self, real: RealId) -> u32 {
+    pub(super) fn depth(&self, real: RealId) -> u32 {
         self.terms[real.0 as usize].1
     }
 
@@ -199,167 +160,9 @@ impl Reals {
         lit
     }
 
-    /// Literal for `a < b` if `is_strict`, otherwise for `a <= b`. False if an operand is NaN.
-    pub(super) fn compare(
-        &mut self,
-        around: &mut TermContext<'_>,
-        a: RealId,
-        b: RealId,
-        is_strict: bool,
-    ) -> Lit {
-        if let Some(known) = self.comparisons.get(&(a, b, is_strict)) {
-            return *known;
-        }
-        let comparison = Comparison { a, b, is_strict };
-        let is_deep = self.depth(a).max(self.depth(b)) > DEPTH;
-        let lit = match is_deep || self.comparisons.len() > TERMS {
-            true => self.compare_places(around, comparison),
-            false => self.compare_terms(around, comparison),
-        };
-        self.comparisons.insert((a, b, is_strict), lit);
-        lit
-    }
-
-    fn compare_terms(&mut self, around: &mut TermContext<'_>, comparison: Comparison) -> Lit {
-        let Comparison { a, b, is_strict } = comparison;
-        match (self.term(a), self.term(b)) {
-            (RealTerm::Constant(x), RealTerm::Constant(y)) => {
-                Lit::constant(comparison.holds(f64::from_bits(x), f64::from_bits(y)))
-            }
-            (RealTerm::Choice(condition, yes, no), _) => {
-                let yes = self.compare(around, yes, b, is_strict);
-                let no = self.compare(around, no, b, is_strict);
-                around.solver.if_then_else(condition, yes, no)
-            }
-            (_, RealTerm::Choice(condition, yes, no)) => {
-                let yes = self.compare(around, a, yes, is_strict);
-                let no = self.compare(around, a, no, is_strict);
-                around.solver.if_then_else(condition, yes, no)
-            }
-            (RealTerm::Binary(op @ (Binary::Minimum | Binary::Maximum), x, y), _) => {
-                let sides = [x, y].map(|x| self.compare(around, x, b, is_strict));
-                let nans = [x, y].map(|x| self.is_nan(around.solver, x));
-                compare_extreme(around.solver, op == Binary::Minimum, sides, nans)
-            }
-            (_, RealTerm::Binary(op @ (Binary::Minimum | Binary::Maximum), x, y)) => {
-                let sides = [x, y].map(|x| self.compare(around, a, x, is_strict));
-                let nans = [x, y].map(|x| self.is_nan(around.solver, x));
-                compare_extreme(around.solver, op == Binary::Maximum, sides, nans)
-            }
-            (RealTerm::Binary(Binary::Subtract, x, y), _) if x == y => {
-                let (zero, nan) = (self.constant(0.0), self.is_nan(around.solver, a));
-                let order = self.compare(around, zero, b, is_strict);
-                around.solver.and(order, !nan)
-            }
-            (_, RealTerm::Binary(Binary::Subtract, x, y)) if x == y => {
-                let (zero, nan) = (self.constant(0.0), self.is_nan(around.solver, b));
-                let order = self.compare(around, a, zero, is_strict);
-                around.solver.and(order, !nan)
-            }
-            (RealTerm::Binary(Binary::Subtract, x, y), RealTerm::Constant(zero))
-                if is_zero(zero) =>
-            {
-                self.compare_difference(around, a, [x, y], is_strict)
-            }
-            (RealTerm::Constant(zero), RealTerm::Binary(Binary::Subtract, x, y))
-                if is_zero(zero) =>
-            {
-                self.compare_difference(around, b, [y, x], is_strict)
-            }
-            (_, RealTerm::Constant(bits)) => {
-                let inverted =
-                    self.reduce_monotone(around, comparison, a, f64::from_bits(bits), true);
-                inverted.unwrap_or_else(|| self.compare_places(around, comparison))
-            }
-            (RealTerm::Constant(bits), _) => {
-                let inverted =
-                    self.reduce_monotone(around, comparison, b, f64::from_bits(bits), false);
-                inverted.unwrap_or_else(|| self.compare_places(around, comparison))
-            }
-            _ => self.compare_places(around, comparison),
-        }
-    }
-
-    /// Compares `x - y` with 0 by comparing `x` with `y`. This is exact, since different doubles have a non-zero
-    /// difference; that of equal infinities is NaN.
-    fn compare_difference(
-        &mut self,
-        around: &mut TermContext<'_>,
-        difference: RealId,
-        [x, y]: [RealId; 2],
-        is_strict: bool,
-    ) -> Lit {
-        let nan = self.is_nan(around.solver, difference);
-        let order = self.compare(around, x, y, is_strict);
-        around.solver.and(order, !nan)
-    }
-
-    /// Reduces a comparison of a function of one term with a constant to a comparison of that term; `None` if the
-    /// function is not monotone.
-    fn reduce_monotone(
-        &mut self,
-        around: &mut TermContext<'_>,
-        comparison: Comparison,
-        function: RealId,
-        constant: f64,
-        is_left: bool,
-    ) -> Option<Lit> {
-        if constant.is_nan() {
-            return Some(Lit::FALSE);
-        }
-        let test = |value: f64| match is_left {
-            true => comparison.holds(value, constant),
-            false => comparison.holds(constant, value),
-        };
-        match self.term(function) {
-            RealTerm::FromInt(int) => {
-                Some(compare_integer(around, int, is_left, |k| test(k as f64)))
-            }
-            RealTerm::Unary(Unary::Absolute, x) => {
-                let negative = self.unary(Unary::Negate, x);
-                let sides = [x, negative].map(|x| match is_left {
-                    true => self.compare(around, x, comparison.b, comparison.is_strict),
-                    false => self.compare(around, comparison.a, x, comparison.is_strict),
-                });
-                Some(match is_left {
-                    true => around.solver.all(sides),
-                    false => around.solver.any(sides),
-                })
-            }
-            _ => {
-                let (argument, function) = self.monotone(function)?;
-                // The truth value changes once: from true to false if the function rises and is on the left side.
-                let begins_true = function.rises == is_left;
-                let holds = |k: i64| test(function.value(double_at(k))) == begins_true;
-                let turn = last_where(-max_position(), max_position(), holds);
-                Some(self.compare_with_turn(around, argument, turn, begins_true))
-            }
-        }
-    }
-
-    /// Compares a term with the position of the change: at most there if `up_to`, otherwise beyond. False for NaN.
-    fn compare_with_turn(
-        &mut self,
-        around: &mut TermContext<'_>,
-        argument: RealId,
-        turn: Option<i64>,
-        up_to: bool,
-    ) -> Lit {
-        let nan = self.is_nan(around.solver, argument);
-        let below = match turn {
-            None => Lit::FALSE,
-            Some(turn) => {
-                let turn = self.constant(double_at(turn));
-                self.compare(around, argument, turn, false)
-            }
-        };
-        let wanted = if up_to { below } else { !below };
-        around.solver.and(wanted, !nan)
-    }
-
     /// Decomposes a term into a monotone function and its argument; `None` if it is not one. The function maps numbers
     /// to numbers.
-    fn monotone(&self, real: RealId) -> Option<(RealId, Monotone)> {
+    pub(super) fn monotone(&self, real: RealId) -> Option<(RealId, Monotone)> {
         let usable =
             |value: f64, is_factor: bool| value.is_finite() && (!is_factor || value != 0.0);
         match self.term(real) {
@@ -383,27 +186,6 @@ impl Reals {
             },
             _ => None,
         }
-    }
-
-    /// Compares two terms by their positions only.
-    fn compare_places(&mut self, around: &mut TermContext<'_>, comparison: Comparison) -> Lit {
-        let Comparison { a, b, is_strict } = comparison;
-        let (left, right) = (
-            self.position(around.solver, a),
-            self.position(around.solver, b),
-        );
-        let order = match left.add_scaled(&right, -1) {
-            Some(difference) => {
-                let shift = LinearTerm::constant(i64::from(is_strict));
-                match difference.add_scaled(&shift, 1) {
-                    Some(sum) => around.solver.at_most_zero(&sum),
-                    None => around.solver.new_bool(),
-                }
-            }
-            None => around.solver.new_bool(),
-        };
-        let nans = [a, b].map(|x| !self.is_nan(around.solver, x));
-        around.solver.all([order, nans[0], nans[1]])
     }
 
     /// Position of a term as a sum of solver variables.
@@ -435,105 +217,5 @@ impl Reals {
                 )
             }
         }
-    }
-}
-
-/// Monotone function of one double.
-#[derive(Clone, Copy)]
-struct Monotone {
-    op: Result<Unary, Binary>,
-    constant: f64,
-    constant_first: bool,
-    rises: bool,
-}
-
-impl Monotone {
-    fn unary(op: Unary) -> Monotone {
-        Monotone {
-            op: Ok(op),
-            constant: 0.0,
-            constant_first: false,
-            rises: op != Unary::Negate,
-        }
-    }
-
-    fn binary(op: Binary, constant: f64, constant_first: bool) -> Monotone {
-        let is_factor = matches!(op, Binary::Multiply | Binary::Divide);
-        let is_subtracted = op == Binary::Subtract && constant_first;
-        Monotone {
-            op: Err(op),
-            constant,
-            constant_first,
-            rises: !(is_subtracted || is_factor && constant < 0.0),
-        }
-    }
-
-    fn value(self, x: f64) -> f64 {
-        match (self.op, self.constant_first) {
-            (Ok(op), _) => apply_unary(op, x),
-            (Err(op), true) => apply_binary(op, self.constant, x),
-            (Err(op), false) => apply_binary(op, x, self.constant),
-        }
-    }
-}
-
-fn is_zero(bits: u64) -> bool {
-    f64::from_bits(bits) == 0.0
-}
-
-/// Literal for a comparison with the minimum or maximum of two terms. It holds if one side does (`one_is_enough`),
-/// otherwise both must. A NaN operand is ignored unless both are NaN.
-fn compare_extreme(
-    solver: &mut Solver,
-    one_is_enough: bool,
-    sides: [Lit; 2],
-    nans: [Lit; 2],
-) -> Lit {
-    if one_is_enough {
-        return solver.any(sides);
-    }
-    let either = [0, 1].map(|k| solver.or(sides[k], nans[k]));
-    let both = solver.all(either);
-    let no_number = solver.all(nans);
-    solver.and(both, !no_number)
-}
-
-/// Literal for a comparison of an integer whose truth value changes once.
-fn compare_integer(
-    around: &mut TermContext<'_>,
-    int: IntId,
-    begins_true: bool,
-    test: impl Fn(i64) -> bool,
-) -> Lit {
-    let turn = last_where(i64::MIN, i64::MAX, |k| test(k) == begins_true);
-    let below = match turn {
-        None => Lit::FALSE,
-        Some(turn) => {
-            let turn = around.integers.constant(turn);
-            around.integers.at_most(around.solver, int, turn)
-        }
-    };
-    if begins_true { below } else { !below }
-}
-
-fn apply_unary(op: Unary, a: f64) -> f64 {
-    match op {
-        Unary::Negate => -a,
-        Unary::Absolute => a.abs(),
-        Unary::Floor => a.floor(),
-        Unary::Ceiling => a.ceil(),
-        Unary::Round => a.round(),
-    }
-}
-
-fn apply_binary(op: Binary, a: f64, b: f64) -> f64 {
-    match op {
-        Binary::Add => a + b,
-        Binary::Subtract => a - b,
-        Binary::Multiply => a * b,
-        Binary::Divide => a / b,
-        // If one operand is NaN, the other is returned, as in C's `fmin`.
-        Binary::Minimum => a.min(b),
-        Binary::Maximum => a.max(b),
     }
 }

@@ -55,8 +55,8 @@ pub(super) fn describe(
         named: Vec::new(),
         active: Vec::new(),
     };
-    for happening in question.events[pair].events() {
-        search.happening(happening);
+    for event in question.events[pair].events() {
+        search.event(event);
     }
     search.run();
     let (named, active) = (search.named, search.active);
@@ -93,9 +93,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn happening(&mut self, happening: &Event) {
-        self.fragment(happening.fragment);
-        for port in &happening.present {
+    fn event(&mut self, event: &Event) {
+        self.fragment(event.fragment);
+        for port in &event.present {
             self.presence(*port);
         }
     }

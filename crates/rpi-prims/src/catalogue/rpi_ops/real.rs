@@ -14,6 +14,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     CEILING,
     ROUND,
     EXPONENTIAL,
+    HYPERBOLIC_TANGENT,
     ATAN,
 ];
 
@@ -105,6 +106,15 @@ primitive! {
     out { outValue: f64 }
     presence strict work 30;
     pure |(a,): (f64,)| (libm::exp(a),)
+}
+
+primitive! {
+    /// Hyperbolic tangent, between -1 and 1: a smooth saturation with slope 1 at 0.
+    HYPERBOLIC_TANGENT = "Rpi::DoubleHyperbolicTangent";
+    in { inValue: f64 = Value(Real(0.0)) }
+    out { outValue: f64 }
+    presence strict work 40;
+    pure |(a,): (f64,)| (libm::tanh(a),)
 }
 
 primitive! {

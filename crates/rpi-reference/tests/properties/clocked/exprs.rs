@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::forms::{FORMS, Form, Part, common, form, samplings, then, when};
 use super::model::{Clock, Expr, Flow, FlowId, Kind, Node};
 use crate::random::Random;
 
@@ -42,62 +43,6 @@ pub(crate) struct Exprs<'m> {
     pub(crate) lustre: bool,
 }
 
-/// Form: the result type (`None` for any), the text, and the parts, which have the required type, clock and presence
-/// unless stated otherwise.
-type Form = (Option<Kind>, &'static str, &'static [Part]);
-
-#[derive(Clone, Copy)]
-enum Part {
-    /// Like the whole.
-    Own,
-    /// Like the whole, and never absent.
-    Total,
-    /// Of another type, and never absent.
-    OfType(Kind),
-    /// Delayed flow.
-    Delayed,
-    /// Of this type and any clock; the value is not used.
-    Unused(Kind),
-}
-
-use Kind::{Bool, Int, Mode, Pair, Row as Ints};
-use Part::{Delayed, OfType, Own, Total, Unused};
-
-/// Forms for all clocks.
-#[rustfmt::skip]
-const FORMS: &[Form] = &[
-    (None, "(@ -> @)", &[Own, Own]),
-    (None, "(@ -> pre @)", &[Total, Delayed]),
-    (None, "(@ -> pre @)", &[Total, Delayed]),
-    (None, "(@ fby @)", &[Total, Delayed]),
-    (None, "(if @ then @ else @)", &[OfType(Bool), Own, Own]),
-    (Some(Int), "((@ + @) mod 1000)", &[Own, Own]),
-    (Some(Int), "((@ - @) mod 1000)", &[Own, Own]),
-    (Some(Int), "((@ + 1) mod 1000)", &[Own]),
-    (Some(Int), "((@ * 3) mod 50)", &[Own]),
-    (Some(Int), "Count(@)", &[Total]),
-    (Some(Int), "(restart Count every @)(@)", &[OfType(Bool), Total]),
-    (Some(Int), "condact(@, Count(@), @)", &[OfType(Bool), Total, Total]),
-    (Some(Int), "(Pair{u = @; v = @}).u", &[Own, Unused(Int)]),
-    (Some(Int), "(Pair{u = @; v = @}).v", &[Unused(Int), Own]),
-    (Some(Int), "([@, @])[1]", &[Unused(Int), Own]),
-    (Some(Int), "(@).v", &[OfType(Pair)]),
-    (Some(Int), "(@)[0]", &[OfType(Ints)]),
-    (Some(Bool), "(@ and @)", &[Own, Own]),
-    (Some(Bool), "(@ or @)", &[Own, Own]),
-    (Some(Bool), "(not @)", &[Own]),
-    (Some(Bool), "(@ < @)", &[OfType(Int), OfType(Int)]),
-    (Some(Bool), "(@ > 1)", &[OfType(Int)]),
-    (Some(Bool), "(@ <> @)", &[OfType(Pair), OfType(Pair)]),
-    (Some(Bool), "(@ = Slow)", &[OfType(Mode)]),
-    (Some(Bool), "(false -> @)", &[Own]),
-    (Some(Pair), "Pair{u = @; v = @}", &[OfType(Int), OfType(Int)]),
-    (Some(Pair), "(@ with .u = @)", &[Total, OfType(Int)]),
-    (Some(Ints), "[@, @]", &[OfType(Int), OfType(Int)]),
-    (Some(Ints), "(@ ^ 2)", &[OfType(Int)]),
-    (Some(Mode), "(if @ then Slow else @)", &[OfType(Bool), Own]),
-];
-
 impl Exprs<'_> {
     /// Returns an expression, not much deeper than `depth`. An expression without its own clock ticks in all cycles
     /// here.
@@ -127,12 +72,12 @@ impl Exprs<'_> {
 
     fn of_form(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Expr {
         let lustre = self.lustre;
-        let fits = |(kind, text, _): &&Form| {
+        let is_possible = |(kind, text, _): &&Form| {
             // Lustre V6 has a different syntax for these.
             let known = !lustre || !text.starts_with("condact") && !text.contains(" with ");
             known && kind.is_none_or(|kind| kind == want.kind)
         };
-        let rows: Vec<&Form> = FORMS.iter().filter(fits).collect();
+        let rows: Vec<&Form> = FORMS.iter().filter(is_possible).collect();
         let (_, text, parts) = **self.random.pick(&rows);
         let parts = parts
             .iter()
@@ -155,10 +100,10 @@ impl Exprs<'_> {
             ..want.clone()
         };
         match part {
-            Own => self.expr(scope, want, depth),
-            Total => self.expr(scope, &total(want.kind), depth),
-            OfType(kind) => self.expr(scope, &total(kind), depth),
-            Unused(kind) => {
+            Part::Own => self.expr(scope, want, depth),
+            Part::Total => self.expr(scope, &total(want.kind), depth),
+            Part::OfType(kind) => self.expr(scope, &total(kind), depth),
+            Part::Unused(kind) => {
                 let clocks = self.clocks(scope);
                 let clock = match self.lustre {
                     true => want.clock.clone(),
@@ -173,9 +118,9 @@ impl Exprs<'_> {
                     depth.min(1),
                 )
             }
-            Delayed => {
-                let fits = |id: &&FlowId| self.is_wanted(**id, want);
-                let fit: Vec<&FlowId> = scope.delayed.iter().filter(fits).collect();
+            Part::Delayed => {
+                let is_wanted = |id: &&FlowId| self.is_wanted(**id, want);
+                let fit: Vec<&FlowId> = scope.delayed.iter().filter(is_wanted).collect();
                 match fit.is_empty() || self.random.one_in(4) {
                     true => self.expr(scope, want, depth),
                     false => {
@@ -344,8 +289,8 @@ impl Exprs<'_> {
 
     /// Returns `last x`.
     fn last(&mut self, scope: &Scope, want: &Requirement, depth: usize) -> Option<Expr> {
-        let fits = |id: &&FlowId| self.flows[**id].kind == want.kind;
-        let flow = *scope.last.iter().find(fits)?;
+        let has_kind = |id: &&FlowId| self.flows[**id].kind == want.kind;
+        let flow = *scope.last.iter().find(has_kind)?;
         let total = Requirement {
             optional: false,
             ..want.clone()
@@ -474,47 +419,4 @@ impl Exprs<'_> {
             _ => self.current(scope, want, depth),
         }
     }
-}
-
-/// Returns `x when c`.
-fn when(value: Expr, on: &str, clock: Clock) -> Expr {
-    Expr {
-        kind: value.kind,
-        optional: value.optional,
-        node: Node::Template(format!("(@ when {on})").into(), vec![value]),
-        clock: Some(clock),
-    }
-}
-
-pub(crate) fn form(text: &str, parts: Vec<Expr>, want: &Requirement, clock: Option<Clock>) -> Expr {
-    Expr {
-        node: Node::Template(text.into(), parts),
-        kind: want.kind,
-        optional: want.optional,
-        clock,
-    }
-}
-
-/// Returns a clock with one more sampling step.
-pub(crate) fn then(clock: &Clock, on: &str) -> Clock {
-    clock.iter().cloned().chain([on.to_owned()]).collect()
-}
-
-/// Returns the sampling conditions that a flow provides.
-pub(crate) fn samplings(decider: &Decider) -> Vec<String> {
-    let name = &decider.name;
-    match decider.kind {
-        Kind::Mode => ["Off", "Slow", "Fast"]
-            .map(|value| format!("{value}({name})"))
-            .into(),
-        _ => vec![name.clone(), format!("not {name}")],
-    }
-}
-
-/// Returns the common prefix of clocks; literals have none.
-pub(crate) fn common(clocks: impl Iterator<Item = Option<Clock>>) -> Option<Clock> {
-    clocks.flatten().reduce(|a, b| {
-        let both = a.iter().zip(b.iter()).take_while(|(a, b)| a == b);
-        both.map(|(on, _)| on.clone()).collect()
-    })
 }

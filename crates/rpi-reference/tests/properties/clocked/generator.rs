@@ -2,16 +2,16 @@
 
 use std::rc::Rc;
 
-use super::exprs::{Decider, Exprs, Requirement, Scope, form, then};
+use super::exprs::{Decider, Exprs, Requirement, Scope};
 use super::model::{
-    Body, Bound, Clock, Declared, Equation, Expr, Flow, FlowId, Kind, Model, State, Statement, Unit,
+    Body, Bound, Clock, Declared, Equation, Expr, Flow, FlowId, Kind, Model, Statement, Unit,
 };
 use crate::random::Random;
 
 /// Generates the program of a seed.
 pub(crate) fn model(seed: u64, lustre: bool) -> Model {
     let mut random = Random::new(seed);
-    let mut maker = Generator {
+    let mut maker = ClockedGenerator {
         random: &mut random,
         lustre,
         flows: Vec::new(),
@@ -31,20 +31,20 @@ pub(crate) fn model(seed: u64, lustre: bool) -> Model {
     }
 }
 
-struct Generator<'r> {
-    random: &'r mut Random,
-    lustre: bool,
-    flows: Vec<Flow>,
-    units: Vec<Unit>,
+pub(crate) struct ClockedGenerator<'r> {
+    pub(crate) random: &'r mut Random,
+    pub(crate) lustre: bool,
+    pub(crate) flows: Vec<Flow>,
+    pub(crate) units: Vec<Unit>,
     serial: usize,
 }
 
-fn base() -> Clock {
+pub(crate) fn base() -> Clock {
     Rc::new([])
 }
 
-impl Generator<'_> {
-    fn exprs(&mut self) -> Exprs<'_> {
+impl ClockedGenerator<'_> {
+    pub(crate) fn exprs(&mut self) -> Exprs<'_> {
         Exprs {
             random: self.random,
             flows: &mut self.flows,
@@ -52,12 +52,12 @@ impl Generator<'_> {
         }
     }
 
-    fn name(&mut self, start: &str) -> String {
+    pub(crate) fn name(&mut self, start: &str) -> String {
         self.serial += 1;
         format!("{start}{}", self.serial)
     }
 
-    fn flow(&mut self, name: String, kind: Kind, clock: Clock) -> FlowId {
+    pub(crate) fn flow(&mut self, name: String, kind: Kind, clock: Clock) -> FlowId {
         self.flows.push(Flow {
             name,
             kind,
@@ -154,7 +154,7 @@ impl Generator<'_> {
         }
     }
 
-    fn kind(&mut self) -> Kind {
+    pub(crate) fn kind(&mut self) -> Kind {
         let kinds = [
             Kind::Bool,
             Kind::Bool,
@@ -200,7 +200,13 @@ impl Generator<'_> {
     }
 
     /// Generates equations for the required flows and for some local ones.
-    fn body(&mut self, outer: Scope, wanted: &[FlowId], nesting: usize, most: usize) -> Body {
+    pub(crate) fn body(
+        &mut self,
+        outer: Scope,
+        wanted: &[FlowId],
+        nesting: usize,
+        most: usize,
+    ) -> Body {
         let mut clocks = Scope {
             deciders: outer.deciders.clone(),
             ..Scope::default()
@@ -275,219 +281,6 @@ impl Generator<'_> {
                 ..want
             },
         )
-    }
-
-    /// Returns a statement other than an equation of one flow.
-    fn statement(
-        &mut self,
-        scope: &mut Scope,
-        body: &mut Body,
-        nesting: usize,
-    ) -> Option<Statement> {
-        match self.random.below(4) {
-            0 if nesting > 0 => Some(self.fragment(scope, nesting)),
-            1 if nesting > 0 => Some(self.automaton(scope, nesting)),
-            _ => self.instance(scope, body),
-        }
-    }
-
-    fn condition(&mut self, scope: &Scope) -> Expr {
-        let want = Requirement {
-            kind: Kind::Bool,
-            clock: base(),
-            optional: false,
-        };
-        self.exprs().expr(scope, &want, 2)
-    }
-
-    /// Returns the flows that can be read in a block: none that are defined later.
-    fn inner(&self, scope: &Scope) -> Scope {
-        Scope {
-            delayed: Vec::new(),
-            last: Vec::new(),
-            ..scope.clone()
-        }
-    }
-
-    fn fragment(&mut self, scope: &mut Scope, nesting: usize) -> Statement {
-        let name = self.name("F");
-        let when = self.condition(scope);
-        let kind = self.kind();
-        let wanted = self.name("f");
-        let wanted = self.flow(wanted, kind, base());
-        self.flows[wanted].declared = Declared::Exact;
-        let mut body = self.body(self.inner(scope), &[wanted], nesting - 1, 3);
-        for flow in body.locals.clone().into_iter().chain([wanted]) {
-            let Flow {
-                kind,
-                clock,
-                optional,
-                name: own,
-                ..
-            } = self.flows[flow].clone();
-            if flow != wanted && self.random.one_in(2) {
-                continue;
-            }
-            self.flows[flow].is_fixed = true;
-            let seen = self.flow(format!("{name}.{own}"), kind, base());
-            self.flows[seen].optional = true;
-            match clock.is_empty() && !optional {
-                true => scope.known.push(seen),
-                false => scope.outside.push(seen),
-            }
-        }
-        body.locals.push(wanted);
-        Statement::Fragment {
-            name,
-            when,
-            restart: self.random.one_in(2),
-            body,
-        }
-    }
-
-    fn automaton(&mut self, scope: &mut Scope, nesting: usize) -> Statement {
-        let (name, kind) = (self.name("s"), self.kind());
-        let shared = self.flow(name, kind, base());
-        self.flows[shared].declared = Declared::Not;
-        let names: Vec<String> = (0..2 + self.random.below(2))
-            .map(|_| self.name("S"))
-            .collect();
-        let mut states = Vec::new();
-        let mut outside = Vec::new();
-        for name in &names {
-            let mut inner = self.inner(scope);
-            inner.last.push(shared);
-            let unless = self.transition(scope, &names, 4);
-            let body = self.body(inner.clone(), &[shared], nesting - 1, 3);
-            inner.known.push(shared);
-            let until = self.transition(&inner, &names, 1);
-            for flow in &body.locals {
-                if self.random.one_in(3) {
-                    outside.push(*flow);
-                }
-            }
-            states.push(State {
-                name: name.clone(),
-                body,
-                unless,
-                until,
-            });
-        }
-        for flow in outside {
-            let Flow { kind, name, .. } = self.flows[flow].clone();
-            self.flows[flow].declared = Declared::Not;
-            self.flows[flow].is_free = false;
-            self.flows[flow].is_fixed = true;
-            let seen = self.flow(name, kind, base());
-            self.flows[seen].optional = true;
-            scope.outside.push(seen);
-        }
-        scope.known.push(shared);
-        Statement::Automaton(states)
-    }
-
-    fn transition(
-        &mut self,
-        scope: &Scope,
-        names: &[String],
-        cases: usize,
-    ) -> Vec<(Expr, &'static str, String)> {
-        if !self.random.one_in(cases) {
-            return Vec::new();
-        }
-        let condition = self.condition(scope);
-        let how = if self.random.one_in(2) {
-            "then"
-        } else {
-            "continue"
-        };
-        vec![(condition, how, self.random.pick(names).clone())]
-    }
-
-    /// Adds a call of a node whose results have different clocks.
-    fn instance(&mut self, scope: &mut Scope, body: &mut Body) -> Option<Statement> {
-        let known = self.units.len();
-        let callee = (known > 0).then(|| self.units[self.random.below(known)].clone())?;
-        let bools = scope.deciders.iter().filter(|one| one.kind == Kind::Bool);
-        let bools: Vec<Decider> = bools.cloned().collect();
-        let decider = self.random.pick(&bools).clone();
-        let clock = decider.clock.clone();
-        let unnamed = !self.lustre && callee.inputs.len() == 2 && self.random.one_in(4);
-        let want = |kind, clock: &Clock| Requirement {
-            kind,
-            clock: clock.clone(),
-            optional: false,
-        };
-        let mut args = Vec::new();
-        let on = match unnamed {
-            false => decider.name.clone(),
-            true => {
-                args.push(self.exprs().expr(scope, &want(Kind::Bool, &clock), 2));
-                self.name("?")
-            }
-        };
-        let x = self.exprs().leaf(scope, &want(Kind::Int, &clock));
-        if !x.is_anchored(&clock) {
-            return None;
-        }
-        args.push(x);
-        let (on_text, on) = (on.clone(), then(&clock, &on));
-        if callee.inputs.len() > 2 {
-            args.push(self.exprs().expr(scope, &want(Kind::Int, &on), 2));
-        }
-        let given = vec!["@"; args.len()].join(", ");
-        let first = if unnamed {
-            String::new()
-        } else {
-            format!("{}, ", decider.name)
-        };
-        let value = form(
-            &format!("{}({first}{given})", callee.name),
-            args,
-            &want(Kind::Int, &clock),
-            Some(clock.clone()),
-        );
-        let whole = self.name("r");
-        let is_whole = !self.lustre && (unnamed || self.random.one_in(2));
-        let mut targets = Vec::new();
-        for output in &callee.outputs {
-            let own = self.flows[*output].clone();
-            let first = &self.flows[callee.inputs[0]].name;
-            let seen = own.clock.iter().map(|own| match own == first {
-                true => on_text.clone(),
-                // Neither a condition inside the callee nor an unnamed argument has a name in the caller.
-                false if *own == format!("not {first}") && !unnamed => format!("not {on_text}"),
-                false => format!("?{whole} {own}"),
-            });
-            let clock: Clock = clock.iter().cloned().chain(seen).collect();
-            let name = match is_whole {
-                true => format!("{whole}.{}", own.name),
-                false => format!("{whole}_{}", own.name),
-            };
-            let flow = self.flow(name, own.kind, clock);
-            self.flows[flow].optional = own.optional;
-            self.flows[flow].declared = if self.lustre {
-                Declared::Exact
-            } else {
-                Declared::Not
-            };
-            scope.known.push(flow);
-            scope.delayed.push(flow);
-            targets.push(flow);
-        }
-        if self.lustre {
-            body.locals.extend(&targets);
-        }
-        let bound = if is_whole {
-            Bound::Whole(whole)
-        } else {
-            Bound::Names
-        };
-        Some(Statement::Equation(Equation {
-            targets,
-            value,
-            bound,
-        }))
     }
 }
 

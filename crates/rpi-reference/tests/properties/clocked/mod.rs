@@ -7,15 +7,19 @@
 //! | file | idea |
 //! |---|---|
 //! | `model.rs` | data model of programs |
-//! | `make.rs`, `exprs.rs` | random programs, random expressions of a type and a clock |
+//! | `generator.rs`, `statements.rs` | random programs and statements |
+//! | `exprs.rs`, `forms.rs` | random expressions of a type and a clock |
 //! | `write.rs` | conversion of a model to text |
-//! | `vary.rs` | equivalent variants |
+//! | `vary.rs`, `enclose.rs` | equivalent variants |
 //! | `shrink.rs` | reduction of failing programs |
 
+mod enclose;
 mod exprs;
+mod forms;
 mod generator;
 mod model;
 mod shrink;
+mod statements;
 mod vary;
 mod write;
 

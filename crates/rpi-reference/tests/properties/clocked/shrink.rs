@@ -1,6 +1,7 @@
 //! Reduction of a model that fails a test.
 
-use super::exprs::{Requirement, form};
+use super::exprs::Requirement;
+use super::forms::form;
 use super::model::{Body, Clock, Expr, Kind, Model, Node, Statement};
 
 /// Largest number of attempts.

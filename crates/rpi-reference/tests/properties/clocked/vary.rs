@@ -3,9 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use super::exprs::{Requirement, form};
+use super::enclose;
+use super::exprs::Requirement;
+use super::forms::form;
 use super::model::{
-    Body, Bound, Declared, Equation, Expr, Flow, FlowId, Kind, Model, Node, State, Statement, Unit,
+    Body, Bound, Declared, Equation, Expr, Flow, FlowId, Kind, Model, Node, Statement, Unit,
 };
 use crate::random::Random;
 
@@ -20,8 +22,8 @@ pub(crate) const TRANSFORMATIONS: &[(&str, Transformation)] = &[
     ("inlined", inlined),
     ("bundled", bundled),
     ("results", results),
-    ("in a state", in_a_state),
-    ("behind a call", behind_a_call),
+    ("in a state", enclose::in_a_state),
+    ("behind a call", enclose::behind_a_call),
 ];
 
 fn shuffle<T>(items: &mut [T], random: &mut Random) {
@@ -93,13 +95,13 @@ fn named(model: &mut Model, random: &mut Random) -> bool {
             equation.value.each_mut(&mut |expr| {
                 let has_name =
                     |clock: &super::model::Clock| clock.iter().all(|on| !on.starts_with('?'));
-                let fits = expr
+                let has_kind = expr
                     .clock
                     .as_ref()
                     .is_some_and(|clock| !lustre || has_name(clock));
                 // A call with several results is not a value on its own.
                 let is_value = matches!(&expr.node, Node::Template(text, _) if !text.starts_with("Sub") || text.contains(")."));
-                if fits && is_value {
+                if has_kind && is_value {
                     places.push((k, part));
                 }
                 part += 1;
@@ -387,77 +389,4 @@ fn results(model: &mut Model, _: &mut Random) -> bool {
             .each_body(&mut |body| body.statements.iter_mut().for_each(&mut change));
     }
     changed
-}
-
-/// Moves the body of a node into the only state of an automaton.
-fn in_a_state(model: &mut Model, random: &mut Random) -> bool {
-    if model.lustre {
-        return false;
-    }
-    let k = random.below(model.units.len());
-    // An out-port shared by states and without a declared clock is read in all cycles, present or not (M14.4).
-    let is_open = |flow: &FlowId| model.flows[*flow].declared == Declared::Optional;
-    if model.units[k].outputs.iter().any(is_open) {
-        return false;
-    }
-    let body = std::mem::take(&mut model.units[k].body);
-    model.units[k]
-        .body
-        .statements
-        .push(Statement::Automaton(vec![State {
-            name: format!("Only{k}"),
-            body,
-            unless: Vec::new(),
-            until: Vec::new(),
-        }]));
-    true
-}
-
-/// Moves `main` behind a call.
-fn behind_a_call(model: &mut Model, random: &mut Random) -> bool {
-    let Some(main) = model.units.iter_mut().find(|unit| unit.name == "main") else {
-        return false;
-    };
-    "inner".clone_into(&mut main.name);
-    let inner = main.clone();
-    let name = |flow: &FlowId| model.flows[*flow].name.clone();
-    let given: Vec<String> = inner.inputs.iter().map(name).collect();
-    let results: Vec<String> = inner.outputs.iter().map(name).collect();
-    let want = Requirement {
-        kind: Kind::Int,
-        clock: [].into(),
-        optional: false,
-    };
-    let call = format!("inner({})", given.join(", "));
-    let equation = |targets: Vec<FlowId>, text: &str, bound| {
-        let value = form(text, Vec::new(), &want, None);
-        Statement::Equation(Equation {
-            targets,
-            value,
-            bound,
-        })
-    };
-    let mut body = Body::default();
-    match model.lustre || random.one_in(2) || results.len() == 1 {
-        true => body
-            .statements
-            .push(equation(inner.outputs.clone(), &call, Bound::Names)),
-        false => {
-            body.statements
-                .push(equation(Vec::new(), &call, Bound::Whole("all".to_owned())));
-            for (flow, result) in inner.outputs.iter().zip(&results) {
-                body.statements.push(equation(
-                    vec![*flow],
-                    &format!("all.{result}"),
-                    Bound::Names,
-                ));
-            }
-        }
-    }
-    model.units.push(Unit {
-        name: "main".to_owned(),
-        body,
-        ..inner
-    });
-    true
 }

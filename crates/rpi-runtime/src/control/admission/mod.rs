@@ -89,7 +89,7 @@ impl CommandDemand {
     }
 }
 
-/// Admission state: the resource needs of all loaded commands and the ways in which they may start.
+/// Admission state: the resource needs of all loaded commands and the causes by which they may start.
 pub(super) struct Admission {
     budget: Option<Budget>,
     demands: BTreeMap<CommandId, CommandDemand>,
@@ -107,7 +107,7 @@ impl Admission {
 
     /// Returns the worst-case time of a loaded command in a tick, nanoseconds.
     pub(super) fn bound_ns(&self, id: CommandId) -> u64 {
-        self.demands.get(&id).map_or(0, |claim| claim.bound_ns)
+        self.demands.get(&id).map_or(0, |demand| demand.bound_ns)
     }
 
     fn bound_for(&self, command: &Command) -> u64 {
@@ -117,22 +117,22 @@ impl Admission {
 
     /// Returns an error if a command exceeds the budget even when it runs alone.
     pub(super) fn check_alone(&self, command: &Command) -> Result<(), BudgetExceededError> {
-        let fits = |budget: Budget| budget.check(budget.worst_case_ns(command));
-        self.budget.map_or(Ok(()), fits)
+        let check = |budget: Budget| budget.check(budget.worst_case_ns(command));
+        self.budget.map_or(Ok(()), check)
     }
 
     /// Adds a loaded command.
     pub(super) fn insert(&mut self, id: CommandId, command: &Command) {
         let mut actuators: Vec<u32> = command.resources().collect();
         actuators.sort_unstable();
-        let claim = CommandDemand {
+        let demand = CommandDemand {
             bound_ns: self.bound_for(command),
             actuators: actuators.into(),
             is_live: false,
             is_running: false,
             pending_starts: 0,
         };
-        self.demands.insert(id, claim);
+        self.demands.insert(id, demand);
     }
 
     /// Checks that a command can start now together with all commands that run or may still start. Returns the [`Way`]
@@ -160,31 +160,37 @@ impl Admission {
         })
     }
 
-    fn admit(&self, way: StartCause) -> Result<StartCause, BudgetExceededError> {
+    fn admit(&self, cause: StartCause) -> Result<StartCause, BudgetExceededError> {
         let Some(Budget { granted_ns, .. }) = self.budget else {
-            return Ok(way);
+            return Ok(cause);
         };
         let counts =
-            |id: &CommandId, claim: &CommandDemand| claim.is_active() || way.start.contains(id);
-        let all = self.demands.iter().filter(|(id, claim)| counts(id, claim));
-        let sum = all.clone().map(|(_, claim)| claim.bound_ns);
+            |id: &CommandId, demand: &CommandDemand| demand.is_active() || cause.start.contains(id);
+        let all = self
+            .demands
+            .iter()
+            .filter(|(id, demand)| counts(id, demand));
+        let sum = all.clone().map(|(_, demand)| demand.bound_ns);
         if sum.fold(0, u64::saturating_add) <= granted_ns {
-            return Ok(way);
+            return Ok(cause);
         }
-        let order = StartOrder::from_causes(self.start_causes.iter().chain([&way]));
+        let order = StartOrder::from_causes(self.start_causes.iter().chain([&cause]));
         let total_ns = combined_bound_ns(all, &order);
         if total_ns <= granted_ns {
-            return Ok(way);
+            return Ok(cause);
         }
-        let before = self.demands.iter().filter(|(_, claim)| claim.is_active());
+        let before = self.demands.iter().filter(|(_, demand)| demand.is_active());
         let taken_ns =
             combined_bound_ns(before, &StartOrder::from_causes(self.start_causes.iter()));
         // A request that does not increase the bound is always admitted, even if the budget was reduced in the
         // meantime.
         if total_ns <= taken_ns {
-            return Ok(way);
+            return Ok(cause);
         }
-        let needed = self.demands.iter().filter(|(id, _)| way.start.contains(id));
+        let needed = self
+            .demands
+            .iter()
+            .filter(|(id, _)| cause.start.contains(id));
         Err(BudgetExceededError {
             needed_ns: combined_bound_ns(needed, &order),
             taken_ns,
@@ -193,14 +199,14 @@ impl Admission {
     }
 
     /// Records that a request that may start commands was sent.
-    pub(super) fn request_sent(&mut self, ticket: Ticket, mut way: StartCause) {
-        for id in &way.start {
-            if let Some(claim) = self.demands.get_mut(id) {
-                claim.pending_starts += 1;
+    pub(super) fn request_sent(&mut self, ticket: Ticket, mut cause: StartCause) {
+        for id in &cause.start {
+            if let Some(demand) = self.demands.get_mut(id) {
+                demand.pending_starts += 1;
             }
         }
-        way.ticket = Some(ticket);
-        self.start_causes.push(way);
+        cause.ticket = Some(ticket);
+        self.start_causes.push(cause);
     }
 
     /// Updates the state from an event.
@@ -217,11 +223,11 @@ impl Admission {
     /// Removes a freed command.
     pub(super) fn remove(&mut self, id: CommandId) {
         self.demands.remove(&id);
-        for way in &mut self.start_causes {
-            way.start.retain(|start| *start != id);
+        for cause in &mut self.start_causes {
+            cause.start.retain(|start| *start != id);
         }
         self.start_causes
-            .retain(|way| way.ticket.is_some() || !way.start.is_empty());
+            .retain(|cause| cause.ticket.is_some() || !cause.start.is_empty());
     }
 
     fn handle_answer(&mut self, ticket: Ticket, accepted: bool) {
@@ -234,9 +240,9 @@ impl Admission {
         };
         self.start_causes[at].ticket = None;
         for id in &self.start_causes[at].start {
-            if let Some(claim) = self.demands.get_mut(id) {
-                claim.pending_starts = claim.pending_starts.saturating_sub(1);
-                claim.is_live |= accepted;
+            if let Some(demand) = self.demands.get_mut(id) {
+                demand.pending_starts = demand.pending_starts.saturating_sub(1);
+                demand.is_live |= accepted;
             }
         }
         if !accepted || self.start_causes[at].start.is_empty() {
@@ -256,15 +262,15 @@ impl Admission {
             Notice::Rule { rule, outcome } => return self.handle_rule_end(rule, outcome),
             Notice::Braked { .. } | Notice::Discontinuity { .. } => return,
         };
-        if let Some(claim) = self.demands.get_mut(&id) {
-            (claim.is_live, claim.is_running) = (is_live, runs);
+        if let Some(demand) = self.demands.get_mut(&id) {
+            (demand.is_live, demand.is_running) = (is_live, runs);
         }
     }
 
     /// Handles the end of a rule. A rule that fired has started its commands; any other rule will never start them.
     fn handle_rule_end(&mut self, rule: RuleId, outcome: RuleOutcome) {
         if outcome != RuleOutcome::Fired {
-            self.start_causes.retain(|way| way.rule != Some(rule));
+            self.start_causes.retain(|cause| cause.rule != Some(rule));
         }
     }
 }
@@ -310,22 +316,22 @@ impl Budget {
 /// of the most expensive member.
 // The greedy partition, most expensive command first, is not optimal, but any partition gives a valid bound.
 fn combined_bound_ns<'a>(
-    claims: impl Iterator<Item = (&'a CommandId, &'a CommandDemand)>,
+    demands: impl Iterator<Item = (&'a CommandId, &'a CommandDemand)>,
     order: &StartOrder,
 ) -> u64 {
-    let mut claims: Vec<_> = claims.collect();
-    claims.sort_by_key(|(id, claim)| (u64::MAX - claim.bound_ns, **id));
+    let mut demands: Vec<_> = demands.collect();
+    demands.sort_by_key(|(id, demand)| (u64::MAX - demand.bound_ns, **id));
     let mut groups: Vec<Vec<(&CommandId, &CommandDemand)>> = Vec::new();
     let mut total = 0_u64;
-    for (id, claim) in claims {
+    for (id, demand) in demands {
         let apart = |(other, its): &(&CommandId, &CommandDemand)| {
-            its.shares_actuator(claim) || order.are_exclusive(*id, **other)
+            its.shares_actuator(demand) || order.are_exclusive(*id, **other)
         };
         match groups.iter_mut().find(|group| group.iter().all(apart)) {
-            Some(group) => group.push((id, claim)),
+            Some(group) => group.push((id, demand)),
             None => {
-                total = total.saturating_add(claim.bound_ns);
-                groups.push(vec![(id, claim)]);
+                total = total.saturating_add(demand.bound_ns);
+                groups.push(vec![(id, demand)]);
             }
         }
     }

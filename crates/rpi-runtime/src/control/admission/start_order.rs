@@ -1,7 +1,7 @@
-//! Ways in which commands may start, and the order that these ways imply between commands.
+//! Causes by which commands may start, and the order that these causes imply between commands.
 //!
-//! A way is a request or a rule that starts commands. A command *outlives* all commands that have ended for good in
-//! every way by which it may start, and the commands that those outlive.
+//! A cause is a request or a rule that starts commands. A command *outlives* all commands that have ended for good by
+//! every cause by which it may start, and the commands that those outlive.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +22,7 @@ pub(in crate::control) struct StartCause {
 }
 
 impl StartCause {
-    /// Returns the way of a direct start request.
+    /// Returns the cause of a direct start request.
     pub(super) fn immediate(command: CommandId) -> StartCause {
         StartCause {
             ticket: None,
@@ -40,31 +40,34 @@ pub(super) struct StartOrder(BTreeMap<CommandId, Outlived>);
 
 impl StartOrder {
     pub(super) fn from_causes<'w>(
-        ways: impl Iterator<Item = &'w StartCause> + Clone,
+        causes: impl Iterator<Item = &'w StartCause> + Clone,
     ) -> StartOrder {
         let mut order = StartOrder(BTreeMap::new());
-        for command in ways.clone().flat_map(|way| &way.start) {
-            order.compute_outlived(*command, &ways);
+        for command in causes.clone().flat_map(|cause| &cause.start) {
+            order.compute_outlived(*command, &causes);
         }
         order
     }
 
-    /// Computes the commands that a command outlives: the intersection over all of its ways.
+    /// Computes the commands that a command outlives: the intersection over all of its causes.
     ///
     /// During the computation the command outlives nothing, so the recursion ends for cyclic rules.
     fn compute_outlived<'w>(
         &mut self,
         command: CommandId,
-        ways: &(impl Iterator<Item = &'w StartCause> + Clone),
+        causes: &(impl Iterator<Item = &'w StartCause> + Clone),
     ) -> &Outlived {
         if !self.0.contains_key(&command) {
             self.0.insert(command, Outlived::new());
-            let own = ways.clone().filter(|way| way.start.contains(&command));
-            let by = |way: &StartCause| {
-                let mut all: Outlived = way.predecessors.iter().copied().collect();
-                way.predecessors
+            let own = causes
+                .clone()
+                .filter(|cause| cause.start.contains(&command));
+            let by = |cause: &StartCause| {
+                let mut all: Outlived = cause.predecessors.iter().copied().collect();
+                cause
+                    .predecessors
                     .iter()
-                    .for_each(|a| all.extend(self.compute_outlived(*a, ways)));
+                    .for_each(|a| all.extend(self.compute_outlived(*a, causes)));
                 all
             };
             let common = |a: Outlived, b: Outlived| a.intersection(&b).copied().collect();
@@ -89,13 +92,13 @@ mod tests {
         CommandId::from_number(number)
     }
 
-    fn order(ways: &[(u64, &[u64])]) -> StartOrder {
-        let way = |(start, after): &(u64, &[u64])| StartCause {
+    fn order(causes: &[(u64, &[u64])]) -> StartOrder {
+        let cause = |(start, after): &(u64, &[u64])| StartCause {
             predecessors: after.iter().map(|a| id(*a)).collect(),
             ..StartCause::immediate(id(*start))
         };
-        let ways: Vec<StartCause> = ways.iter().map(way).collect();
-        StartOrder::from_causes(ways.iter())
+        let causes: Vec<StartCause> = causes.iter().map(cause).collect();
+        StartOrder::from_causes(causes.iter())
     }
 
     #[test]

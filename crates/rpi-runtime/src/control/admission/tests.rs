@@ -9,35 +9,35 @@ fn id(number: u64) -> CommandId {
 }
 
 /// Creates an admission state with commands 1, 2, ... that have these bounds and actuators.
-fn books(claims: &[(u64, &[u32])]) -> Admission {
-    let mut books = Admission::new(Some(Budget {
+fn admission(demands: &[(u64, &[u32])]) -> Admission {
+    let mut admission = Admission::new(Some(Budget {
         ns_per_operation: 1.0,
         granted_ns: GRANTED,
     }));
-    for (number, (bound_ns, actuators)) in (1..).zip(claims) {
-        let claim = CommandDemand {
+    for (number, (bound_ns, actuators)) in (1..).zip(demands) {
+        let demand = CommandDemand {
             bound_ns: *bound_ns,
             actuators: (*actuators).into(),
             is_live: false,
             is_running: false,
             pending_starts: 0,
         };
-        books.demands.insert(id(number), claim);
+        admission.demands.insert(id(number), demand);
     }
-    books
+    admission
 }
 
-fn ask(books: &mut Admission, ticket: u64, start: u64) -> Result<(), BudgetExceededError> {
-    let way = books.admit_start(id(start))?;
-    books.request_sent(Ticket(ticket), way);
+fn ask(admission: &mut Admission, ticket: u64, start: u64) -> Result<(), BudgetExceededError> {
+    let cause = admission.admit_start(id(start))?;
+    admission.request_sent(Ticket(ticket), cause);
     Ok(())
 }
 
 /// Adds the rule with this number.
-fn make(books: &mut Admission, number: u64, rule: &Rule) -> Result<(), BudgetExceededError> {
-    let way = books.admit_rule(RuleId(number), rule)?;
-    books.request_sent(Ticket(number), way);
-    books.handle_event(&answer(number, None));
+fn make(admission: &mut Admission, number: u64, rule: &Rule) -> Result<(), BudgetExceededError> {
+    let cause = admission.admit_rule(RuleId(number), rule)?;
+    admission.request_sent(Ticket(number), cause);
+    admission.handle_event(&answer(number, None));
     Ok(())
 }
 
@@ -51,11 +51,11 @@ fn answer(ticket: u64, refused: Option<CommandError>) -> Event {
 
 #[test]
 fn those_of_one_actuator_take_turns_and_others_add_up() {
-    let mut books = books(&[(60, &[0, 1]), (70, &[1, 2]), (30, &[]), (40, &[7])]);
+    let mut admission = admission(&[(60, &[0, 1]), (70, &[1, 2]), (30, &[]), (40, &[7])]);
     for (ticket, start) in [(1, 1), (2, 2), (3, 3)] {
-        assert_eq!(ask(&mut books, ticket, start), Ok(()));
+        assert_eq!(ask(&mut admission, ticket, start), Ok(()));
     }
-    let why = ask(&mut books, 4, 4).unwrap_err();
+    let why = ask(&mut admission, 4, 4).unwrap_err();
     assert_eq!(
         (why.needed_ns, why.taken_ns, why.granted_ns),
         (40, 100, 100)
@@ -64,61 +64,64 @@ fn those_of_one_actuator_take_turns_and_others_add_up() {
 
 #[test]
 fn what_was_refused_or_is_over_makes_room() {
-    let mut books = books(&[(60, &[]), (60, &[])]);
-    ask(&mut books, 1, 1).unwrap();
-    assert!(ask(&mut books, 2, 2).is_err(), "the first is on its way");
-    books.handle_event(&answer(1, Some(CommandError::Unknown)));
-    ask(&mut books, 3, 2).unwrap();
-    books.handle_event(&answer(3, None));
-    assert!(ask(&mut books, 4, 1).is_err(), "the second runs");
+    let mut admission = admission(&[(60, &[]), (60, &[])]);
+    ask(&mut admission, 1, 1).unwrap();
+    assert!(
+        ask(&mut admission, 2, 2).is_err(),
+        "the first is on its cause"
+    );
+    admission.handle_event(&answer(1, Some(CommandError::Unknown)));
+    ask(&mut admission, 3, 2).unwrap();
+    admission.handle_event(&answer(3, None));
+    assert!(ask(&mut admission, 4, 1).is_err(), "the second runs");
     let over = Notice::Orphaned {
         command: id(2),
         kept: true,
     };
-    books.handle_event(&Event::Notice(over));
-    assert_eq!(ask(&mut books, 5, 1), Ok(()));
+    admission.handle_event(&Event::Notice(over));
+    assert_eq!(ask(&mut admission, 5, 1), Ok(()));
 }
 
 #[test]
 fn who_counts_already_is_not_refused() {
-    let mut books = books(&[(90, &[])]);
-    ask(&mut books, 1, 1).unwrap();
-    books.budget = Some(Budget {
+    let mut admission = admission(&[(90, &[])]);
+    ask(&mut admission, 1, 1).unwrap();
+    admission.budget = Some(Budget {
         ns_per_operation: 1.0,
         granted_ns: 10,
     });
-    assert_eq!(ask(&mut books, 2, 1), Ok(()));
+    assert_eq!(ask(&mut admission, 2, 1), Ok(()));
 }
 
 /// S1, L6: each command of a chain has ended before the next one starts.
 #[test]
 fn a_chain_takes_no_more_than_the_most_expensive_of_it() {
-    let mut books = books(&[(60, &[]), (90, &[]), (70, &[]), (20, &[])]);
-    ask(&mut books, 1, 1).unwrap();
+    let mut admission = admission(&[(60, &[]), (90, &[]), (70, &[]), (20, &[])]);
+    ask(&mut admission, 1, 1).unwrap();
     for next in [2, 3] {
         let rule = Rule::follow(id(next - 1)).start(id(next));
-        assert_eq!(make(&mut books, next, &rule), Ok(()));
+        assert_eq!(make(&mut admission, next, &rule), Ok(()));
     }
-    let why = ask(&mut books, 4, 4).unwrap_err();
+    let why = ask(&mut admission, 4, 4).unwrap_err();
     assert_eq!((why.needed_ns, why.taken_ns), (20, 90));
-    // Once command 3 may also start in another way, it counts in addition to the others.
+    // Once command 3 may also start in another cause, it counts in addition to the others.
     let rule = Rule::when(Condition::always()).start(id(3));
-    assert!(make(&mut books, 5, &rule).is_err());
+    assert!(make(&mut admission, 5, &rule).is_err());
 }
 
 /// A rule that fired keeps the order of its commands. A rule that was dropped implies no order.
 #[test]
 fn what_has_started_by_a_rule_is_after_those_before() {
     let over = |outcome| {
-        let mut books = books(&[(60, &[]), (90, &[]), (10, &[])]);
-        ask(&mut books, 1, 1).unwrap();
+        let mut admission = admission(&[(60, &[]), (90, &[]), (10, &[])]);
+        ask(&mut admission, 1, 1).unwrap();
         let rule = Rule::follow(id(1)).start(id(2));
-        make(&mut books, 2, &rule).unwrap();
-        books.handle_event(&Event::Notice(Notice::Rule {
+        make(&mut admission, 2, &rule).unwrap();
+        admission.handle_event(&Event::Notice(Notice::Rule {
             rule: RuleId(2),
             outcome,
         }));
-        ask(&mut books, 3, 3)
+        ask(&mut admission, 3, 3)
     };
     assert!(over(RuleOutcome::Dropped).is_err());
     assert_eq!(over(RuleOutcome::Fired), Ok(()));
@@ -129,14 +132,14 @@ fn what_has_started_by_a_rule_is_after_those_before() {
 #[test]
 fn who_is_stopped_is_before_only_if_it_runs_then() {
     let stopped = |fact, runs| {
-        let mut books = books(&[(60, &[]), (90, &[])]);
-        ask(&mut books, 1, 1).unwrap();
+        let mut admission = admission(&[(60, &[]), (90, &[])]);
+        ask(&mut admission, 1, 1).unwrap();
         if runs {
             let (command, tick) = (id(1), 0);
-            books.handle_event(&Event::Notice(Notice::Started { command, tick }));
+            admission.handle_event(&Event::Notice(Notice::Started { command, tick }));
         }
         let rule = Rule::when(fact).stop(id(1)).start(id(2));
-        make(&mut books, 2, &rule).is_ok()
+        make(&mut admission, 2, &rule).is_ok()
     };
     let export = || Condition::from_fact(id(1), Fact::Export(0));
     assert!(stopped(export(), false), "its export is of a cycle");

@@ -12,7 +12,7 @@ use super::start_request::{StartError, StartRequest, TaskCommand};
 use super::task_core::TaskCore;
 use crate::control::Event;
 
-/// Position of a track in the plan.
+/// Position of a branch in the plan.
 #[derive(Debug)]
 pub(super) enum BranchState {
     /// A single command.
@@ -34,26 +34,26 @@ pub(super) enum BranchState {
 #[derive(Debug)]
 pub(super) struct Branch {
     pub(super) state: BranchState,
-    /// Request that starts the track; `None` for a branch, which is started together with its siblings.
+    /// Request that starts the branch; `None` for a parallel branch, which is started together with its siblings.
     pub(super) request: Option<StartRequest>,
     /// Scheduled successors; `None` until they are scheduled.
     pub(super) successors: Option<Vec<Successor>>,
-    /// True once the track was requested to end. It then has no successor.
+    /// True once the branch was requested to end. It then has no successor.
     ending: bool,
-    /// True if the track has ended and waits for its siblings.
+    /// True if the branch has ended and waits for its siblings.
     has_ended: bool,
 }
 
-/// Progress of a track.
+/// Progress of one parallel branch of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BranchProgress {
-    /// The track runs.
+    /// The branch runs.
     Running,
-    /// The track has ended.
+    /// The branch has ended.
     Ended,
-    /// The track has failed, but parts of it still run.
+    /// The branch has failed, but parts of it still run.
     Failing(BranchExit),
-    /// The track has failed, and no part of it runs.
+    /// The branch has failed, and no part of it runs.
     Failed(BranchExit),
 }
 
@@ -68,18 +68,18 @@ impl Branch {
         }
     }
 
-    /// Returns the current or last commands of the track.
+    /// Returns the current or last commands of the branch.
     pub(super) fn commands(&self) -> Vec<&TaskCommand> {
         match &self.state {
             BranchState::Command(slot) => vec![slot],
-            BranchState::Parallel {
-                branches: strands, ..
-            } => strands.iter().flat_map(Branch::commands).collect(),
+            BranchState::Parallel { branches, .. } => {
+                branches.iter().flat_map(Branch::commands).collect()
+            }
             BranchState::Empty => Vec::new(),
         }
     }
 
-    /// Returns the indices of the track's commands in the list of the plan, without duplicates.
+    /// Returns the indices of the branch's commands in the list of the plan, without duplicates.
     pub(super) fn indices(&self) -> Vec<usize> {
         let indices = self.commands().into_iter().map(|slot| slot.index);
         let unique: BTreeSet<usize> = indices.collect();
@@ -89,48 +89,48 @@ impl Branch {
     pub(super) fn handle_event(&mut self, event: &Event) {
         self.request.iter_mut().for_each(|r| r.handle_event(event));
         let ahead = self.successors.iter_mut().flatten();
-        ahead.for_each(|launch| launch.track.handle_event(event));
+        ahead.for_each(|successor| successor.branch.handle_event(event));
         match &mut self.state {
             BranchState::Command(slot) => slot.handle_event(event),
-            BranchState::Parallel {
-                branches: strands, ..
-            } => strands.iter_mut().for_each(|s| s.handle_event(event)),
+            BranchState::Parallel { branches, .. } => {
+                branches.iter_mut().for_each(|s| s.handle_event(event))
+            }
             BranchState::Empty => {}
         }
     }
 
-    /// Returns true once a command of the track was started.
+    /// Returns true once a command of the branch was started.
     pub(super) fn has_started(&self) -> bool {
         self.commands().iter().any(|slot| slot.first_tick.is_some())
     }
 
-    /// Returns true while the pending request may still start the track.
+    /// Returns true while the pending request may still start the branch.
     pub(super) fn is_pending(&self) -> bool {
         let refused = self.request.as_ref().is_some_and(|r| r.refusal().is_some());
         !self.has_started() && !refused
     }
 
-    /// Requests the track to end: unloads its successors, then cancels its running commands. (M11.7)
-    pub(super) fn request_end(&mut self, shop: &mut dyn TaskCore) {
+    /// Requests the branch to end: unloads its successors, then cancels its running commands. (M11.7)
+    pub(super) fn request_end(&mut self, core: &mut dyn TaskCore) {
         if std::mem::replace(&mut self.ending, true) {
             return;
         }
-        for launch in self.successors.iter().flatten() {
-            let waiting = launch.track.commands().into_iter();
-            waiting.for_each(|slot| shop.unload(slot.id));
+        for successor in self.successors.iter().flatten() {
+            let waiting = successor.branch.commands().into_iter();
+            waiting.for_each(|slot| core.unload(slot.id));
         }
         match &mut self.state {
             BranchState::Command(slot) if slot.ending.is_some() => {}
-            BranchState::Command(slot) if slot.first_tick.is_some() => shop.cancel(slot.id),
+            BranchState::Command(slot) if slot.first_tick.is_some() => core.cancel(slot.id),
             // The start may be pending: the command is cancelled if it runs by then and unloaded otherwise. One of the
             // two requests is refused.
             BranchState::Command(slot) => {
-                shop.cancel(slot.id);
-                shop.unload(slot.id);
+                core.cancel(slot.id);
+                core.unload(slot.id);
             }
-            BranchState::Parallel {
-                branches: strands, ..
-            } => strands.iter_mut().for_each(|s| s.request_end(shop)),
+            BranchState::Parallel { branches, .. } => {
+                branches.iter_mut().for_each(|s| s.request_end(core))
+            }
             BranchState::Empty => {}
         }
     }
@@ -164,7 +164,7 @@ impl Branch {
         }
     }
 
-    /// Returns the reason for which the track was not started and will not be.
+    /// Returns the reason for which the branch was not started and will not be.
     fn refusal(&self) -> Option<StartError> {
         let why = self.request.as_ref()?.refusal();
         let why = why.filter(|_| !self.has_started())?;
@@ -208,7 +208,7 @@ impl Branch {
             return;
         }
         let ahead = self.successors.as_deref().unwrap_or_default();
-        if ahead.iter().all(|launch| launch.is_dropped()) {
+        if ahead.iter().all(|successor| successor.is_dropped()) {
             site.unload_refused(ahead);
             self.successors = None;
             *met = now;
@@ -224,11 +224,11 @@ impl Branch {
             return Ok(BranchProgress::Running);
         };
         let ahead = self.successors.as_deref().unwrap_or_default();
-        if ahead.iter().any(|launch| launch.track.is_pending()) {
+        if ahead.iter().any(|successor| successor.branch.is_pending()) {
             return Ok(BranchProgress::Running);
         }
         let (id, image) = (slot.id, site.core.image(slot.index));
-        let has_next = ahead.iter().any(|launch| launch.track.has_started());
+        let has_next = ahead.iter().any(|successor| successor.branch.has_started());
         let place = match self.ending || has_next {
             true => NextStep::Joined,
             false => next_place(slot, ending, &image, site),
@@ -251,7 +251,7 @@ impl Branch {
         let winding = self.ending;
         let BranchState::Parallel {
             at,
-            branches: strands,
+            branches,
             leaving,
             ..
         } = &mut self.state
@@ -259,8 +259,8 @@ impl Branch {
             return Ok(BranchProgress::Running);
         };
         let mut going = false;
-        for strand in strands.iter_mut() {
-            match strand.step(site)? {
+        for branch in branches.iter_mut() {
+            match branch.step(site)? {
                 BranchProgress::Running => going = true,
                 BranchProgress::Ended => {}
                 BranchProgress::Failing(exit) => {
@@ -274,12 +274,12 @@ impl Branch {
         }
         let exit = leaving.filter(|_| !winding);
         if exit.is_some() {
-            strands.iter_mut().for_each(|s| s.request_end(site.core));
+            branches.iter_mut().for_each(|s| s.request_end(site.core));
         }
         let out = exit.and_then(|exit| site.plan.after_exit(at, exit));
         let behind = site.plan.after_join(at);
         match (going, exit, out) {
-            // An error that leaves this node as well is passed on to the enclosing track.
+            // An error that leaves this node as well is passed on to the enclosing branch.
             (true, Some(exit), None) => Ok(BranchProgress::Failing(exit)),
             (true, Some(_), Some(_)) => Ok(BranchProgress::Running),
             (true, None, _) => self.schedule_successors(site),
@@ -303,13 +303,13 @@ impl Branch {
         site: &mut Planner<'_>,
     ) -> Result<BranchProgress, StartError> {
         let ahead = self.successors.as_deref().unwrap_or_default();
-        if ahead.iter().any(|launch| launch.track.is_pending()) {
+        if ahead.iter().any(|successor| successor.branch.is_pending()) {
             return Ok(BranchProgress::Running);
         }
         site.unload_refused(ahead);
         let mut ahead = self.successors.take().unwrap_or_default().into_iter();
-        let next = match ahead.find(|launch| launch.track.has_started()) {
-            Some(started) => started.track,
+        let next = match ahead.find(|successor| successor.branch.has_started()) {
+            Some(started) => started.branch,
             None => match place {
                 NextStep::Run(_) | NextStep::Parallel { .. } => site.start_late(self, place)?,
                 NextStep::Exited(exit) => {

@@ -20,13 +20,13 @@ pub(super) struct Planner<'s> {
 /// A loaded successor with the rule that starts it.
 #[derive(Debug)]
 pub(super) struct Successor {
-    pub(super) track: Branch,
+    pub(super) branch: Branch,
 }
 
 impl Successor {
     /// Returns true if the successor will never start.
     pub(super) fn is_dropped(&self) -> bool {
-        !self.track.is_pending() && !self.track.has_started()
+        !self.branch.is_pending() && !self.branch.has_started()
     }
 }
 
@@ -50,9 +50,9 @@ impl Planner<'_> {
     /// # Errors
     /// Returns the commands that could not be started, with the reason.
     pub(super) fn start_first(&mut self, place: NextStep) -> Result<Branch, StartError> {
-        let mut track = self.load(place)?;
-        let commands: Vec<CommandId> = track.commands().iter().map(|s| s.id).collect();
-        let asked = match commands.as_slice() {
+        let mut branch = self.load(place)?;
+        let commands: Vec<CommandId> = branch.commands().iter().map(|s| s.id).collect();
+        let request = match commands.as_slice() {
             [only] => self
                 .core
                 .start(*only)
@@ -65,76 +65,75 @@ impl Planner<'_> {
                     .map(|(rule, ticket)| StartRequest::new(ticket, Some(rule)))
             }
         };
-        track.request = Some(asked.map_err(|why| start_error(track.indices(), why))?);
-        Ok(track)
+        branch.request = Some(request.map_err(|why| start_error(branch.indices(), why))?);
+        Ok(branch)
     }
 
-    /// Loads and schedules all possible successors of a track. Returns `None` as long as the successors are not known
+    /// Loads and schedules all possible successors of a branch. Returns `None` as long as the successors are not known
     /// or planning must wait.
     ///
     /// # Errors
     /// Returns the commands that could not be loaded, with the reason.
     pub(super) fn schedule_successors(
         &mut self,
-        track: &Branch,
+        branch: &Branch,
     ) -> Result<Option<Vec<Successor>>, StartError> {
         let planned = |slot: &&TaskCommand| self.core.can_plan(slot.first_tick);
-        if !track.commands().iter().all(planned) {
+        if !branch.commands().iter().all(planned) {
             return Ok(None);
         }
-        let Some(ways) = self.successor_conditions(track) else {
+        let Some(successors) = self.successor_conditions(branch) else {
             return Ok(None);
         };
         let mut ahead = Vec::new();
-        for (place, cause) in ways {
+        for (place, cause) in successors {
             ahead.push(self.launch(place, cause)?);
         }
         Ok(Some(ahead))
     }
 
-    /// Returns the possible next places of a track with their conditions; `None` as long as parallel branches have more
+    /// Returns the possible next places of a branch with their conditions; `None` as long as parallel branches have more
     /// commands to run before they join.
-    fn successor_conditions(&self, track: &Branch) -> Option<Vec<(NextStep, StartCondition)>> {
-        match &track.state {
+    fn successor_conditions(&self, branch: &Branch) -> Option<Vec<(NextStep, StartCondition)>> {
+        match &branch.state {
             BranchState::Command(slot) => {
                 let image = self.core.image(slot.index);
-                let ways = self.plan.possible_next(&slot.cursor, &image).into_iter();
+                let successors = self.plan.possible_next(&slot.cursor, &image).into_iter();
                 let goes_on = |place: &NextStep| {
                     matches!(place, NextStep::Run(_) | NextStep::Parallel { .. })
                 };
-                let ways = ways.filter(|(place, _)| goes_on(place));
+                let successors = successors.filter(|(place, _)| goes_on(place));
                 Some(
-                    ways.map(|(place, by)| (place, start_condition(slot, &by)))
+                    successors
+                        .map(|(place, by)| (place, start_condition(slot, &by)))
                         .collect(),
                 )
             }
             BranchState::Parallel { at, .. } => match self.plan.after_join(at) {
                 NextStep::Joined | NextStep::Done => Some(Vec::new()),
-                place => Some(vec![(place, self.end_condition(track)?)]),
+                place => Some(vec![(place, self.end_condition(branch)?)]),
             },
             BranchState::Empty => Some(Vec::new()),
         }
     }
 
-    /// Returns the condition for the end of a track; `None` if the end needs more than its running commands.
-    fn end_condition(&self, track: &Branch) -> Option<StartCondition> {
-        match &track.state {
+    /// Returns the condition for the end of a branch; `None` if the end needs more than its running commands.
+    fn end_condition(&self, branch: &Branch) -> Option<StartCondition> {
+        match &branch.state {
             BranchState::Command(slot) => {
                 let image = self.core.image(slot.index);
-                let ways = self.plan.possible_next(&slot.cursor, &image).into_iter();
-                let by = ways.filter(|(place, _)| *place == NextStep::Joined);
+                let successors = self.plan.possible_next(&slot.cursor, &image).into_iter();
+                let by = successors.filter(|(place, _)| *place == NextStep::Joined);
                 by.map(|(_, by)| start_condition(slot, &by)).next()
             }
-            BranchState::Parallel {
-                branches: strands, ..
-            } => {
-                let busy = strands
+            BranchState::Parallel { branches, .. } => {
+                let busy = branches
                     .iter()
                     .filter(|s| !matches!(s.state, BranchState::Empty));
                 let mut all = None;
-                for strand in busy {
-                    let is_split = matches!(&strand.state, BranchState::Parallel { at, .. } if self.plan.after_join(at) != NextStep::Joined);
-                    let own = self.end_condition(strand).filter(|_| !is_split)?;
+                for branch in busy {
+                    let is_split = matches!(&branch.state, BranchState::Parallel { at, .. } if self.plan.after_join(at) != NextStep::Joined);
+                    let own = self.end_condition(branch).filter(|_| !is_split)?;
                     all = Some(match all {
                         Some(all) => StartCondition::and(all, own),
                         None => own,
@@ -156,11 +155,11 @@ impl Planner<'_> {
         ended: &Branch,
         place: NextStep,
     ) -> Result<Branch, StartError> {
-        let mut ways = self
+        let mut successors = self
             .successor_conditions(ended)
             .unwrap_or_default()
             .into_iter();
-        let cause = match ways.find(|(known, _)| *known == place) {
+        let cause = match successors.find(|(known, _)| *known == place) {
             Some((_, cause)) => {
                 let slots = ended.commands().into_iter();
                 let yields = slots.map(|s| has_yield(&self.core.image(s.index)));
@@ -174,36 +173,36 @@ impl Planner<'_> {
                 condition: Condition::always(),
             },
         };
-        Ok(self.launch(place, cause)?.track)
+        Ok(self.launch(place, cause)?.branch)
     }
 
     /// Unloads successors whose rule was refused. The core unloads the others when it drops their rules.
     pub(super) fn unload_refused(&mut self, ahead: &[Successor]) {
-        let refused = |launch: &&Successor| {
-            let request = launch.track.request.as_ref();
+        let refused = |successor: &&Successor| {
+            let request = successor.branch.request.as_ref();
             request.is_some_and(StartRequest::was_refused)
         };
-        for launch in ahead.iter().filter(refused) {
-            let slots = launch.track.commands().into_iter();
+        for successor in ahead.iter().filter(refused) {
+            let slots = successor.branch.commands().into_iter();
             slots.for_each(|slot| self.core.unload(slot.id));
         }
     }
 
     /// Loads the commands at a place and adds the rule that starts them and passes values to their inputs.
     fn launch(&mut self, place: NextStep, cause: StartCondition) -> Result<Successor, StartError> {
-        let mut track = self.load(place)?;
+        let mut branch = self.load(place)?;
         let mut rule = Rule::when(cause.condition);
-        for slot in track.commands() {
+        for slot in branch.commands() {
             rule = rule.start(slot.id);
             let image = self.core.image(slot.index);
             for (from, export, input) in self.passed_values(&cause.after, &image) {
                 rule = rule.transfer((from, export), (slot.id, input));
             }
         }
-        let asked = self.core.schedule(rule);
-        let (rule, ticket) = asked.map_err(|why| start_error(track.indices(), why))?;
-        track.request = Some(StartRequest::new(ticket, Some(rule)));
-        Ok(Successor { track })
+        let scheduled = self.core.schedule(rule);
+        let (rule, ticket) = scheduled.map_err(|why| start_error(branch.indices(), why))?;
+        branch.request = Some(StartRequest::new(ticket, Some(rule)));
+        Ok(Successor { branch })
     }
 
     /// Loads the commands at a place. If one cannot be loaded, the others are unloaded.
@@ -213,14 +212,11 @@ impl Planner<'_> {
                 BranchState::Command(self.load_command(cursor)?),
                 None,
             )),
-            NextStep::Parallel {
-                at,
-                branches: strands,
-            } => {
+            NextStep::Parallel { at, branches } => {
                 let mut loaded: Vec<Branch> = Vec::new();
-                for strand in strands {
-                    match self.load(strand) {
-                        Ok(track) => loaded.push(track),
+                for branch in branches {
+                    match self.load(branch) {
+                        Ok(branch) => loaded.push(branch),
                         Err(why) => {
                             let slots = loaded.iter().flat_map(Branch::commands);
                             slots.for_each(|slot| self.core.unload(slot.id));

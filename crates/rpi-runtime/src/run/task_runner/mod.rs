@@ -6,13 +6,12 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `workshop.rs` | the interface that a task needs from its environment |
-//! | `launch.rs` | loaded commands and the request that starts them |
-//! | `track.rs` | a running command or parallel branches |
-//! | `ahead.rs` | loading and scheduling of successors |
+//! | `task_core.rs` | the interface that a task needs from its environment |
+//! | `start_request.rs` | loaded commands and the request that starts them |
+//! | `branch.rs` | a running command or parallel branches |
+//! | `lookahead.rs` | loading and scheduling of successors |
 //!
-//! A task is a tree of tracks. A track is at a command or at a parallel node, whose branches (strands) are tracks as
-//! well.
+//! A task is a tree of branches. A branch is at a command or at a parallel node, which has branches of its own.
 
 mod branch;
 mod lookahead;
@@ -73,7 +72,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
     /// Returns the commands that run or wait for an immediate start.
     pub fn running(&self) -> Vec<CommandId> {
         let root = self.root.iter();
-        let slots = root.flat_map(|track| track.commands());
+        let slots = root.flat_map(|branch| branch.commands());
         slots
             .filter(|slot| slot.ending.is_none())
             .map(|slot| slot.id)
@@ -88,33 +87,33 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
     }
 
     /// Cancels the task: no further command is started, and the running commands are requested to end.
-    pub fn cancel(&mut self, shop: &mut dyn TaskCore) {
+    pub fn cancel(&mut self, core: &mut dyn TaskCore) {
         self.cancelled = true;
-        self.request_end(shop);
+        self.request_end(core);
     }
 
     /// Handles a forced stop of all commands: no further command is started, and the task has failed.
-    pub fn abort(&mut self, shop: &mut dyn TaskCore) {
+    pub fn abort(&mut self, core: &mut dyn TaskCore) {
         self.failed = true;
-        self.request_end(shop);
+        self.request_end(core);
     }
 
     /// Performs all actions that are possible now. Never blocks.
-    pub fn advance(&mut self, shop: &mut dyn TaskCore) {
+    pub fn advance(&mut self, core: &mut dyn TaskCore) {
         if self.end.is_some() {
             return;
         }
         let mut site = Planner {
             plan: self.plan.borrow(),
-            core: &mut *shop,
+            core: &mut *core,
         };
         let step = match &mut self.root {
             Some(root) => root.step(&mut site),
             None => match site.plan.first() {
                 NextStep::Run(_) | NextStep::Parallel { .. } => {
                     let begun = site.start_first(site.plan.first());
-                    begun.map(|track| {
-                        self.root = Some(track);
+                    begun.map(|branch| {
+                        self.root = Some(branch);
                         BranchProgress::Running
                     })
                 }
@@ -123,40 +122,40 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         };
         match step {
             Ok(BranchProgress::Running | BranchProgress::Failing(_)) => {}
-            Ok(BranchProgress::Ended) => self.finish(shop),
+            Ok(BranchProgress::Ended) => self.finish(core),
             Ok(BranchProgress::Failed(_)) => {
                 self.failed = true;
-                self.finish(shop);
+                self.finish(core);
             }
-            Err(trouble) => self.handle_start_error(trouble, shop),
+            Err(error) => self.handle_start_error(error, core),
         }
     }
 
     /// Handles a command that could not be started: the running commands are requested to end.
-    fn handle_start_error(&mut self, trouble: StartError, shop: &mut dyn TaskCore) {
-        shop.report_not_started(&trouble.indices, trouble.why);
+    fn handle_start_error(&mut self, error: StartError, core: &mut dyn TaskCore) {
+        core.report_not_started(&error.indices, error.why);
         self.failed = true;
-        self.request_end(shop);
+        self.request_end(core);
     }
 
-    fn request_end(&mut self, shop: &mut dyn TaskCore) {
+    fn request_end(&mut self, core: &mut dyn TaskCore) {
         match &mut self.root {
-            Some(root) => root.request_end(shop),
-            None if self.end.is_none() => self.finish(shop),
+            Some(root) => root.request_end(core),
+            None if self.end.is_none() => self.finish(core),
             None => {}
         }
     }
 
     /// Ends the task once no command of it runs any more.
-    fn finish(&mut self, shop: &mut dyn TaskCore) {
+    fn finish(&mut self, core: &mut dyn TaskCore) {
         self.end = Some(match (self.cancelled, self.failed) {
             (true, _) => TaskEnd::Cancelled,
             (false, true) => TaskEnd::Failed,
             (false, false) => TaskEnd::Done,
         });
         if let Some(root) = &mut self.root {
-            root.request_end(shop);
-            root.commands().iter().for_each(|slot| shop.unload(slot.id));
+            root.request_end(core);
+            root.commands().iter().for_each(|slot| core.unload(slot.id));
         }
     }
 }

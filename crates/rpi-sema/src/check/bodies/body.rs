@@ -76,6 +76,11 @@ pub(crate) struct Bindings {
     pub(crate) forbidden: Option<usize>,
     /// Whether the current expression is in a branch chosen by a condition on a bound variable.
     pub(crate) in_guarded_branch: bool,
+    /// Branches of `if` around the current expression: the condition, and its value for which the branch is taken.
+    pub(crate) branches: Vec<(ExprId, bool)>,
+    /// Call of a function of another language around the current expression. Undefined names in it are of that language
+    /// as well, and are not reported.
+    pub(crate) foreign_call: Option<Span>,
 }
 
 /// Declarations and equations that are resolved when all flows of the body are declared.
@@ -154,6 +159,8 @@ pub(crate) struct Reported {
     pub(crate) erroneous_flows: Vec<FlowId>,
     /// Undefined names of flows.
     pub(crate) undefined_names: ReportedErrors<Name>,
+    /// Undefined names that were reported as those of flows, with their diagnostics.
+    pub(crate) undefined_flows: ReportedErrors<Name>,
     /// Flows that cannot be clocks.
     pub(crate) invalid_clocks: ReportedErrors<FlowId>,
 }

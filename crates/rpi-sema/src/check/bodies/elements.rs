@@ -19,6 +19,7 @@ use crate::check::types::consts;
 use crate::program::{Lookup, NameSpace};
 use crate::ty::Ty;
 use crate::typed::Leaf;
+use rpi_diag::suppression;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::passes::causality::{self, Read};
 use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Statement, StatementKind, Target};
@@ -194,15 +195,7 @@ pub(crate) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
     with_index_bindings(cx, index, |body| targets::check_equation(body, index));
     if !is_first {
         let new = cx.diagnostics.split_off(before);
-        let is_known = |diagnostic: &Diagnostic| {
-            let mut said = cx.diagnostics.iter();
-            said.any(|known| known.code == diagnostic.code && known.span() == diagnostic.span())
-        };
-        let new: Vec<Diagnostic> = new
-            .into_iter()
-            .filter(|diagnostic| !is_known(diagnostic))
-            .collect();
-        cx.diagnostics.extend(new);
+        suppression::add_new(&mut cx.diagnostics, new);
     }
 }
 

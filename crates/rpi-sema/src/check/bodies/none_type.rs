@@ -20,7 +20,7 @@ pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
         .any(|diagnostic| is_error(&diagnostic));
     let mut around = cx.checker.diagnostics.iter().filter(is_error);
     // An expression with an error has no type either, so nothing is reported after other errors.
-    if !has_untyped_none(cx) || here || around.any(|told| told.code != Code::RPI2007) {
+    if !has_untyped_none(cx) || here || around.any(|error| error.code != Code::RPI2007) {
         return;
     }
     for (id, ty) in context_types(cx) {
@@ -147,7 +147,7 @@ fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
 
 /// Reports each `none` of unknown type: at the flow that gets its type from it, otherwise at the `none` itself.
 fn report_untyped_none(cx: &mut Body<'_, '_>) {
-    let mut told: FastSet<ExprId> = FastSet::default();
+    let mut reported: FastSet<ExprId> = FastSet::default();
     for block in (0..cx.unit.blocks.len()).map(|k| BlockId(u32::try_from(k).unwrap_or(0))) {
         for k in 0..cx.unit.block(block).equations.len() {
             let equation = &cx.unit.block(block).equations[k];
@@ -160,13 +160,13 @@ fn report_untyped_none(cx: &mut Body<'_, '_>) {
             };
             let nones = untyped_nones_in(cx, value);
             if !nones.is_empty() && cx.unit.flow(flow).ty.has_unknown() {
-                told.extend(nones);
+                reported.extend(nones);
                 report_none_flow(cx, flow);
             }
         }
     }
     for id in (0..).map(ExprId).take(cx.unit.exprs.len()) {
-        if is_untyped_none(cx, id) && !told.contains(&id) {
+        if is_untyped_none(cx, id) && !reported.contains(&id) {
             let diagnostic = Diagnostic::new(Code::RPI2007, "cannot infer the type of this `none`")
                 .primary(cx.span_of(id), "absent value of unknown type")
                 .help("declare a flow with a type: `var nothing: int?;` before `let`, and `nothing = none;`");

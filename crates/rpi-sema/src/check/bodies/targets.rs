@@ -181,7 +181,6 @@ fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Targ
         true => "declare the device as a parameter of the command: `command C (arm: Arm)`",
         false => "declare flows after `returns` or `var`",
     };
-    let told = cx.reported.undefined_names.index(&name.name);
     if cx.record_undefined(&name.name) {
         let near = cx.checker.suggest(&name.name, locals::local_names(cx));
         // That the intended flow has no equation is the same error.
@@ -189,19 +188,18 @@ fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Targ
         cx.reported.erroneous_flows.extend(meant);
         let diagnostic = undefined_name("flow", &name.name, name.span, near);
         report::report_diagnostic(cx, diagnostic.help(help));
-    } else if let Some(told) = told {
-        add_target_help(cx, told, name, help);
+    } else {
+        add_target_help(cx, name, help);
     }
     (TargetPlace::Nowhere, Ty::Unknown)
 }
 
 /// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has no other help.
-fn add_target_help(cx: &mut Body<'_, '_>, told: usize, name: &Ident, help: &str) {
-    let alike = undefined_name("flow", &name.name, name.span, None);
-    let told = cx.diagnostics.get_mut(told);
-    let told = told.filter(|told| told.code == alike.code && told.message == alike.message);
-    if let Some(told) = told.filter(|told| told.help.is_empty() && told.fixes.is_empty()) {
-        told.help.push(help.to_owned());
+fn add_target_help(cx: &mut Body<'_, '_>, name: &Ident, help: &str) {
+    let index = cx.reported.undefined_flows.index(&name.name);
+    let diagnostic = index.and_then(|index| cx.diagnostics.get_mut(index));
+    if let Some(diagnostic) = diagnostic.filter(|f| f.help.is_empty() && f.fixes.is_empty()) {
+        diagnostic.help.push(help.to_owned());
     }
 }
 
@@ -209,8 +207,8 @@ fn add_target_help(cx: &mut Body<'_, '_>, told: usize, name: &Ident, help: &str)
 fn shared_type<'s>(cx: &'s Body<'_, '_>, flow: FlowId) -> &'s Ty {
     let all = automaton::enclosing_shared_flows(cx, flow).chain([flow]);
     let mut types = all.map(|flow| &cx.unit.flow(flow).ty);
-    let told = types.find(|ty| !ty.has_unknown());
-    told.unwrap_or(&cx.unit.flow(flow).ty)
+    let known = types.find(|ty| !ty.has_unknown());
+    known.unwrap_or(&cx.unit.flow(flow).ty)
 }
 
 fn target_place_in_flow<'a>(

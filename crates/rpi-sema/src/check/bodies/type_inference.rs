@@ -214,10 +214,10 @@ fn set_inferred_types(cx: &mut Body<'_, '_>, index: usize, ty: &Ty) {
             continue;
         };
         let around: Vec<FlowId> = automaton::enclosing_shared_flows(cx, flow).collect();
-        let told = around.iter().map(|outer| &cx.unit.flow(*outer).ty);
-        let mut told = std::iter::once(&ty).chain(told);
-        let told = told.find(|ty| !ty.has_unknown());
-        let ty = told.unwrap_or(&ty).clone();
+        let outer = around.iter().map(|outer| &cx.unit.flow(*outer).ty);
+        let mut types = std::iter::once(&ty).chain(outer);
+        let known = types.find(|ty| !ty.has_unknown());
+        let ty = known.unwrap_or(&ty).clone();
         for flow in std::iter::once(flow).chain(around) {
             let known = &mut cx.unit.flows[flow.0 as usize].ty;
             if known.has_unknown() {
@@ -294,6 +294,7 @@ pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Checkpoint) {
     cx.unit.static_conditions.truncate(kept);
     cx.diagnostics.truncate(mark.diagnostics);
     cx.reported.undefined_names.truncate(mark.diagnostics);
+    cx.reported.undefined_flows.truncate(mark.diagnostics);
     cx.reported.invalid_clocks.truncate(mark.diagnostics);
     cx.inference.real_fix_index = cx
         .inference

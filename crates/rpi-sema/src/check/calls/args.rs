@@ -69,22 +69,22 @@ pub(crate) fn check_args_for<'a>(
     id: DeclId,
     args: &[&'a Arg],
 ) -> (Vec<CallArgument<'a>>, bool) {
-    let told = cx.diagnostics.len();
+    let before = cx.diagnostics.len();
     let named = args.iter().filter(|arg| arg.name.is_none());
     let wrong = named
         .filter(|arg| report_arg_named_by_eq(cx, id, &arg.value))
         .count();
     if wrong > 0 {
-        merge_named_by_eq(cx, told);
+        merge_named_by_eq(cx, before);
         return (Vec::new(), false);
     }
     (args.iter().map(|arg| check_arg(cx, arg)).collect(), true)
 }
 
-/// Merges the diagnostics about arguments named by `=` that were added since there were `told` diagnostics.
-fn merge_named_by_eq(cx: &mut Body<'_, '_>, told: usize) {
+/// Merges the diagnostics about arguments named by `=` that were added since there were `before` diagnostics.
+fn merge_named_by_eq(cx: &mut Body<'_, '_>, before: usize) {
     let by_eq = |diagnostic: &Diagnostic| diagnostic.code == Code::RPI1010;
-    let mut others = cx.diagnostics.split_off(told).into_iter();
+    let mut others = cx.diagnostics.split_off(before).into_iter();
     let Some(mut first) = others.find(by_eq) else {
         return;
     };
@@ -234,12 +234,12 @@ pub(crate) fn report_unknown_args<'a>(
     let names: Vec<&Name> = names.collect();
     let decl = cx.checker.program.decl(id);
     let named = given.iter().filter_map(|arg| arg.name);
-    let strangers = named.filter(|name| !names.contains(&&name.name));
-    let strangers: Vec<Diagnostic> = strangers
+    let clients = named.filter(|name| !names.contains(&&name.name));
+    let clients: Vec<Diagnostic> = clients
         .map(|name| unknown_arg(&decl.name, decl.span, &names, name, given))
         .collect();
-    let any = !strangers.is_empty();
-    strangers
+    let any = !clients.is_empty();
+    clients
         .into_iter()
         .for_each(|diagnostic| report::report_diagnostic(cx, diagnostic));
     any

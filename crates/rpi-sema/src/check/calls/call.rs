@@ -67,7 +67,7 @@ pub(crate) fn call_with_activation<'a>(
     let name = &call.callee.name;
     match callee::resolve_callee(cx, &name.name, name.span) {
         Callee::Nothing(_) => {
-            let given = args::check_args(cx, &call.args);
+            let given = elsewhere::check_foreign_args(cx, call, span);
             elsewhere::suggest_for_foreign_call(cx, call, &given, span);
             suggest_callee::suggest_struct_literal(cx, call, span)
         }
@@ -271,10 +271,10 @@ pub(crate) fn match_call<'a>(
     };
     let mut sound = args::check_arg_types(cx, &header, &mut args, &mut subst);
     let of_units = header.inputs.iter().any(|port| port.ty.has_unknown());
-    let told = args.iter().flatten();
-    let all_told = told.copied().all(|arg| !cx.ty_of(arg).has_unknown());
-    let told_at = all_told.then_some(span);
-    let header = instance::resolve_instance(cx, &header, statics, &open, &subst, (span, told_at));
+    let given = args.iter().flatten();
+    let all_known = given.copied().all(|arg| !cx.ty_of(arg).has_unknown());
+    let known_at = all_known.then_some(span);
+    let header = instance::resolve_instance(cx, &header, statics, &open, &subst, (span, known_at));
     let header = header.ok_or(Ty::Unknown)?;
     // Units that depend on static parameters are known only in the instance, so that the types are checked again.
     sound = sound && (!of_units || args::check_arg_types(cx, &header, &mut args, &mut subst));

@@ -10,7 +10,7 @@ use crate::check::calls::call;
 use crate::check::calls::callable::Callable;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
-use crate::check::signatures::static_args;
+use crate::check::signatures::callable_args;
 use crate::ty::Ty;
 use crate::typed::ExprId;
 use crate::typed::{Activation, ElementwiseOp, TypedKind};
@@ -32,7 +32,7 @@ pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span
             .primary(default.span, "not a value");
         return cx.report_error_expr(diagnostic, span);
     };
-    let Some(callable) = static_args::static_callee(cx, callee) else {
+    let Some(callable) = callable_args::static_callee(cx, callee) else {
         return cx.error_expr(span);
     };
     cx.record_state(span);

@@ -203,7 +203,7 @@ fn time_conversion(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
     match statement::expect_type(
         cx,
         x,
-        &crate::check::types::exact_time::SECONDS,
+        &crate::ty::machine_types::SECONDS,
         &ExpectationReason::Unexplained,
     ) {
         true => exact_time::ticks_from_seconds(cx, x, span),

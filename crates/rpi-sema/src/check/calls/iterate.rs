@@ -12,7 +12,7 @@ use crate::check::exprs::access::leaf_count;
 use crate::check::exprs::compose;
 use crate::check::exprs::ops;
 use crate::check::limits::nesting;
-use crate::check::signatures::static_args;
+use crate::check::signatures::callable_args;
 use crate::check::types::consts;
 use crate::program::Program;
 use crate::ty::{Member, Ty};
@@ -114,7 +114,7 @@ pub(crate) fn resolve_iterator<'a>(
             Some(IteratorCall {
                 name,
                 kind: way,
-                callee: Some(static_args::static_callee(cx, callee)?),
+                callee: Some(callable_args::static_callee(cx, callee)?),
                 size: static_size_arg(cx, size)?,
             })
         }

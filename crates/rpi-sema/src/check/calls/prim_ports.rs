@@ -6,11 +6,11 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::types::consts;
 use crate::check::types::exact_time;
+use crate::ty::machine_types::{flow_type, machine_type, pack_leaves, param_default, scalar_ty};
 use crate::ty::{Member, Ty};
-use crate::typed::{ExprId, Leaf};
+use crate::typed::ExprId;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{ParamType, PortType, PrimDesc, Scalar, ShapeArgs, Type, Value};
-use std::rc::Rc;
 
 /// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
 pub(crate) fn fits_port(cx: &mut Body<'_, '_>, value: ExprId, port: PortType, name: &str) -> bool {
@@ -161,67 +161,5 @@ fn port_text(port: PortType) -> String {
         PortType::Scalar(scalar) => format!("`{scalar}`"),
         PortType::Array(scalar) => format!("an array of `{scalar}`"),
         PortType::Matrix => "a matrix of reals".to_owned(),
-    }
-}
-
-/// Returns the type of a machine value without unit and frames.
-pub(crate) fn scalar_ty(scalar: Scalar) -> Ty {
-    match scalar {
-        Scalar::Bool => Ty::Bool,
-        Scalar::Int => Ty::Int,
-        Scalar::Real => Ty::REAL,
-        Scalar::Time => Ty::Time,
-        spatial => Ty::spatial(spatial),
-    }
-}
-
-fn flow_type(ty: Type) -> Ty {
-    match ty {
-        Type::Scalar(scalar) => scalar_ty(scalar),
-        Type::Array(scalar, n) => Ty::Array(Rc::new(scalar_ty(scalar)), n),
-        Type::Matrix(rows, cols) => Ty::Array(Rc::new(Ty::Array(Rc::new(Ty::REAL), cols)), rows),
-    }
-}
-
-/// Returns the machine type of a value that a port of a primitive can take; `None` for other types.
-pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
-    if let Some(scalar) = ty.scalar() {
-        return Some(Type::Scalar(scalar));
-    }
-    match ty {
-        Ty::Array(row, rows) => match &**row {
-            Ty::Array(_, cols) => Some(Type::Matrix(*rows, *cols)),
-            element => Some(Type::Array(element.scalar()?, *rows)),
-        },
-        _ => None,
-    }
-}
-
-/// Returns the default value of a parameter; `None` if it has none.
-pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
-    match param.ty {
-        ParamType::Scalar(scalar) => param.default.value(Type::Scalar(scalar)),
-        ParamType::Array(scalar) => param.default.value(Type::Array(scalar, 0)),
-        ParamType::Str => {
-            param
-                .default
-                .value(Type::Scalar(Scalar::Bool))
-                .map(|value| match value {
-                    Value::Str(text) => Value::Str(text),
-                    Value::Slots { .. } => Value::Str(String::new()),
-                })
-        }
-    }
-}
-
-/// Packs leaves into one array value.
-pub(crate) fn pack_leaves(scalar: Scalar, leaves: &[Leaf]) -> Value {
-    let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
-    Value::Slots {
-        ty: Type::Array(scalar, n),
-        cells: leaves
-            .iter()
-            .flat_map(|leaf| leaf.slots().iter().copied())
-            .collect(),
     }
 }

@@ -1,7 +1,7 @@
 //! Help for functions of other languages that do not exist here.
 
 use crate::check::bodies::body::Body;
-use crate::check::calls::args::CallArgument;
+use crate::check::calls::args::{self, CallArgument};
 use crate::check::diagnostics::foreign;
 use crate::check::diagnostics::suggest_callee;
 use crate::ty::Ty;
@@ -25,16 +25,26 @@ pub(crate) fn suggest_for_foreign_call<'a>(
     let Some((help, fix)) = foreign_call_help(&name.name.to_lowercase(), call, &ty) else {
         return;
     };
-    // Other undefined names in such a call are also of the other language.
-    cx.diagnostics.retain(|diagnostic| {
-        let place = diagnostic.span();
-        let inside = span.start <= place.start && place.end <= span.end && place != name.span;
-        !(inside && place.file == span.file && diagnostic.code == Code::RPI1001)
-    });
     if let Some(diagnostic) = suggest_callee::diagnostic_at(cx, name.span, Code::RPI1001) {
         diagnostic.help = vec![help];
         diagnostic.fixes = fix.into_iter().collect();
     }
+}
+
+/// Checks the arguments of a call whose callee has no meaning. Undefined names in a call of a function of another language
+/// are of that language as well, so that they are not reported.
+pub(crate) fn check_foreign_args<'a>(
+    cx: &mut Body<'_, 'a>,
+    call: &'a ast::Call,
+    span: Span,
+) -> Vec<CallArgument<'a>> {
+    let name = call.callee.name.name.to_lowercase();
+    let is_foreign = foreign_call_help(&name, call, &Ty::Unknown).is_some();
+    let outer = cx.bindings.foreign_call;
+    cx.bindings.foreign_call = outer.or(is_foreign.then_some(span));
+    let arguments = args::check_args(cx, &call.args);
+    cx.bindings.foreign_call = outer;
+    arguments
 }
 
 /// Returns the help text for a foreign call, and a fix where it is certain enough.

@@ -117,13 +117,13 @@ fn hint_negated_comparison(cx: &mut Body<'_, '_>, binary: &Binary) {
         return;
     }
     let place = operand.span;
-    let mut told = cx.diagnostics.iter_mut().rev();
-    let told = told.find(|told| told.code == Code::RPI2006 && told.span() == place);
-    if let Some(told) = told {
+    let mut latest_first = cx.diagnostics.iter_mut().rev();
+    let is_about = |error: &&mut Diagnostic| error.code == Code::RPI2006 && error.span() == place;
+    if let Some(error) = latest_first.find(is_about) {
         let fix = Fix::maybe("negate the comparison")
             .insert_before(place, "(")
             .insert_after(binary.rhs.span, ")");
-        *told = told
+        *error = error
             .clone()
             .help("`not` binds tighter than comparisons: write `not (a = b)`")
             .fix(fix);

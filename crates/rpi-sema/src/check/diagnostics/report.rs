@@ -11,9 +11,13 @@ use crate::units::Dimension;
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 
-/// Adds a diagnostic about this body.
+/// Adds a diagnostic about this body, unless it follows from a reported call of another language.
 pub(crate) fn report_diagnostic(cx: &mut Body<'_, '_>, diagnostic: Diagnostic) {
-    cx.diagnostics.push(diagnostic);
+    let is_foreign =
+        |call: Span| diagnostic.code == Code::RPI1001 && call.contains(diagnostic.span());
+    if !cx.bindings.foreign_call.is_some_and(is_foreign) {
+        cx.diagnostics.push(diagnostic);
+    }
 }
 
 /// Whether an error has been added since there were `before` diagnostics. Notes and warnings do not invalidate a

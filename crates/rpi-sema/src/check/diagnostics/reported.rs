@@ -37,7 +37,7 @@ impl<K: Ord + Clone> ReportedErrors<K> {
     /// Removes all keys whose diagnostics have this index or a higher one.
     pub(crate) fn truncate(&mut self, place: usize) {
         while let Some(last) = self.keys.last() {
-            if self.index(last).is_some_and(|told| told < place) {
+            if self.index(last).is_some_and(|index| index < place) {
                 break;
             }
             self.indices.remove(last);

@@ -62,8 +62,8 @@ pub(crate) fn suggest_struct_literal<'a>(
     else {
         return cx.error_expr(span);
     };
-    let told = diagnostic_at(cx, name.span, Code::RPI1003);
-    let Some(told) = told.map(|told| told.clone()) else {
+    let error = diagnostic_at(cx, name.span, Code::RPI1003);
+    let Some(error) = error.map(|error| error.clone()) else {
         return cx.error_expr(span);
     };
     let Ty::Struct(ty) = type_decls::type_decl(cx.checker, id) else {
@@ -71,16 +71,16 @@ pub(crate) fn suggest_struct_literal<'a>(
     };
     let form = member_names(&ty.fields).map(|field| format!("{field} = ..."));
     let form = form.collect::<Vec<_>>().join("; ");
-    let mended = told.help(format!(
+    let helped = error.help(format!(
         "write a value of this type as `{} {{{form}}}`",
         name.name
     ));
-    let mended = match struct_literal_fix(&ty, call, span) {
-        Some(fix) => mended.fix(fix),
-        None => mended,
+    let helped = match struct_literal_fix(&ty, call, span) {
+        Some(fix) => helped.fix(fix),
+        None => helped,
     };
     if let Some(diagnostic) = diagnostic_at(cx, name.span, Code::RPI1003) {
-        *diagnostic = mended;
+        *diagnostic = helped;
     }
     cx.add(TypedKind::Error, Ty::Struct(ty), span)
 }

@@ -5,19 +5,21 @@ use crate::check::diagnostics::foreign;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::types;
-use rpi_diag::{Applicability, Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span, Subject};
 use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Kind of name that a unit declares for itself, as it appears in messages.
 pub(crate) const FLOW_KIND: &str = "flow";
 
-/// Label of an undefined name that would be global and resembles no other name: see [`once_for_each_name`].
-const NOT_DECLARED_ANYWHERE: &str = "not declared anywhere";
-
-/// Maximum number of further locations shown.
-const MAX_LOCATIONS: usize = 3;
+/// Returns the diagnostic for an undefined name that would be global and resembles no other name. It is reported once
+/// for each name.
+fn not_declared_anywhere(what: &str, name: &str, span: Span) -> Diagnostic {
+    let message = format!("undefined {what} `{name}`");
+    Diagnostic::new(Code::RPI1001, message)
+        .primary(span, "not declared anywhere")
+        .about(Subject::UndefinedName(format!("{what} {name}")))
+}
 
 /// Reports an undefined name; `what` is its kind, `near` the most similar defined name.
 pub(crate) fn report_undefined(
@@ -34,18 +36,27 @@ pub(crate) fn report_undefined(
         _ if lacks_use && near.is_none() => None,
         Some(module) => Some(name_of_unused_module(what, name, module, span)),
         None if what == FLOW_KIND || near.is_some() => Some(undefined_name(what, name, span, near)),
-        None => {
-            let message = format!("undefined {what} `{name}`");
-            Some(Diagnostic::new(Code::RPI1001, message).primary(span, NOT_DECLARED_ANYWHERE))
-        }
+        None => Some(not_declared_anywhere(what, name, span)),
     };
     if let Some(diagnostic) = diagnostic {
-        report::report_diagnostic(cx, diagnostic);
+        match what == FLOW_KIND {
+            true => report_undefined_flow(cx, name, diagnostic),
+            false => report::report_diagnostic(cx, diagnostic),
+        }
     }
 }
 
-/// Returns the diagnostic for a name of a module that is not used. Of several only the first is kept: see
-/// [`once_for_each_fix`].
+/// Reports an undefined flow, and records its diagnostic: an equation of that name adds a help text to it.
+pub(crate) fn report_undefined_flow(cx: &mut Body<'_, '_>, name: &Name, diagnostic: Diagnostic) {
+    let index = cx.diagnostics.len();
+    report::report_diagnostic(cx, diagnostic);
+    if cx.diagnostics.len() > index {
+        cx.reported.undefined_flows.record(name, index);
+    }
+}
+
+/// Returns the diagnostic for a name of a module that is not used. Of several only the first is
+/// reported, because their fixes are the same.
 fn name_of_unused_module(what: &str, name: &str, module: &'static str, span: Span) -> Diagnostic {
     let start = Span {
         start: 0,
@@ -101,8 +112,7 @@ pub(crate) fn undefined_state(target: &Ident, near: Option<String>) -> Diagnosti
     if near.is_some() {
         return undefined_name("state", &target.name, target.span, near);
     }
-    let message = format!("undefined state `{}`", target.name);
-    Diagnostic::new(Code::RPI1001, message).primary(target.span, NOT_DECLARED_ANYWHERE)
+    not_declared_anywhere("state", &target.name, target.span)
 }
 
 /// Returns the diagnostic for a transition to a state of another automaton.
@@ -141,57 +151,4 @@ pub fn file_not_found(include: &Ident, is_alone: bool) -> Diagnostic {
     };
     let message = format!("cannot find file `{}`", include.name);
     Diagnostic::new(Code::RPI1005, message).primary(include.span, why)
-}
-
-/// Keeps the first of several diagnostics with the same single sure fix: the others follow from the same error.
-pub(crate) fn dedup_by_fix(diagnostics: &mut Vec<Diagnostic>) {
-    let mut seen: BTreeSet<(Span, String)> = BTreeSet::new();
-    diagnostics.retain(|diagnostic| match &diagnostic.fixes[..] {
-        [
-            Fix {
-                applicability: Applicability::Sure,
-                edits,
-                ..
-            },
-        ] => match &edits[..] {
-            [edit] if !edit.text.is_empty() => seen.insert((edit.span, edit.text.clone())),
-            _ => true,
-        },
-        _ => true,
-    });
-}
-
-/// Keeps the first of several diagnostics about one undefined global name, and adds the locations of the others.
-pub(crate) fn dedup_by_name(diagnostics: &mut Vec<Diagnostic>) {
-    let mut places: BTreeMap<String, Vec<Span>> = BTreeMap::new();
-    diagnostics.retain(|diagnostic| match &diagnostic.labels[..] {
-        [label] if label.text == NOT_DECLARED_ANYWHERE && has_no_hints(diagnostic) => {
-            let known = places.entry(diagnostic.message.clone()).or_default();
-            known.push(label.span);
-            known.len() == 1
-        }
-        _ => true,
-    });
-    for diagnostic in diagnostics {
-        let is_it =
-            (diagnostic.labels.first()).is_some_and(|label| label.text == NOT_DECLARED_ANYWHERE);
-        let Some([_, others @ ..]) = places.get(&diagnostic.message).map(Vec::as_slice) else {
-            continue;
-        };
-        if !is_it || !has_no_hints(diagnostic) {
-            continue;
-        }
-        for span in others.iter().take(MAX_LOCATIONS) {
-            *diagnostic = diagnostic.clone().secondary(*span, "also used here");
-        }
-        match others.len().saturating_sub(MAX_LOCATIONS) {
-            0 => {}
-            1 => diagnostic.help.push("used in one more place".to_owned()),
-            more => diagnostic.help.push(format!("used in {more} more places")),
-        }
-    }
-}
-
-fn has_no_hints(diagnostic: &Diagnostic) -> bool {
-    diagnostic.fixes.is_empty() && diagnostic.help.is_empty()
 }

@@ -43,11 +43,11 @@ fn hint_comparison_precedence(cx: &mut Body<'_, '_>, binary: &Binary) -> bool {
     }
     let (op, test) = (binary.op.spelling(), compared.op.spelling());
     // The caller has just reported the type mismatch, so that it is the last diagnostic.
-    if let Some(told) = cx.diagnostics.last_mut() {
-        told.help = vec![format!(
+    if let Some(diagnostic) = cx.diagnostics.last_mut() {
+        diagnostic.help = vec![format!(
             "`{test}` binds tighter than `{op}`: write `(a {op} b) {test} c`"
         )];
-        told.fixes = vec![
+        diagnostic.fixes = vec![
             Fix::maybe("add parentheses")
                 .insert_before(binary.lhs.span, "(")
                 .insert_after(compared.lhs.span, ")"),

@@ -1,8 +1,8 @@
 //! Predeclared names, listed for editors and documentation.
 
-use crate::check::exprs::names::PREDECLARED_FLOWS;
 use crate::check::exprs::spatial_parts::SPATIAL_PARTS;
 use crate::ty::Ty;
+use crate::typed::predeclared::PREDECLARED_FLOWS;
 use rpi_image::Scalar;
 
 /// Returns the predeclared flows: name, registered name of the primitive, type.

@@ -11,6 +11,7 @@ use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::diagnostics::report::join_names;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::diagnostics::report::wrong_kind_of_name;
+use crate::check::diagnostics::undefined_names::report_undefined_flow;
 use crate::check::exprs::access;
 use crate::check::exprs::case;
 use crate::check::exprs::expr;
@@ -85,7 +86,8 @@ fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
         None => {
             if cx.record_undefined(&name.name) {
                 let near = cx.checker.suggest(&name.name, locals::local_names(cx));
-                report::report_diagnostic(cx, undefined_name("flow", &name.name, name.span, near));
+                let diagnostic = undefined_name("flow", &name.name, name.span, near);
+                report_undefined_flow(cx, &name.name, diagnostic);
             }
             None
         }

@@ -114,22 +114,19 @@ pub(crate) fn array_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
 
 /// Returns the value of a size, a constant non-negative integer; reports any other expression.
 pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Option<u32> {
-    let told = cx.diagnostics.len();
-    let Some(value) = consts::const_integer(cx, size) else {
+    let before = cx.diagnostics.len();
+    let id = expr::check_expr(cx, size);
+    let leaves = consts::const_value_of(cx, id, &Ty::Int);
+    let Some(value) = leaves.and_then(|leaves| leaves.first()?.as_int()) else {
         // A conversion cannot be applied to a size, so that the fixes are replaced by a hint.
-        for diagnostic in cx.diagnostics.iter_mut().skip(told) {
+        let help = match cx.ty_of(id) {
+            Ty::Bool => "exclusive or is `a xor b`; `x^3` is an array of 3 times `x`",
+            _ => "the size of an array must be a constant integer; a power is `x ** 2.0`",
+        };
+        for diagnostic in cx.diagnostics.iter_mut().skip(before) {
             if diagnostic.code == Code::RPI2001 && diagnostic.span() == size.span {
                 diagnostic.fixes.clear();
-                // Depends on the wording "expected X, found Y" of type mismatches.
-                diagnostic.help = vec![match diagnostic.message.ends_with("found `bool`") {
-                    true => {
-                        "exclusive or is `a xor b`; `x^3` is an array of 3 times `x`".to_owned()
-                    }
-                    false => {
-                        "the size of an array must be a constant integer; a power is `x ** 2.0`"
-                            .to_owned()
-                    }
-                }];
+                diagnostic.help = vec![help.to_owned()];
             }
         }
         return None;

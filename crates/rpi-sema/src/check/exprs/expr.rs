@@ -163,12 +163,9 @@ fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> Ex
     }
     let guarded = cx.bindings.in_guarded_branch;
     cx.bindings.in_guarded_branch |= bindings::reads_binding(cx, &choice.condition);
-    let before = cx.diagnostics.len();
-    let yes = check_expr(cx, &choice.then_value);
-    let between = cx.diagnostics.len();
-    let no = check_expr(cx, &choice.else_value);
+    let yes = check_branch(cx, condition, true, &choice.then_value);
+    let no = check_branch(cx, condition, false, &choice.else_value);
     cx.bindings.in_guarded_branch = guarded;
-    suppress_untaken_branch(cx, condition, [before, between]);
     let ty = common_type(
         cx,
         yes,
@@ -182,31 +179,28 @@ fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> Ex
     )
 }
 
-/// Removes errors about a division by zero in a branch that a constant condition never takes: `if n = 0 then 0 else
-/// x div n`.
-fn suppress_untaken_branch(
-    cx: &mut Body<'_, '_>,
+/// Checks a branch of `if c then x else y`; `taken_if` is the value of the condition for which it is taken.
+fn check_branch<'a>(
+    cx: &mut Body<'_, 'a>,
     condition: ExprId,
-    [before, between]: [usize; 2],
-) {
-    let is_of_zero = |diagnostic: &Diagnostic| diagnostic.code == Code::RPI2012;
-    if !cx.diagnostics[before..].iter().any(is_of_zero) {
-        return;
-    }
-    let taken = consts::fold_silently(cx, condition);
-    let Some(taken) = taken.and_then(|leaves| leaves.first().and_then(Leaf::as_bool)) else {
-        return;
-    };
-    let untaken = if taken {
-        between..cx.diagnostics.len()
-    } else {
-        before..between
-    };
-    let mut at = 0..cx.diagnostics.len();
-    cx.diagnostics.retain(|diagnostic| {
-        at.next().is_none_or(|k| !untaken.contains(&k)) || !is_of_zero(diagnostic)
-    });
-    cx.inference.real_fix_index = cx.inference.real_fix_index.filter(|at| *at < before);
+    taken_if: bool,
+    branch: &'a ast::Expr,
+) -> ExprId {
+    cx.bindings.branches.push((condition, taken_if));
+    let id = check_expr(cx, branch);
+    cx.bindings.branches.pop();
+    id
+}
+
+/// Whether the current expression is in a branch that a constant condition never takes, such as the division in
+/// `if n = 0 then 0 else x div n`.
+pub(crate) fn is_in_untaken_branch(cx: &mut Body<'_, '_>) -> bool {
+    let branches = cx.bindings.branches.clone();
+    branches.into_iter().any(|(condition, taken_if)| {
+        let leaves = consts::fold_silently(cx, condition);
+        let value = leaves.and_then(|leaves| leaves.first().and_then(Leaf::as_bool));
+        value.is_some_and(|value| value != taken_if)
+    })
 }
 
 /// Checks `with c then x else y`: only the branch that is taken is checked.

@@ -250,17 +250,17 @@ fn check_exhaustiveness(
     }
     let unknown = missing.is_empty() && search.steps > MAX_STEPS;
     search.steps = 0;
-    let mut needless = Vec::new();
+    let mut unreachable = Vec::new();
     for k in 1..rows.len() {
         if search
             .find_unmatched(&types, &rows[..k], &rows[k])
             .is_none()
         {
-            needless.push(k);
+            unreachable.push(k);
         }
     }
     if search.steps > MAX_STEPS {
-        needless.clear();
+        unreachable.clear();
     }
     if !missing.is_empty() {
         report::report_diagnostic(cx, not_covered(&missing, span));
@@ -268,7 +268,7 @@ fn check_exhaustiveness(
     if unknown {
         report::report_diagnostic(cx, too_many_cases(span));
     }
-    for k in needless {
+    for k in unreachable {
         report::report_diagnostic(cx, unreachable_case(&of.arms[..k], &of.arms[k].pattern));
     }
 }

@@ -23,52 +23,11 @@ use crate::check::types::type_decls;
 use crate::program::{Decl, DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::Ty;
 use crate::typed::TypedKind;
+use crate::typed::predeclared::PREDECLARED_FLOWS;
 use crate::typed::{BlockId, ExprId, FlowId, Leaf, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
-use rpi_net::prim;
-use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
-
-/// A predeclared flow: name, primitive, type, and whether only commands have it.
-pub(crate) struct PredeclaredFlow {
-    pub(crate) name: &'static str,
-    pub(crate) prim: PrimId,
-    pub(crate) ty: Ty,
-    only_in_commands: bool,
-}
-
-/// All predeclared flows.
-pub(crate) const PREDECLARED_FLOWS: &[PredeclaredFlow] = &[
-    predeclared_flow("cancel", prim!("Cancel"), Ty::Bool, true),
-    predeclared_flow("takeover", prim!("Takeover"), Ty::Bool, true),
-    predeclared_flow("predecessor", prim!("Rpi::Predecessor"), Ty::Result, true),
-    predeclared_flow("first", prim!("Rpi::First"), Ty::Bool, false),
-    predeclared_flow("time", prim!("Rpi::Elapsed"), Ty::Duration, false),
-    predeclared_flow("dt", prim!("Rpi::PeriodTicks"), Ty::Duration, false),
-];
-
-const fn predeclared_flow(
-    name: &'static str,
-    prim: PrimId,
-    ty: Ty,
-    of_command: bool,
-) -> PredeclaredFlow {
-    PredeclaredFlow {
-        name,
-        prim,
-        ty,
-        only_in_commands: of_command,
-    }
-}
-
-/// Returns the name of the predeclared flow that a primitive computes.
-pub(crate) fn predeclared_flow_of_prim(prim: &str) -> Option<&'static str> {
-    let flow = PREDECLARED_FLOWS
-        .iter()
-        .find(|flow| flow.prim.desc().name == prim);
-    flow.map(|flow| flow.name)
-}
 
 /// Resolves a plain or qualified name.
 pub(crate) fn resolve_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
@@ -172,9 +131,7 @@ pub(crate) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Sp
     };
     // Constants are evaluated without a known tick length, so times are in seconds there.
     let ty = match &constant.ty {
-        Ty::Duration if cx.unit.kind == UnitKind::Constant => {
-            crate::check::types::exact_time::SECONDS
-        }
+        Ty::Duration if cx.unit.kind == UnitKind::Constant => crate::ty::machine_types::SECONDS,
         ty => ty.clone(),
     };
     cx.add(kind, ty, span)

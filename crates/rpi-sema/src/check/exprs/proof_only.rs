@@ -14,7 +14,7 @@ use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, UnitKind};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Span, Subject};
 use rpi_syntax::ast::{
     self, Ascription, Call, Expr, NodeDef, NodeKind, Quantified, RefinementType, StaticArg,
     TypeKind,
@@ -67,10 +67,10 @@ fn check_quantifiable(cx: &mut Body<'_, '_>, ty: &Ty, written: &ast::Type) {
 /// Reports a construct of Kind 2 that is checked but not executed.
 pub(crate) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span: Span) {
     let message = format!("{what} cannot be executed");
-    report::report_diagnostic(
-        cx,
-        Diagnostic::new(Code::RPI0017, message).primary(span, why),
-    );
+    let diagnostic = Diagnostic::new(Code::RPI0017, message)
+        .primary(span, why)
+        .about(Subject::Construct(what.to_owned()));
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.

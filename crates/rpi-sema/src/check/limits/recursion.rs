@@ -18,14 +18,14 @@ struct CallEdge {
 pub(crate) fn check(units: &[Unit]) -> Vec<Diagnostic> {
     let calls: Vec<Vec<CallEdge>> = units.iter().map(call_edges).collect();
     let mut diagnostics = Vec::new();
-    let mut told = vec![false; units.len()];
+    let mut reported = vec![false; units.len()];
     for start in cyclic_units(&calls) {
-        if told[start] {
+        if reported[start] {
             continue;
         }
         let ring = shortest_cycle(&calls, start);
         for step in &ring {
-            told[step.to.0 as usize] = true;
+            reported[step.to.0 as usize] = true;
         }
         if !ring.is_empty() {
             diagnostics.push(recursion_diagnostic(units, start, &ring));

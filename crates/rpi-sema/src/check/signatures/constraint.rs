@@ -143,7 +143,12 @@ pub(crate) fn check_constraints(
         if !wanted.allows(ty) {
             let of = cx.checker.program.decl(id).name.clone();
             let diagnostic = constraint_violation(&of, name, wanted, ty);
-            let diagnostic = diagnostic.primary(span, format!("`{}` is `{ty}` here", name.name));
+            let argument = match ty.to_string() == name.name.to_string() {
+                // A parameter that is passed on under its own name: "`T` is `T`" would be no help.
+                true => format!("`{}` is a type parameter of the caller", name.name),
+                false => format!("`{}` is `{ty}` here", name.name),
+            };
+            let diagnostic = diagnostic.primary(span, argument);
             let declared = format!("`{}` is {}", name.name, wanted.description());
             report::report_diagnostic(cx, diagnostic.secondary(constraint.span, declared));
             return false;

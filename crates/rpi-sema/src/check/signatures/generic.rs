@@ -62,14 +62,14 @@ pub(crate) fn check_generics(checker: &mut Checker<'_>) {
             continue;
         }
         let found = errors_for(checker, id, &params);
-        let told = match found.errors.is_empty() {
+        let errors = match found.errors.is_empty() {
             true => found.errors,
             false => attribute_to_constraint(checker, id, &params, found),
         };
-        if !told.is_empty() {
+        if !errors.is_empty() {
             checker.instances.erroneous_generics.insert(id);
         }
-        checker.diagnostics.extend(told);
+        checker.diagnostics.extend(errors);
     }
 }
 
@@ -148,7 +148,7 @@ fn discarding_units(
     let queue = std::mem::take(&mut checker.instances.queue);
     let unit_ids = std::mem::take(&mut checker.instances.ids);
     let called = std::mem::take(&mut checker.instances.called);
-    let told = std::mem::take(&mut checker.instances.reported);
+    let reported = std::mem::take(&mut checker.instances.reported);
     let (units, written_out) = (checker.units.len(), checker.limits.expanded_size);
     check(checker);
     checker.units.truncate(units);
@@ -157,7 +157,7 @@ fn discarding_units(
     checker.instances.queue = queue;
     checker.instances.ids = unit_ids;
     checker.instances.called = called;
-    checker.instances.reported = told;
+    checker.instances.reported = reported;
     std::mem::replace(&mut checker.diagnostics, diagnostics)
 }
 
@@ -189,12 +189,12 @@ fn attribute_to_constraint<'a>(
             .map(|error| with_constraint_help(error, open))
             .collect();
     };
-    let mended = found.errors.into_iter();
-    let mut mended = mended.filter(|error| !left.locations.contains(&error.span()));
+    let removed = found.errors.into_iter();
+    let mut removed = removed.filter(|error| !left.locations.contains(&error.span()));
     let changed: Vec<&TypeParam<'_>> = (params.iter())
         .filter(|param| param.with_constraint(constraint).constraint != param.constraint)
         .collect();
-    let lacking = mended
+    let lacking = removed
         .next()
         .map(|error| missing_constraint(error, constraint, &changed));
     lacking.into_iter().chain(left.errors).collect()

@@ -1,6 +1,7 @@
 //! Signatures of callables: ports, static parameters, instances, generic declarations.
 
 pub(crate) mod alias;
+pub(crate) mod callable_args;
 pub(crate) mod constraint;
 pub(crate) mod generic;
 pub(crate) mod header;

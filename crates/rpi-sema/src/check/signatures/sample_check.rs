@@ -15,6 +15,7 @@ use crate::check::{Checker, Constant};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
 use crate::typed::Leaf;
+use rpi_diag::suppression::Cause;
 use rpi_diag::{Code, Diagnostic, Severity};
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
@@ -22,17 +23,9 @@ use std::rc::Rc;
 /// Sample value of a size.
 const SAMPLE_SIZE: i64 = 4;
 
-/// Whether a diagnostic may be caused by the sample size alone.
-pub(crate) fn may_depend_on_sample(diagnostic: &Diagnostic) -> bool {
-    matches!(
-        diagnostic.code,
-        Code::RPI1011 | Code::RPI2009 | Code::RPI2010 | Code::RPI2012
-    )
-}
-
 /// Whether a diagnostic about a sample applies to the declaration itself.
 pub(crate) fn is_sample_independent(diagnostic: &Diagnostic) -> bool {
-    !may_depend_on_sample(diagnostic) && diagnostic.code != Code::RPI1012
+    !Cause::SampleValue.explains(diagnostic) && diagnostic.code != Code::RPI1012
 }
 
 /// Whether a diagnostic is about names or known types, which do not depend on the arguments.
@@ -65,11 +58,11 @@ fn with_sample_size_note(diagnostic: Diagnostic) -> Diagnostic {
 
 /// Turns an error in a Lustre V6 callable that is never called into a warning.
 fn as_uncalled_warning(diagnostic: Diagnostic) -> Diagnostic {
-    let told = Diagnostic {
+    let warning = Diagnostic {
         code: Code::RPI1015,
         ..diagnostic
     };
-    told.note("it is never called, so the program still runs; any call to it would be an error")
+    warning.note("it is never called, so the program still runs; any call to it would be an error")
 }
 
 /// Returns a sample value of a type; `None` if there is none.
@@ -99,7 +92,7 @@ pub(crate) fn check_samples(checker: &mut Checker<'_>) {
         let before = checker.diagnostics.len();
         let is_of_kind2 = is_kind2_only(checker, id);
         let is_checked = !checker.is_lustre(id) && has_type_params(checker, id);
-        let (sample, is_told): (_, fn(&Diagnostic) -> bool) = match (is_of_kind2, is_checked) {
+        let (sample, is_reported): (_, fn(&Diagnostic) -> bool) = match (is_of_kind2, is_checked) {
             (true, _) => (sample_statics(checker, id), is_sample_independent),
             // `generic.rs` checks these bodies for all types that satisfy the constraints.
             (_, true) => (Some(unknown_statics(checker, id)), |_| false),
@@ -110,7 +103,7 @@ pub(crate) fn check_samples(checker: &mut Checker<'_>) {
         }
         let is_text = checker.is_lustre(id) && !is_of_kind2;
         let found = checker.diagnostics.split_off(before).into_iter();
-        let found = found.filter(is_told).map(with_sample_size_note);
+        let found = found.filter(is_reported).map(with_sample_size_note);
         let weighed =
             found.map(
                 |diagnostic| match is_text && diagnostic.severity() == Severity::Error {

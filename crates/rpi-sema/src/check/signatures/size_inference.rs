@@ -60,7 +60,7 @@ fn infer_size<'a>(
     let ports = signature.inputs.iter().flatten();
     let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
     let mut by_place = given.iter().filter(|arg| arg.name.is_none());
-    let mut told = InferredSize::Undetermined;
+    let mut size = InferredSize::Undetermined;
     for (port, ty) in ports {
         let named = given.iter().find(|arg| is_named(arg, &port.name));
         let Some(arg) = named.or_else(|| by_place.next()) else {
@@ -68,11 +68,11 @@ fn infer_size<'a>(
         };
         match size_from_type(ty, cx.ty_of(arg.value), name) {
             InferredSize::Undetermined => {}
-            InferredSize::Pending => told = InferredSize::Pending,
-            size @ InferredSize::Size(_) => return size,
+            InferredSize::Pending => size = InferredSize::Pending,
+            known @ InferredSize::Size(_) => return known,
         }
     }
-    told
+    size
 }
 
 fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signature> {
@@ -124,7 +124,9 @@ fn size_from_type(mut declared: &Type, mut found: &Ty, name: &Name) -> InferredS
                 }
                 (declared, found) = (&array.element, element);
             }
-            (TypeKind::Named(named), Ty::Device(device)) => return size_of_device(named, device, name),
+            (TypeKind::Named(named), Ty::Device(device)) => {
+                return size_of_device(named, device, name);
+            }
             (TypeKind::Array(_), Ty::Unknown) => return InferredSize::Pending,
             _ => return InferredSize::Undetermined,
         }

@@ -11,7 +11,7 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::join_names;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::expr;
-use crate::check::signatures::alias;
+use crate::check::signatures::callable_args;
 use crate::check::signatures::static_params;
 use crate::check::signatures::static_params::StaticParamDecl;
 use crate::check::signatures::unit;
@@ -19,13 +19,11 @@ use crate::check::types;
 use crate::check::types::consts;
 use crate::check::types::subrange;
 use crate::program::{DeclId, DeclKind};
-use crate::ty::Substitution;
 use crate::ty::Ty;
-use crate::ty::check_assignable;
 use crate::typed::ExprId;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticValue};
+use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, StaticArg, StaticValue};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -252,10 +250,11 @@ fn bind_param<'a>(
         StaticParamDecl::Type(..) => static_type(cx, arg).map(StaticBinding::Type),
         StaticParamDecl::Node(signature) => {
             let known = bound.statics.clone();
-            let callable = static_callable(cx, arg);
+            let callable = callable_args::static_callable(cx, arg);
             let callable = callable.and_then(|callable| callee::require_portable(cx, callable));
             callable.map(|callable| {
-                let misfit = port_mismatch(cx, id, &known, signature, &callable, arg.span);
+                let misfit =
+                    callable_args::port_mismatch(cx, id, &known, signature, &callable, arg.span);
                 StaticBinding::Callable(callable, misfit.map(Rc::new))
             })
         }
@@ -330,72 +329,6 @@ fn type_by_name<'a>(cx: &mut Body<'_, 'a>, expr: &'a Expr) -> Option<Ty> {
     types::type_by_plain_name(cx, name, expr.span)
 }
 
-fn static_callable<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Callable> {
-    match &arg.value {
-        StaticValue::Op(op) => Some(Callable::Op(*op)),
-        StaticValue::Callee(callee) => {
-            callee::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span)
-        }
-        StaticValue::Expr(Expr {
-            kind: ExprKind::Name(name),
-            span,
-        }) => callee::resolve_callable(cx, name, &[], *span),
-        _ => {
-            let diagnostic = Diagnostic::new(Code::RPI1010, "a node is expected here")
-                .primary(arg.span, "not a node");
-            report::report_diagnostic(cx, diagnostic);
-            None
-        }
-    }
-}
-
-/// Returns the diagnostic for a callable whose ports differ from those of a node parameter, as far as both are
-/// known.
-fn port_mismatch<'a>(
-    cx: &mut Body<'_, 'a>,
-    id: DeclId,
-    statics: &StaticBindings,
-    signature: &'a Signature,
-    callable: &Callable,
-    span: Span,
-) -> Option<Diagnostic> {
-    let ports = alias::callable_ports(cx, callable, span)?;
-    let wanted = [&signature.inputs, &signature.outputs];
-    for (wanted, given) in wanted.into_iter().zip([&ports.inputs, &ports.outputs]) {
-        let wanted = static_params::signature_port_types(
-            cx.checker,
-            id,
-            statics,
-            wanted.as_deref().unwrap_or_default(),
-        );
-        if wanted.len() != given.len() {
-            let counts = (wanted.len(), given.len());
-            return Some(node_port_mismatch(
-                signature,
-                span,
-                "number of ports",
-                counts,
-            ));
-        }
-        for (wanted, given) in wanted.iter().zip(given) {
-            if check_assignable(wanted, &given.ty, &mut Substitution::default()).is_err() {
-                return Some(node_port_mismatch(
-                    signature,
-                    span,
-                    &given.name,
-                    (wanted, &given.ty),
-                ));
-            }
-        }
-    }
-    None
-}
-
-/// Resolves a callable that is passed as a static argument.
-pub(crate) fn static_callee<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Callable> {
-    static_callable(cx, arg)
-}
-
 /// Returns the diagnostic for missing static arguments.
 pub(crate) fn missing_static_args(
     name: &Name,
@@ -429,23 +362,4 @@ pub(crate) fn unknown_static_param(of: &Name, name: &Ident, near: Option<String>
     diagnostic.note(format!(
         "`<<...>>` takes the static parameters of `{of}`, and in-ports that are fixed at load time"
     ))
-}
-
-/// Returns the diagnostic for a node whose ports do not match a node parameter.
-fn node_port_mismatch<T: std::fmt::Display>(
-    signature: &Signature,
-    span: Span,
-    what: &str,
-    (wanted, given): (T, T),
-) -> Diagnostic {
-    let message = format!(
-        "port mismatch: the node for `{}` has other ports",
-        signature.name.name
-    );
-    Diagnostic::new(Code::RPI2001, message)
-        .primary(
-            span,
-            format!("{what}: expected `{wanted}`, found `{given}`"),
-        )
-        .secondary(signature.name.span, "the expected ports are declared here")
 }

@@ -256,20 +256,16 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
 
 /// Adds to each error in a generic callable the call for which it is checked.
 fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
-    let mut diagnostics = std::mem::take(&mut cx.diagnostics);
+    let diagnostics = std::mem::take(&mut cx.diagnostics);
     let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
-    if cx
-        .checker
-        .instances
-        .erroneous_generics
-        .contains(&header.decl)
-    {
-        diagnostics.retain(|diagnostic| !is_error(diagnostic));
-    }
+    let instances = &mut cx.checker.instances;
+    // The declaration has been reported, so that no instance has an error of its own.
+    let is_erroneous = instances.erroneous_generics.contains(&header.decl);
+    let is_own_error = |diagnostic: &Diagnostic| is_error(diagnostic) && !is_erroneous;
     let text = format!("in `{}`, called here", header.name);
     if is_in_library(cx.checker, header.decl) {
         // The library has no errors of its own, so the arguments of this call are the cause.
-        let first = diagnostics.into_iter().find(is_error);
+        let first = diagnostics.into_iter().find(is_own_error);
         cx.diagnostics
             .extend(first.map(|first| first.with_cause(called, text)));
         return;
@@ -279,9 +275,10 @@ fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
         false => diagnostic,
     };
     // An error is reported for one call only, even if its message differs for another one.
-    let told = &mut cx.checker.instances.reported;
+    let reported = &mut cx.checker.instances.reported;
     let is_new = |diagnostic: &Diagnostic| {
-        !is_error(diagnostic) || told.insert((header.decl, diagnostic.code, diagnostic.span()))
+        let key = (header.decl, diagnostic.code, diagnostic.span());
+        !is_error(diagnostic) || is_own_error(diagnostic) && reported.insert(key)
     };
     let diagnostics = diagnostics.into_iter().filter(is_new).map(named);
     cx.diagnostics = diagnostics.collect();

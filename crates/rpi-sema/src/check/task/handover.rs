@@ -60,21 +60,21 @@ struct TakenOverInput {
 /// Checks that the values which commands take over are provided; reports each missing value once for a step.
 /// Whether a provided value may be absent is checked later.
 pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Succession<'a>]) {
-    let mut told: Vec<(Span, Name)> = Vec::new();
+    let mut reported: Vec<(Span, Name)> = Vec::new();
     for (before, run) in follows {
         let Some(step) = task_step_of(cx, run).filter(|step| is_command_step(cx, *step)) else {
             continue;
         };
         for taken in taken_over_inputs(cx, cx.unit.steps[step].unit) {
             let key = (run.callee.span, taken.name.clone());
-            if told.contains(&key) {
+            if reported.contains(&key) {
                 continue;
             }
             match value_sources(cx, &taken, before, run) {
                 Ok(handed) => cx.unit.steps[step].taken_over.extend(handed),
                 Err(diagnostic) => {
                     report::report_diagnostic(cx, *diagnostic);
-                    told.push(key);
+                    reported.push(key);
                 }
             }
         }
@@ -174,7 +174,7 @@ fn source_from(
         return Err(Box::new(diagnostic.help(help)));
     };
     let found = &unit.expr(export.value).ty;
-    let [wanted, handed] = [ty, found].map(|ty| crate::check::external_type(ty).0);
+    let [wanted, handed] = [ty, found].map(|ty| crate::ty::machine_types::external_type(ty).0);
     match check_assignable(&wanted, &handed, &mut Substitution::default()) {
         // Frames have the names of the parameters of each command, so they may differ.
         Ok(()) | Err(TypeMismatchError::Frame { .. }) => Ok(TakenOverValue {

@@ -5,8 +5,8 @@
 //! |---|---|
 //! | `results.rs` | branches and the results of a command |
 //! | `takeover.rs` | successors of a `yield` |
-//! | `handing.rs` | values that a command takes over |
-//! | `order.rs` | first and last steps of a list |
+//! | `handover.rs` | values that a command takes over |
+//! | `sequence.rs` | first and last steps of a list |
 //! | `parallel.rs` | parallel branches must drive different devices |
 
 pub(crate) mod handover;

@@ -151,6 +151,11 @@ pub(crate) fn const_value<'a>(
     ty: &Ty,
 ) -> Option<Rc<[Leaf]>> {
     let id = expr::check_expr(cx, value);
+    const_value_of(cx, id, ty)
+}
+
+/// Returns the value of a checked expression, as [`const_value`] does.
+pub(crate) fn const_value_of(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) -> Option<Rc<[Leaf]>> {
     if !statement::expect_type(cx, id, ty, &ExpectationReason::Unexplained) {
         return None;
     }

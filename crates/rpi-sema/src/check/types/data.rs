@@ -269,8 +269,8 @@ pub(crate) fn constructor_value<'a>(
     if count != values.len() {
         return report_part_count(cx, name, count, values.len(), span);
     }
-    let said = (!types.is_empty()).then(|| type_instance_for(cx, id, types, span));
-    let open = said.clone().unwrap_or_else(|| open_type(cx, id));
+    let output = (!types.is_empty()).then(|| type_instance_for(cx, id, types, span));
+    let open = output.clone().unwrap_or_else(|| open_type(cx, id));
     let Ty::Struct(open) = open else {
         return cx.error_expr(span);
     };
@@ -290,7 +290,7 @@ pub(crate) fn constructor_value<'a>(
             return cx.error_expr(span);
         }
     }
-    let Some(Ty::Struct(ty)) = said.or_else(|| inferred_type(cx, id, &subst)) else {
+    let Some(Ty::Struct(ty)) = output.or_else(|| inferred_type(cx, id, &subst)) else {
         return report_uninferred_params(cx, name, span);
     };
     let mut parts = Vec::with_capacity(ty.fields.len());

@@ -123,7 +123,7 @@ fn alternative_ports<'a>(
     };
     let ty = has_known_size(cx, inner).then(|| value_types::resolve_value_type(cx, inner));
     // Times cross the device interface in seconds: a device does not know the cycle time.
-    let ty = ty.map(|ty| crate::check::external_type(&ty).0);
+    let ty = ty.map(|ty| crate::ty::machine_types::external_type(&ty).0);
     for name in &decl.names {
         ports.push(DevicePortTy {
             name: name.name.clone(),

@@ -14,20 +14,18 @@ use crate::check::signatures::static_params;
 use crate::check::signatures::static_params::StaticParamDecl;
 use crate::program::{DeclId, DeclKind};
 use crate::ty::Ty;
+use crate::ty::machine_types::SECONDS;
 use crate::typed::{ElementwiseOp, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowRole, Unit, UnitKind};
 use crate::units::Dimension;
 use rpi_diag::Span;
-use rpi_image::{Role, Scalar, StateSize};
+use rpi_image::{Role, StateSize};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use rpi_syntax::Name;
 use rpi_syntax::ops::BinaryOp;
 
 use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
-
-/// Type of reals in seconds.
-pub(crate) const SECONDS: Ty = Ty::Real(Dimension::TIME);
 
 /// Maximum number of alternatives of an expression in seconds that may become a time.
 const MAX_ALTERNATIVES: usize = 1000;
@@ -345,12 +343,4 @@ fn may_be_time(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
         _ => None,
     });
     is_body && !checker.is_lustre(id) && constraint.is_some_and(|c| c.allows(&Ty::Duration))
-}
-
-/// Returns the type and the machine type of a value outside of the program; a time is in seconds there.
-pub(crate) fn external_type(ty: &Ty) -> (Ty, Scalar) {
-    match ty {
-        Ty::Duration => (SECONDS, Scalar::Real),
-        ty => (ty.clone(), ty.scalar().unwrap_or(Scalar::Bool)),
-    }
 }

@@ -197,7 +197,7 @@ pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span)
         .find(|s| s.name() == name.as_str());
     let found = match name.as_str() {
         "time" if unit::reads_rpi_syntax(cx) => Some(Ty::Duration),
-        _ => spatial.map(crate::check::calls::prim_ports::scalar_ty),
+        _ => spatial.map(crate::ty::machine_types::scalar_ty),
     };
     if found.is_none() {
         undefined_names::report_undefined_type(cx, name, span);

@@ -6,6 +6,7 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::types::consts;
+use crate::ty::subrange::outside_subrange;
 use crate::ty::{Subrange, Ty};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Diagnostic, Span};
@@ -14,7 +15,7 @@ use rpi_syntax::ast;
 /// Checks a subrange type `subrange [0, 7] of int`.
 pub(crate) fn subrange_type<'a>(cx: &mut Body<'_, 'a>, range: &'a ast::Subrange, span: Span) -> Ty {
     let [from, to] = [&range.lower, &range.upper].map(|bound| subrange_bound(cx, bound.as_ref()));
-    let (Ok(from), Ok(to)) = (from, to) else {
+    let (Some(from), Some(to)) = (from, to) else {
         // The error has been reported.
         return Ty::Int;
     };
@@ -30,21 +31,18 @@ pub(crate) fn subrange_type<'a>(cx: &mut Body<'_, 'a>, range: &'a ast::Subrange,
     Ty::Subrange(range)
 }
 
-/// Evaluates a bound of a subrange; `None` if the bound is open, an error if one has been reported.
-fn subrange_bound<'a>(
-    cx: &mut Body<'_, 'a>,
-    bound: Option<&'a ast::Expr>,
-) -> Result<Option<i64>, ()> {
+/// Evaluates a bound of a subrange: `Some(None)` if the bound is open, `None` if an error has been reported.
+fn subrange_bound<'a>(cx: &mut Body<'_, 'a>, bound: Option<&'a ast::Expr>) -> Option<Option<i64>> {
     let Some(bound) = bound else {
-        return Ok(None);
+        return Some(None);
     };
     let id = expr::check_expr(cx, bound);
     if !statement::expect_type(cx, id, &Ty::Int, &ExpectationReason::Unexplained) {
-        return Err(());
+        return None;
     }
-    let leaves = consts::fold(cx, id).ok_or(())?;
+    let leaves = consts::fold(cx, id)?;
     let value = leaves.first().and_then(Leaf::as_int);
-    value.map(Some).ok_or(())
+    value.map(Some)
 }
 
 /// Whether the leaves of a constant are in the subranges of its type; reports the first leaf that is not.
@@ -60,11 +58,4 @@ pub(crate) fn is_in_subranges(cx: &mut Body<'_, '_>, leaves: &[Leaf], ty: &Ty, s
         );
     }
     out.is_none()
-}
-
-/// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
-pub(crate) fn outside_subrange(value: i64, range: Subrange) -> Diagnostic {
-    let message = format!("{value} is outside of the subrange {range}");
-    Diagnostic::new(Code::RPI2017, message)
-        .help(format!("use a value in {range}, or widen the range"))
 }

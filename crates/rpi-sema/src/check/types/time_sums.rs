@@ -15,9 +15,7 @@ const MAX_EXPRS: usize = 200;
 
 /// Records a flow if it is declared in seconds.
 pub(crate) fn record_seconds(cx: &mut Body<'_, '_>, flow: FlowId, ty: &ast::Type) {
-    if cx.unit.flow(flow).ty == crate::check::types::exact_time::SECONDS
-        && unit::reads_rpi_syntax(cx)
-    {
+    if cx.unit.flow(flow).ty == crate::ty::machine_types::SECONDS && unit::reads_rpi_syntax(cx) {
         cx.times.declared_seconds.push((flow, ty.span));
     }
 }

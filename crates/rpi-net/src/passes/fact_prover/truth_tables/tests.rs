@@ -20,14 +20,14 @@ fn gates_give_what_the_code_gives() {
                 .iter()
                 .flat_map(|a| inputs.iter().flat_map(move |b| [a, b]))
             {
-                let (given, expected) = (bench.run(second), gate(&node, second));
+                let (actual, expected) = (bench.run(second), gate(&node, second));
                 assert!(
-                    given.is_subset(expected),
-                    "{name} {second:?}: {given:?} not in {expected:?}"
+                    actual.is_subset(expected),
+                    "{name} {second:?}: {actual:?} not in {expected:?}"
                 );
                 assert!(
-                    has_state || given == expected,
-                    "{name} {second:?}: {given:?}"
+                    has_state || actual == expected,
+                    "{name} {second:?}: {actual:?}"
                 );
             }
         }

@@ -1,0 +1,404 @@
+//! Sessions and commands, with an interface of goal, feedback, result and preempt as in ROS actions.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use crate::connection::Client;
+use crate::error::Error;
+use crate::task::Task;
+
+/// Policy for a session's commands when its connection ends.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum OnLoss {
+    /// Running commands are cancelled and end on their path.
+    #[default]
+    Cancel,
+    /// Commands keep running.
+    RunOn,
+    /// Commands end at once.
+    Abort,
+}
+
+impl OnLoss {
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            OnLoss::Cancel => "cancel",
+            OnLoss::RunOn => "run-on",
+            OnLoss::Abort => "abort",
+        }
+    }
+}
+
+/// Language of a source text.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum Language {
+    /// A program in RPI.
+    #[default]
+    Rpi,
+    /// A net of the reference system.
+    Rpinet,
+}
+
+impl Language {
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Language::Rpi => "rpi",
+            Language::Rpinet => "rpinet",
+        }
+    }
+}
+
+/// Source text of a command or task, with load options.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Program {
+    /// Source text.
+    pub text: String,
+    /// Language of the text.
+    pub language: Language,
+    /// Name of the command or task within the text; `None` if there is only one.
+    pub command: Option<String>,
+    /// Period; zero for one tick of the server.
+    pub period: Duration,
+    /// Minimum time between two updates of exported values.
+    pub feedback_period: Duration,
+    /// Policy for cycles that take too long: `count`, `abort:N/M` (the command ends at the Nth overrun of M cycles) or
+    /// `stop:N/M` (everything is stopped). `None` for the server's default.
+    pub on_overrun: Option<String>,
+}
+
+impl Program {
+    /// Creates an RPI program with a single command, the period of one tick and feedback every 20 ms.
+    #[must_use]
+    pub fn new(text: impl Into<String>) -> Program {
+        Program {
+            text: text.into(),
+            language: Language::Rpi,
+            command: None,
+            period: Duration::ZERO,
+            feedback_period: Duration::from_millis(20),
+            on_overrun: None,
+        }
+    }
+}
+
+/// A session. It owns the commands and tasks that are loaded in it.
+#[derive(Clone, Debug)]
+pub struct Session {
+    client: Client,
+    name: String,
+}
+
+impl Session {
+    pub(crate) fn new(client: Client, name: &Value) -> Session {
+        let name = name.as_str().unwrap_or_default().to_owned();
+        Session { client, name }
+    }
+
+    /// Loads a command. It runs once it is started.
+    ///
+    /// # Errors
+    /// All reasons why the command cannot be loaded.
+    pub fn load(&self, program: &Program) -> Result<Goal, Error> {
+        let params = json!({
+            "session": self.name,
+            "text": program.text,
+            "language": program.language.name(),
+            "command": program.command,
+            "period": program.period.as_secs_f64(),
+            "on_overrun": program.on_overrun,
+        });
+        let loaded = self.client.call("command.load", params)?;
+        let name = loaded["command"].as_str().unwrap_or_default().to_owned();
+        let (listener, updates) = channel();
+        // Before `watch.command`: its first update may arrive together with its answer and would be lost.
+        self.client.listen(&name, listener)?;
+        let params = json!({"command": name, "period": program.feedback_period.as_secs_f64()});
+        self.client.call("watch.command", params)?;
+        Ok(Goal {
+            client: self.client.clone(),
+            name,
+            updates,
+            end: RefCell::default(),
+        })
+    }
+
+    /// Loads the task named by [`Program::command`]. It runs once it is started.
+    ///
+    /// # Errors
+    /// All reasons why the task cannot be loaded.
+    pub fn load_task(&self, program: &Program) -> Result<Task, Error> {
+        let params = json!({
+            "session": self.name,
+            "text": program.text,
+            "task": program.command,
+            "period": program.period.as_secs_f64(),
+            "on_overrun": program.on_overrun,
+        });
+        Task::load(&self.client, params)
+    }
+
+    /// Adds a rule: when the condition `when` holds, the commands in `stop` are stopped, those in `cancel` cancelled
+    /// and those in `start` started, all between the same two cycles. Returns the name of the rule.
+    ///
+    /// # Errors
+    /// If the condition cannot be parsed, or if other commands hold resources that the commands in `start` need.
+    pub fn add_rule(
+        &self,
+        when: &str,
+        stop: &[&Goal],
+        cancel: &[&Goal],
+        start: &[&Goal],
+    ) -> Result<String, Error> {
+        let names = |goals: &[&Goal]| goals.iter().map(|goal| json!(goal.name)).collect::<Value>();
+        let params = json!({
+            "when": when,
+            "stop": names(stop),
+            "cancel": names(cancel),
+            "start": names(start),
+        });
+        let made = self.client.call("rule.make", params)?;
+        Ok(made["rule"].as_str().unwrap_or_default().to_owned())
+    }
+
+    /// Withdraws the rule with this name, as returned by [`add_rule`](Self::add_rule).
+    ///
+    /// # Errors
+    /// If the rule is unknown or has fired, or if one of its commands belongs to another client.
+    pub fn withdraw_rule(&self, rule: &str) -> Result<(), Error> {
+        let params = json!({"rule": rule});
+        self.client.call("rule.withdraw", params).map(drop)
+    }
+
+    /// Aborts all commands of the session and closes it.
+    ///
+    /// # Errors
+    /// If the connection is closed.
+    pub fn close(self) -> Result<(), Error> {
+        let params = json!({"session": self.name});
+        self.client.call("session.close", params).map(drop)
+    }
+}
+
+/// State and exports of a command. Values are texts that keep every bit.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Feedback {
+    /// Life-cycle state: `ready`, `scheduled`, `running`, `cancelling` or `terminated`; `unloaded` if the command never
+    /// ran.
+    pub state: String,
+    /// Exported values by key.
+    pub values: BTreeMap<String, String>,
+    /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
+    /// was one.
+    pub discontinuity: Option<String>,
+}
+
+/// How a command has ended. A command that was unloaded before it ran has no ending: see [`Goal::result`].
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Ending {
+    /// Kind of ending: `result`, `terminate`, `fault`, `aborted` or `stopped by a rule`.
+    pub cause: String,
+    /// Name of the result, if the kind is `result`.
+    pub result: Option<String>,
+    /// Error number; 0 if there is no error.
+    pub error: i64,
+    /// Number of cycles that the command has run.
+    pub cycles: u64,
+    /// Description of the fault, or reason of the abort.
+    pub why: Option<String>,
+    /// Path of the node with the fault, of the fragment whose cycles took too long, or of the node that commanded a
+    /// device which had to brake.
+    pub location: Option<String>,
+    /// Position `line:column` of `location`, if it is in the text of the command.
+    pub position: Option<String>,
+    /// Devices that the command left moving and that have braked on their own.
+    pub braked: Vec<String>,
+    /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
+    /// was one: actuator, quantity, value and limit.
+    pub discontinuity: Option<String>,
+}
+
+/// Loaded command of a session, which the client can start, observe and cancel.
+#[derive(Debug)]
+pub struct Goal {
+    client: Client,
+    name: String,
+    updates: Receiver<Value>,
+    /// Ending of the command, or the error that prevents it; `None` until it is known.
+    end: RefCell<Option<Result<Ending, Error>>>,
+}
+
+impl Goal {
+    /// Returns the name of the command at the server.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn request(&self, method: &str, more: &Value) -> Result<(), Error> {
+        let mut params = json!({"command": self.name});
+        for (key, value) in more.as_object().into_iter().flatten() {
+            params[key] = value.clone();
+        }
+        self.client.call(method, params).map(drop)
+    }
+
+    /// Starts the command.
+    ///
+    /// # Errors
+    /// If another command holds a resource that it needs.
+    pub fn start(&self) -> Result<(), Error> {
+        self.request("command.start", &Value::Null)
+    }
+
+    /// Schedules the command as the successor of `after`. It starts in the cycle after the last one of `after`, if
+    /// `after` ends with one of `results`; an empty list means any regular end.
+    ///
+    /// # Errors
+    /// If other commands hold resources that it needs.
+    pub fn follow(&self, after: &Goal, results: &[&str]) -> Result<(), Error> {
+        let more = json!({"after": after.name, "results": results});
+        self.request("command.schedule", &more)
+    }
+
+    /// Sets an input. `value` is a literal in the notation of nets.
+    ///
+    /// # Errors
+    /// If the input is unknown or the text is not a value of its type.
+    pub fn set_input(&self, key: &str, value: &str) -> Result<(), Error> {
+        self.request("command.set", &json!({"values": {key: value}}))
+    }
+
+    /// Cancels the command. It decides itself how it ends, and stays on its path.
+    ///
+    /// # Errors
+    /// If the command is not running.
+    pub fn preempt(&self) -> Result<(), Error> {
+        self.request("command.cancel", &Value::Null)
+    }
+
+    /// Ends the command at once. Devices stop within their own limits.
+    ///
+    /// # Errors
+    /// If the command is not running.
+    pub fn abort(&self) -> Result<(), Error> {
+        self.request("command.abort", &Value::Null)
+    }
+
+    /// Returns the overruns of the command.
+    ///
+    /// # Errors
+    /// If the command is unloaded or the connection is closed.
+    pub fn overruns(&self) -> Result<Overruns, Error> {
+        let params = json!({"command": self.name});
+        let description = self.client.call("command.describe", params)?;
+        Ok(Overruns::from_json(&description["overruns"]))
+    }
+
+    /// Unloads the command. A running one is unloaded when it has ended.
+    ///
+    /// # Errors
+    /// If the connection is closed.
+    pub fn unload(self) -> Result<(), Error> {
+        self.request("command.unload", &Value::Null)
+    }
+
+    /// Returns a blocking iterator over the updates. It ends when the command or the connection has ended.
+    pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
+        let mut known = Feedback::default();
+        std::iter::from_fn(move || {
+            let update = self.next_update()?;
+            if let Some(state) = update["state"].as_str() {
+                state.clone_into(&mut known.state);
+            }
+            for (key, value) in update["values"].as_object().into_iter().flatten() {
+                let text = value.as_str().unwrap_or_default().to_owned();
+                known.values.insert(key.clone(), text);
+            }
+            if let Some(jump) = update["jump"].as_str() {
+                known.discontinuity = Some(jump.to_owned());
+            }
+            Some(known.clone())
+        })
+    }
+
+    /// Waits for the next update. Returns `None` once the command or the connection has ended.
+    fn next_update(&self) -> Option<Value> {
+        if self.end.borrow().is_some() {
+            return None;
+        }
+        let update = self.updates.recv().ok()?;
+        let unloaded = (update["state"] == "unloaded").then(|| Err(Error::unloaded()));
+        let ended = update
+            .get("ending")
+            .map(|ending| Ok(Ending::from_json(ending)));
+        *self.end.borrow_mut() = ended.or(unloaded);
+        Some(update)
+    }
+
+    /// Waits for the end of the command.
+    ///
+    /// # Errors
+    /// If the connection is closed first, or if the command is unloaded without having run, for example because another
+    /// branch was taken.
+    pub fn result(&self) -> Result<Ending, Error> {
+        while self.next_update().is_some() {}
+        let gone = || Err(Error::connection("the control core is gone"));
+        self.end.borrow().clone().unwrap_or_else(gone)
+    }
+}
+
+/// Overruns of a command: ticks of the server that ended too late and in which this command took the longest. All
+/// fields but `count` describe the worst one.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Overruns {
+    /// Number of overruns.
+    pub count: u64,
+    /// Computing time of the command.
+    pub computing_time: Duration,
+    /// Delay of the end of the tick.
+    pub lateness: Duration,
+    /// Path of the fragment that was computed; empty for the command itself.
+    pub fragment: String,
+}
+
+impl Overruns {
+    /// Reads the overruns from the server's answer; zero if there are none.
+    fn from_json(overruns: &Value) -> Overruns {
+        Overruns {
+            count: overruns["count"].as_u64().unwrap_or_default(),
+            computing_time: seconds(&overruns["took"]),
+            lateness: seconds(&overruns["late"]),
+            fragment: overruns["fragment"].as_str().unwrap_or_default().to_owned(),
+        }
+    }
+}
+
+/// Reads a time in seconds; zero for anything else.
+fn seconds(value: &Value) -> Duration {
+    let seconds = value.as_f64().unwrap_or_default();
+    Duration::try_from_secs_f64(seconds).unwrap_or_default()
+}
+
+impl Ending {
+    /// Reads the ending from the server's update.
+    pub(crate) fn from_json(ending: &Value) -> Ending {
+        let text = |key: &str| ending[key].as_str().map(str::to_owned);
+        let braked = ending["braked"].as_array().into_iter().flatten();
+        let braked = braked.filter_map(Value::as_str).map(str::to_owned);
+        Ending {
+            cause: text("cause").unwrap_or_default(),
+            result: text("result"),
+            error: ending["error"].as_i64().unwrap_or_default(),
+            cycles: ending["cycles"].as_u64().unwrap_or_default(),
+            why: text("why"),
+            location: text("place"),
+            position: text("at"),
+            braked: braked.collect(),
+            discontinuity: text("jump"),
+        }
+    }
+}

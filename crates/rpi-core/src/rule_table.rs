@@ -1,0 +1,109 @@
+//! The table of rules: those that may still fire, and the fired and dropped ones that wait to be freed.
+
+use crate::command_set::CommandSet;
+use crate::command_table::Entry;
+use crate::ids::{CommandId, RuleId};
+use crate::notice::{Notice, NoticeLog, RuleOutcome};
+use crate::rule::Rule;
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+/// A rule in the table.
+pub(crate) struct PendingRule {
+    pub(crate) id: RuleId,
+    pub(crate) rule: Box<Rule>,
+    /// The commands in the condition and in the stop set.
+    pub(crate) mentioned: CommandSet,
+    /// The condition is true in the decision of this tick.
+    pub(crate) is_firing: bool,
+    /// The rule may still fire.
+    pub(crate) may_fire: bool,
+}
+
+/// The rules of a core. The table has a fixed size and does not allocate after its creation.
+pub(crate) struct RuleTable {
+    /// Pending rules in the order of their creation.
+    pub(crate) pending: Vec<PendingRule>,
+    /// Fired and dropped rules that wait to be freed outside the cycle.
+    finished: Vec<(RuleId, Box<Rule>)>,
+    capacity: usize,
+    /// Latest id that the table chose.
+    last_id: u64,
+}
+
+impl RuleTable {
+    pub(crate) fn with_capacity(capacity: usize) -> Self {
+        RuleTable {
+            pending: Vec::with_capacity(capacity),
+            finished: Vec::with_capacity(capacity),
+            capacity,
+            last_id: 0,
+        }
+    }
+
+    /// A new id for a rule.
+    pub(crate) fn new_id(&mut self) -> RuleId {
+        self.last_id += 1;
+        RuleId(self.last_id)
+    }
+
+    /// True if no rule can be added before a finished one is taken out.
+    pub(crate) fn is_full(&self) -> bool {
+        self.pending.len() + self.finished.len() >= self.capacity
+    }
+
+    /// Adds a rule after all others.
+    pub(crate) fn add(&mut self, id: RuleId, rule: Box<Rule>) {
+        self.pending.push(PendingRule {
+            id,
+            mentioned: rule.mentioned_commands().collect(),
+            rule,
+            is_firing: false,
+            may_fire: true,
+        });
+    }
+
+    /// Position of a pending rule.
+    pub(crate) fn position(&self, id: RuleId) -> Option<usize> {
+        self.pending.iter().position(|p| p.id == id)
+    }
+
+    /// Keeps a rule that has fired or was dropped, until it is freed outside the cycle.
+    pub(crate) fn finish(&mut self, id: RuleId, rule: Box<Rule>) {
+        // `finished` has enough capacity: both lists together never exceed the capacity of one.
+        self.finished.push((id, rule));
+    }
+
+    /// Moves a finished rule out, to be freed outside the cycle.
+    pub(crate) fn take_finished(&mut self) -> Option<(RuleId, Box<Rule>)> {
+        self.finished.pop()
+    }
+
+    /// Removes a pending rule and reports its outcome.
+    pub(crate) fn drop_rule(&mut self, at: usize, outcome: RuleOutcome, notices: &mut NoticeLog) {
+        let PendingRule { id, rule, .. } = self.pending.remove(at);
+        notices.push(Notice::Rule { rule: id, outcome });
+        self.finish(id, rule);
+    }
+
+    /// Removes all rules that can no longer fire, in one pass, and reports them.
+    pub(crate) fn drop_unfirable(&mut self, notices: &mut NoticeLog) {
+        for PendingRule { id, rule, .. } in self.pending.extract_if(.., |p| !p.may_fire) {
+            let outcome = RuleOutcome::Dropped;
+            notices.push(Notice::Rule { rule: id, outcome });
+            // Not `finish`, because `pending` is borrowed; there is enough capacity as there.
+            self.finished.push((id, rule));
+        }
+    }
+
+    /// Replaces the facts about a removed command by their final values in all rules.
+    pub(crate) fn freeze_facts(&mut self, gone: CommandId, entry: &Entry) {
+        let own: CommandSet = [gone].into_iter().collect();
+        let pending = self.pending.iter_mut();
+        for pending in pending.filter(|p| p.mentioned.intersects(&own)) {
+            let condition = &mut pending.rule.condition;
+            condition.freeze(gone, |fact| entry.final_value(fact));
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Units that can be run: commands, tests and tasks, each with its net.
+
+use std::collections::BTreeSet;
+
+use rpi_diag::{Diagnostic, SourceMap};
+use rpi_sema::CheckedProgram;
+use rpi_sema::elab::{Argument, ClaimPolicy, elaborate};
+use rpi_sema::typed::{BlockId, TypedKind, Unit, UnitId, UnitKind};
+
+use crate::analysed_net::AnalysedNet;
+use crate::analysis_summary::{AnalysisSummary, record_task_summary};
+use crate::compile::{CompileOptions, UnboundCommand};
+use crate::faults::FaultLocation;
+use crate::instance_diagnostics::InstanceDiagnostics;
+use crate::modules::Modules;
+use crate::program::{AnalysedProgram, with_checked_program};
+use crate::program_tests::Test;
+use crate::task::{self, Instance, Task};
+use crate::unit_analysis::{AnalysedUnit, elaborate_and_analyse, with_claims};
+
+/// Result of compiling a program.
+pub(crate) struct BuildOutput {
+    /// Commands that can be run, in source order.
+    pub(crate) nets: Vec<AnalysedNet>,
+    /// Commands that lack arguments.
+    pub(crate) unbound: Vec<UnboundCommand>,
+    /// Tests, in source order.
+    pub(crate) tests: Vec<Test>,
+    /// Diagnostics.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// Summaries of the analyses.
+    pub(crate) summaries: Vec<AnalysisSummary>,
+    /// Operations that can fault at run time, in source order, if requested.
+    pub(crate) faults: Vec<FaultLocation>,
+    /// Tasks, in source order.
+    pub(crate) tasks: Vec<Task>,
+}
+
+/// Compiles parsed modules with all further stages. Also returns the result of the checker.
+pub(crate) fn build_modules(
+    modules: &Modules,
+    sources: &SourceMap,
+    options: CompileOptions,
+) -> (BuildOutput, CheckedProgram) {
+    let back = |front: &AnalysedProgram<'_>, diagnostics: &mut Vec<Diagnostic>| {
+        build_roots(front, options, diagnostics)
+    };
+    let (roots, diagnostics, checked) = with_checked_program(modules, sources, back);
+    let built = BuildOutput {
+        nets: roots.nets,
+        unbound: roots.unbound,
+        tests: roots.tests,
+        summaries: roots.summaries,
+        faults: roots.faults,
+        tasks: roots.tasks,
+        diagnostics,
+    };
+    (built, checked)
+}
+
+/// Units that can be run.
+#[derive(Default)]
+struct Roots {
+    nets: Vec<AnalysedNet>,
+    unbound: Vec<UnboundCommand>,
+    tests: Vec<Test>,
+    summaries: Vec<AnalysisSummary>,
+    faults: Vec<FaultLocation>,
+    tasks: Vec<Task>,
+}
+
+fn build_roots(
+    front: &AnalysedProgram<'_>,
+    options: CompileOptions,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Roots {
+    let (claims, checked) = (options.claims, front.checked);
+    front.reports.request(options);
+    let called = called_units(&checked.units);
+    let (mut roots, mut instances) = (Roots::default(), InstanceDiagnostics::default());
+    for (_, unit) in &checked.runnable {
+        let kind = checked.unit(*unit).kind;
+        if !front.is_error_free(*unit) {
+            continue;
+        }
+        if kind == UnitKind::Task {
+            record_task_summary(front, *unit);
+            continue;
+        }
+        if !kind.is_root() && called.contains(unit) && !is_bounded_alone(checked.unit(*unit)) {
+            continue;
+        }
+        let args = default_arguments(front, *unit);
+        let found = instances.add_instance(*unit, None);
+        let analysed = elaborate_and_analyse(front, *unit, &args, found);
+        if kind == UnitKind::Command {
+            let command = unbound_command(checked.unit(*unit), &args);
+            roots.unbound.extend(command);
+        }
+        let analysed = analysed.filter(|_| !args.contains(&Argument::Unknown));
+        match (kind, analysed) {
+            (UnitKind::Command, Some(analysed)) => {
+                let net = command_net(front, *unit, &args, analysed, claims, found);
+                roots.nets.extend(net);
+            }
+            (UnitKind::Test, Some(analysed)) => {
+                roots.tests.push(test(checked.unit(*unit), analysed));
+            }
+            _ => {}
+        }
+    }
+    let (tasks, commands) = task::tasks(front, diagnostics);
+    let nets = commands.into_iter();
+    let nets = nets.filter_map(|command| instance_net(front, command, claims, &mut instances));
+    roots.nets.extend(nets);
+    diagnostics.extend(instances.merge());
+    roots.tasks = tasks;
+    (roots.summaries, roots.faults) = front.reports.take();
+    roots
+}
+
+/// Returns the net of a command for the arguments given by a task.
+fn instance_net(
+    front: &AnalysedProgram<'_>,
+    instance: Instance,
+    claims: ClaimPolicy,
+    instances: &mut InstanceDiagnostics,
+) -> Option<AnalysedNet> {
+    let Instance {
+        name,
+        unit,
+        args,
+        span,
+    } = instance;
+    let run = Some((name.clone(), span));
+    let found = instances.add_instance(unit, run);
+    let analysed = elaborate_and_analyse(front, unit, &args, found)?;
+    front.reports.rename_last(&name);
+    let net = command_net(front, unit, &args, analysed, claims, found)?;
+    Some(net.with_name(name))
+}
+
+/// Returns the net of an analysed command with the requested treatment of its claims.
+fn command_net(
+    front: &AnalysedProgram<'_>,
+    unit: UnitId,
+    args: &[Argument],
+    analysed: AnalysedUnit,
+    claims: ClaimPolicy,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<AnalysedNet> {
+    let again = || elaborate(&front.checked.units, front.facts, unit, args, claims);
+    let analysed = with_claims(front, unit, analysed, claims, diagnostics, again)?;
+    Some(analysed.net)
+}
+
+/// Returns whether a called unit has a budget that the analysis of its callers does not check: nodes are inlined into
+/// their callers, so the budget must be checked separately.
+fn is_bounded_alone(unit: &Unit) -> bool {
+    let budget = unit.block(BlockId::ROOT).budget_ns;
+    unit.kind != UnitKind::Fragment && budget.is_some()
+}
+
+fn test(unit: &Unit, analysed: AnalysedUnit) -> Test {
+    Test {
+        title: unit.name.to_string(),
+        span: unit.span,
+        net: analysed.net,
+    }
+}
+
+/// Returns the arguments of a command that is run on its own: devices are bound by name, values to constants of the
+/// same name.
+fn default_arguments(front: &AnalysedProgram<'_>, unit: UnitId) -> Vec<Argument> {
+    let unit = front.checked.unit(unit);
+    let params = rpi_sema::elab::parameters(unit);
+    let argument = |id| front.checked.root_argument(front.program, unit.flow(id));
+    params.into_iter().map(argument).collect()
+}
+
+/// Returns a command that lacks arguments, or `None` if it lacks none.
+fn unbound_command(unit: &Unit, args: &[Argument]) -> Option<UnboundCommand> {
+    let params = rpi_sema::elab::parameters(unit).into_iter().zip(args);
+    let lacking = params.filter(|(_, arg)| **arg == Argument::Unknown);
+    let declared = |(id, _)| {
+        let flow = unit.flow(id);
+        format!("{}: {}", flow.name, flow.ty)
+    };
+    let params: Vec<String> = lacking.map(declared).collect();
+    (!params.is_empty()).then(|| UnboundCommand {
+        command: unit.name.to_string(),
+        params,
+    })
+}
+
+/// Returns the units that others call.
+pub(crate) fn called_units<'u>(units: impl IntoIterator<Item = &'u Unit>) -> BTreeSet<UnitId> {
+    let exprs = units.into_iter().flat_map(|unit| &unit.exprs);
+    let calls = exprs.filter_map(|expr| match &expr.kind {
+        TypedKind::Call(call) => Some(call.unit),
+        _ => None,
+    });
+    calls.collect()
+}

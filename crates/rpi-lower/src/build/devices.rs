@@ -1,0 +1,120 @@
+//! Lowering of sensors, set-points and device functions.
+
+use super::Builder;
+use super::compute::ports;
+use super::flows::{Flow, InputFlow};
+use super::port_names::device_port;
+use crate::flat_net::{self, OpKind, index};
+use crate::registers::{Region, Register};
+use rpi_image::image::SensorPort;
+use rpi_image::{DeviceUse, Presence, Scalar, Type};
+use rpi_net::NodeId;
+
+/// Adds the ports of a sensor.
+pub(super) fn sensor(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
+    for (k, port) in ports(id, builder.desc(id)).enumerate() {
+        let flow = builder.external_flow(port);
+        let value = flow.to_signal(builder.net.output_type(port));
+        let port = device_port(builder.net.node(id), device, k, value.ty);
+        let sensor = SensorPort { port, value };
+        builder.flat.tables.sensors.push((sensor, id.0));
+    }
+}
+
+/// Lowers a set-point.
+pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
+    let links = builder.links(id);
+    let Some((scope, present)) = builder.open_guard(id, &links, true) else {
+        return;
+    };
+    let port = device_port(
+        builder.net.node(id),
+        device,
+        0,
+        concatenated_type(connected_types(&links)),
+    );
+    let outputs = builder.outputs(id, present);
+    let words = words(&links, &outputs);
+    let actuators = &mut builder.flat.tables.actuators;
+    let number = index(actuators.len());
+    let answers = device.responses;
+    actuators.push(flat_net::Actuator { port, answers });
+    let inputs = index(words.len() - outputs.len());
+    builder
+        .flat
+        .push(scope, OpKind::Actuate(number, inputs), &words, id.0);
+    builder.close_guard(id, scope);
+}
+
+/// Lowers a device function.
+pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
+    let links = builder.links(id);
+    let Some((scope, present)) = builder.open_guard(id, &links, true) else {
+        return;
+    };
+    let outputs = builder.outputs(id, present);
+    let maybe = builder
+        .desc(id)
+        .outputs
+        .iter()
+        .any(|o| o.presence == Presence::Maybe);
+    let types = builder.net.node(id).outputs.iter().copied();
+    let port = device_port(builder.net.node(id), device, 0, concatenated_type(types));
+    let mut words = words(&links, &outputs);
+    let inputs = index(words.len() - outputs.len());
+    let mut found = Register::TRUE;
+    if maybe {
+        found = builder.flat.registers.add(Region::Value, 1);
+        words.push(found.0);
+    }
+    let number = index(builder.flat.tables.functions.len());
+    builder.flat.tables.functions.push(flat_net::Function {
+        port,
+        may_fail: maybe,
+        work: builder.desc(id).work,
+    });
+    builder
+        .flat
+        .push(scope, OpKind::Call(number, inputs), &words, id.0);
+    builder.close_guard(id, scope);
+    restrict_presence(builder, id, &outputs, found);
+}
+
+/// Makes the presence of out-ports also depend on `also`.
+fn restrict_presence(builder: &mut Builder<'_>, id: NodeId, outputs: &[Flow], also: Register) {
+    let scope = builder.scope_of(id);
+    for (port, flow) in ports(id, builder.desc(id)).zip(outputs) {
+        let present = builder
+            .logic
+            .and(&mut builder.flat, scope, flow.present, also);
+        builder.flows.set(
+            port,
+            Flow {
+                value: flow.value,
+                present,
+            },
+        );
+    }
+}
+
+/// Words of connected inputs, then of outputs.
+fn words(links: &[InputFlow], outputs: &[Flow]) -> Vec<u32> {
+    let inputs = links.iter().filter(|l| !l.is_open).map(|l| l.flow);
+    inputs
+        .chain(outputs.iter().copied())
+        .map(|f| f.value.0)
+        .collect()
+}
+
+fn connected_types(links: &[InputFlow]) -> impl Iterator<Item = Type> {
+    links.iter().filter(|l| !l.is_open).map(|l| l.ty)
+}
+
+/// Type of the concatenation of several ports.
+fn concatenated_type(types: impl Iterator<Item = Type>) -> Type {
+    let types: Vec<Type> = types.collect();
+    match types[..] {
+        [one] => one,
+        _ => Type::Array(Scalar::Real, types.iter().map(|ty| ty.slots()).sum()),
+    }
+}

@@ -1,0 +1,94 @@
+//! Operands of an operation, and their substitution in C forms.
+
+use super::literals::{literal, real_literal};
+use super::types::expected;
+use super::variables::Variables;
+use crate::flat_net::{FlatNet, Op};
+use crate::registers::Register;
+use rpi_image::image::Form;
+use rpi_image::operands::{OperandRole, operand_layout};
+use rpi_image::{PrimDesc, Scalar};
+
+/// Operands of one operation.
+pub(super) struct Operands {
+    /// Inputs, then parameters.
+    inputs: Vec<(Register, Scalar, Option<Register>)>,
+    /// Outputs, each with its presence.
+    pub(super) outputs: Vec<(Register, Option<Register>)>,
+    /// Name of the state; empty if there is none.
+    pub(super) state: String,
+}
+
+impl Operands {
+    /// The operands of a call of a primitive.
+    pub(super) fn new(flat: &FlatNet, op: Op, desc: &'static PrimDesc, form: Form) -> Operands {
+        let mut operands = Operands {
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            state: String::new(),
+        };
+        let words = flat.words(op);
+        let mut at = 0;
+        for field in operand_layout(desc, form) {
+            let (slot, last) = (Register(words[at]), words[at + field.words() - 1]);
+            let present = field.has_presence.then_some(Register(last));
+            at += field.words();
+            match field.role {
+                OperandRole::Output(_) => operands.outputs.push((slot, present)),
+                OperandRole::State => operands.state = format!("state->s{}", slot.0),
+                part => operands.inputs.push((slot, expected(desc, part), present)),
+            }
+        }
+        operands
+    }
+}
+
+/// Substitution of operands in C forms.
+pub(super) struct Template<'a> {
+    pub(super) variables: Variables<'a>,
+    /// Seconds from one cycle to the next.
+    pub(super) dt: f64,
+    /// Duration of a tick in nanoseconds.
+    pub(super) tick_ns: u64,
+}
+
+impl Template<'_> {
+    /// Substitutes the placeholders in braces.
+    pub(super) fn fill(&self, form: &str, operands: &Operands, k: u32) -> String {
+        let mut out = String::new();
+        let mut rest = form;
+        while let Some((before, after)) = rest.split_once('{') {
+            let Some((name, after)) = after.split_once('}') else {
+                break;
+            };
+            out.push_str(before);
+            out.push_str(&self.operand(name, operands, k));
+            rest = after;
+        }
+        out.push_str(rest);
+        out
+    }
+
+    fn operand(&self, name: &str, operands: &Operands, k: u32) -> String {
+        match name {
+            "s" => return operands.state.clone(),
+            "dt" => return literal(self.dt.to_bits(), Scalar::Real),
+            "tick" => return real_literal(self.tick_ns as f64),
+            _ => {}
+        }
+        let (letter, rest) = name.split_at(1);
+        let index = usize::from(letter.as_bytes()[0] - b'a');
+        let Some(&(slot, ty, present)) = operands.inputs.get(index) else {
+            return String::new();
+        };
+        match rest {
+            "?" => present.map_or("true".to_owned(), |p| self.variables.bool(p)),
+            "" => self.variables.cell(
+                slot,
+                k.min(self.variables.flat.registers.size(slot) - 1),
+                ty,
+            ),
+            cell => self.variables.cell(slot, cell.parse().unwrap_or(0), ty),
+        }
+    }
+}

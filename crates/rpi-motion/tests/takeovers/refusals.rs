@@ -1,0 +1,59 @@
+//! The check of a path refuses few of the random lines that have an inverse all along.
+
+use crate::random::{self, Kind, Random};
+use crate::{ARMS, number};
+use rpi_kin::{ArmModel, Pose};
+use rpi_motion::{Arm, Joints, Path, PathError, check_path};
+
+/// Follows a path in steps of 1 mm with a free arm angle: whether the arm can pass without a jump of an axis.
+fn has_inverse(arm: &Arm, path: &Path, start: &Joints) -> bool {
+    let Path::Tool(tool) = path else { return true };
+    let steps = (path.length() / 1e-3).ceil() as u32;
+    let mut joints = *start;
+    (0..=steps).all(|k| {
+        let pose = tool.pose(path.length() * f64::from(k) / f64::from(steps));
+        let angle = arm.arm_angle(&joints).unwrap_or(0.0);
+        let Ok((next, _)) = arm.inverse(&pose, &joints, angle) else {
+            return false;
+        };
+        let jump = (0..arm.axes()).any(|axis| (next[axis] - joints[axis]).abs() > 0.1);
+        joints = next;
+        !jump
+    })
+}
+
+fn refusals(model: &'static ArmModel, count: u64, random: &mut Random) -> (u64, Vec<PathError>) {
+    let arm = Arm::new(model, Pose::identity(), &[]);
+    let (mut lines, mut refused) = (0, Vec::new());
+    while lines < count {
+        let start = random::joints(model, random);
+        let Some(path) = random::path(model, &arm, Kind::Line, &start, random) else {
+            continue;
+        };
+        if has_inverse(&arm, &path, &start) {
+            lines += 1;
+            let requested = random::requested(Kind::Line, random, true);
+            refused.extend(check_path(&arm, path, &start, requested).err());
+        }
+    }
+    (lines, refused)
+}
+
+#[test]
+fn few_lines_with_an_inverse_are_refused() {
+    for model in ARMS {
+        let (lines, refused) = refusals(model, number("RPI_LINES", 100), &mut Random::new(7));
+        let mut kinds = std::collections::BTreeMap::new();
+        for error in &refused {
+            let name = format!("{:?}", error.kind);
+            *kinds
+                .entry(name.split([' ', '(']).next().unwrap_or_default().to_owned())
+                .or_insert(0) += 1;
+        }
+        println!(
+            "{}: {} of {lines} refused {kinds:?}",
+            model.id,
+            refused.len()
+        );
+    }
+}

@@ -1,0 +1,60 @@
+//! Value and presence of a flow as Lustre expressions.
+
+use crate::net::AbsentPolicy;
+
+/// Value and presence of a flow as a reader sees it.
+pub(super) struct ObservedFlow {
+    /// Value expression; `None` for a type without Lustre equivalent.
+    pub(super) value: Option<String>,
+    /// Presence condition.
+    pub(super) presence: PresenceCondition,
+}
+
+impl ObservedFlow {
+    /// Expression that is true if the Boolean is true. `absent` is the meaning of an absent value.
+    pub(super) fn holds(&self, absent: AbsentPolicy) -> String {
+        let value = self.value.as_deref().unwrap_or("false");
+        match (&self.presence, absent) {
+            (PresenceCondition::Always, _) => value.to_owned(),
+            (is, AbsentPolicy::Inactive) => format!("({} and {value})", is.text()),
+            (is, AbsentPolicy::Active) => format!("(not {} or {value})", is.text()),
+        }
+    }
+}
+
+/// Presence condition of a flow.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum PresenceCondition {
+    Always,
+    Never,
+    /// Present while all of these expressions are true.
+    While(Vec<String>),
+}
+
+impl PresenceCondition {
+    /// Conjunction of two presence conditions.
+    pub(super) fn and(&self, other: &PresenceCondition) -> PresenceCondition {
+        match (self, other) {
+            (PresenceCondition::Never, _) | (_, PresenceCondition::Never) => {
+                PresenceCondition::Never
+            }
+            (PresenceCondition::Always, is) | (is, PresenceCondition::Always) => is.clone(),
+            (PresenceCondition::While(a), PresenceCondition::While(b)) => {
+                let fresh = b.iter().filter(|condition| !a.contains(condition));
+                PresenceCondition::While(a.iter().chain(fresh).cloned().collect())
+            }
+        }
+    }
+
+    /// Boolean expression of the condition, in parentheses where needed.
+    pub(super) fn text(&self) -> String {
+        match self {
+            PresenceCondition::Always => "true".to_owned(),
+            PresenceCondition::Never => "false".to_owned(),
+            PresenceCondition::While(all) => match &all[..] {
+                [one] => one.clone(),
+                all => format!("({})", all.join(" and ")),
+            },
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Events in a cycle, about which the prover answers.
+
+use crate::net::{FragmentId, PortRef};
+
+/// Event in a cycle: a fragment is active, and some flows are present as seen from it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Event {
+    pub(crate) fragment: FragmentId,
+    pub(crate) present: Vec<PortRef>,
+}

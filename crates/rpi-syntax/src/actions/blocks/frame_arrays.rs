@@ -1,0 +1,203 @@
+//! Arrays in a `frame` block that one half defines as a whole, `A = e`, and the other by element, `A[i] = e`.
+
+use super::definitions::{Definition, Definitions};
+use crate::ast::*;
+use crate::context::ParseContext;
+
+/// Form of the left side of a definition.
+#[derive(Clone, Copy, PartialEq)]
+enum TargetForm {
+    /// Whole flow: `A = e`.
+    Whole,
+    /// Element with the given number of indices: `A[i][j] = e`.
+    Elements(usize),
+    /// Another part of a flow, or several flows.
+    Other,
+}
+
+/// Rewrites both halves of a `frame` so that each array has the same left side, with the same index names.
+pub(super) fn unify_array_targets(
+    cx: &ParseContext<'_>,
+    initial: &mut Definitions,
+    defined: &mut Definitions,
+) {
+    for key in initial.key_order.clone() {
+        let Some(first) = initial.by_key.get(&key).cloned() else {
+            continue;
+        };
+        let Some(target) = first.targets.first() else {
+            continue;
+        };
+        let is_plain = |then: &&Definition| form(then) != TargetForm::Other;
+        let then = defined.defining(&target.name.name).find(is_plain).cloned();
+        let Some(then) = then else {
+            continue;
+        };
+        let old = target_text(cx, &then.targets[0]);
+        let (first, then) = match (form(&first), form(&then)) {
+            (TargetForm::Whole, TargetForm::Elements(_)) => elementwise(cx, &first, then),
+            (TargetForm::Elements(_), TargetForm::Whole) => {
+                let (then, first) = elementwise(cx, &then, first);
+                (first, then)
+            }
+            (TargetForm::Elements(n), TargetForm::Elements(m)) if n == m => {
+                unify_indices(cx, first, then)
+            }
+            _ => continue,
+        };
+        initial.replace(&key, cx, first);
+        defined.replace(&old, cx, then);
+    }
+}
+
+/// Returns the source text of a left side, which is its key.
+pub(super) fn target_text(cx: &ParseContext<'_>, target: &Target) -> String {
+    cx.slice(target.span.start, target.span.end).to_owned()
+}
+
+impl Definitions {
+    /// Replaces the definition with key `old` by another one, under the key of its new left side.
+    fn replace(&mut self, old: &str, cx: &ParseContext<'_>, new: Definition) {
+        let key = target_text(cx, &new.targets[0]);
+        self.by_key.remove(old);
+        if let Some(at) = self.positions.remove(old) {
+            self.key_order[at].clone_from(&key);
+            self.positions.insert(key.clone(), at);
+        }
+        self.insert_unordered(key, new);
+    }
+}
+
+/// Returns the form of a definition's left side.
+fn form(definition: &Definition) -> TargetForm {
+    let [target] = &definition.targets[..] else {
+        return TargetForm::Other;
+    };
+    match target.path.len() {
+        0 => TargetForm::Whole,
+        n if target.path.iter().all(|step| index_name(step).is_some()) => TargetForm::Elements(n),
+        _ => TargetForm::Other,
+    }
+}
+
+/// Returns the name of an index that is a plain name.
+fn index_name(step: &Access) -> Option<&Name> {
+    match step {
+        Access::Index(index) => index.as_name(),
+        _ => None,
+    }
+}
+
+/// Rewrites the definition of a whole array by element, with the left side of `model`. Returns it and `model`.
+///
+/// Index names of `model` are renamed where they would capture a name of the array's value.
+fn elementwise(
+    cx: &ParseContext<'_>,
+    whole: &Definition,
+    mut model: Definition,
+) -> (Definition, Definition) {
+    let mut value = whole.value.clone();
+    for k in 0..model.targets[0].path.len() {
+        let Some(old) = index_name(&model.targets[0].path[k]).cloned() else {
+            continue;
+        };
+        let mut new = old.clone();
+        while mentions(&whole.value, &new) || (new != old && mentions(&model.value, &new)) {
+            new = cx.intern(&format!("{new}'"));
+        }
+        rename(&mut model.value, &old, &new);
+        let Access::Index(index) = &mut model.targets[0].path[k] else {
+            continue;
+        };
+        index.kind = ExprKind::Name(new);
+        let span = value.span;
+        let of = Index {
+            base: value,
+            index: index.clone(),
+        };
+        let kind = ExprKind::Index(Box::new(of));
+        value = Expr { kind, span };
+    }
+    let element = Definition {
+        targets: model.targets.clone(),
+        value,
+        span: whole.span,
+    };
+    (element, model)
+}
+
+/// Rewrites two definitions by element to the same index names and the left side of the second.
+///
+/// Index names are chosen so that they do not capture other names of either value.
+fn unify_indices(
+    cx: &ParseContext<'_>,
+    mut first: Definition,
+    mut then: Definition,
+) -> (Definition, Definition) {
+    let names = |of: &Definition| -> Vec<Name> {
+        let steps = of.targets[0].path.iter().filter_map(index_name);
+        steps.cloned().collect()
+    };
+    for (k, (a, b)) in names(&first).into_iter().zip(names(&then)).enumerate() {
+        if a == b {
+            continue;
+        }
+        let mut new = b.clone();
+        while mentions(&first.value, &new) || (new != b && mentions(&then.value, &new)) {
+            new = cx.intern(&format!("{new}'"));
+        }
+        rename(&mut first.value, &a, &new);
+        rename(&mut then.value, &b, &new);
+        if let Some(Access::Index(index)) = then.targets[0].path.get_mut(k) {
+            index.kind = ExprKind::Name(new);
+        }
+    }
+    first.targets.clone_from(&then.targets);
+    (first, then)
+}
+
+/// Returns whether a name occurs in an expression.
+fn mentions(expr: &Expr, name: &Name) -> bool {
+    let is_clock = matches!(&expr.kind, ExprKind::When(of) if of.clock.flow.name == *name);
+    is_clock
+        || expr.as_name() == Some(name)
+        || expr.children().into_iter().any(|part| mentions(part, name))
+}
+
+/// Renames an index in an expression, except where a quantifier or `match` arm declares the same name.
+fn rename(expr: &mut Expr, from: &Name, to: &Name) {
+    match &mut expr.kind {
+        ExprKind::Name(name) if name == from => name.clone_from(to),
+        ExprKind::Quantified(of) if declares(&of.vars, from) => {}
+        ExprKind::Match(of) => {
+            rename(&mut of.value, from, to);
+            for arm in &mut of.arms {
+                if arm.pattern.names().iter().all(|name| name.name != *from) {
+                    rename(&mut arm.then, from, to);
+                }
+            }
+        }
+        _ => {
+            for part in expr.children_mut() {
+                rename(part, from, to);
+            }
+        }
+    }
+}
+
+fn declares(vars: &[VarDecl], name: &Name) -> bool {
+    let mut names = vars.iter().flat_map(|var| &var.names);
+    names.any(|declared| declared.name == *name)
+}
+
+/// Returns the flow that an expression denotes, or whose element or field it denotes.
+pub(super) fn base_flow(expr: &Expr) -> Option<&Name> {
+    let mut base = expr.unparen();
+    loop {
+        base = match &base.kind {
+            ExprKind::Index(of) => of.base.unparen(),
+            ExprKind::Field(of) => of.base.unparen(),
+            _ => return base.as_name(),
+        };
+    }
+}

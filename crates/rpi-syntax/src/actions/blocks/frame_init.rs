@@ -1,0 +1,166 @@
+//! Desugaring of `last x` in a `frame` block.
+//!
+//! `last x` is the value of the previous cycle. In the first cycle, it is the value that the frame gives before `let`.
+//! A flow that no branch defines is `last` of itself.
+
+use super::definitions::{Definition, Definitions};
+use super::desugar::arrow_expr;
+use super::frame_arrays::base_flow;
+use crate::ast::*;
+use crate::ops::UnaryOp;
+use rpi_diag::Span;
+use std::collections::BTreeSet;
+
+/// Replaces each `last x` of the frame's flows by `first -> pre x`, or by `pre x` without an initial value.
+///
+/// An initial value of several flows from one call cannot be split. Then the whole definition begins with that call.
+pub(super) fn insert_initial_values(
+    definition: &mut Definition,
+    initial: &Definitions,
+    names: &BTreeSet<&Name>,
+) {
+    let value = &mut definition.value;
+    push_index(value);
+    let mut is_open = false;
+    value.for_each_mut(&mut |part| {
+        if let Some(first) = common_initial_value(part, initial) {
+            let then = std::mem::replace(part, placeholder());
+            *part = arrow_expr(first, then);
+            return;
+        }
+        let ExprKind::Unary(op @ UnaryOp::Last, inner) = &mut part.kind else {
+            return;
+        };
+        if base_flow(inner).is_none_or(|name| !names.contains(name)) {
+            return;
+        }
+        *op = UnaryOp::Pre;
+        match initial_value(inner, initial) {
+            Some(first) => {
+                let then = std::mem::replace(part, placeholder());
+                *part = arrow_expr(first, then);
+            }
+            None => is_open = true,
+        }
+    });
+    if let Some(first) = initial.value_of(&definition.targets).filter(|_| is_open) {
+        let then = std::mem::replace(&mut definition.value, placeholder());
+        definition.value = arrow_expr(first, then);
+    }
+}
+
+/// Moves an index into conditionals: `(if c then x else last A)[k]` becomes `if c then x[k] else last A[k]`.
+// Initial values may be given by element, so `last` must apply to elements.
+fn push_index(expr: &mut Expr) {
+    let ExprKind::Index(of) = &mut expr.kind else {
+        return;
+    };
+    push_index(&mut of.base);
+    let index = of.index.clone();
+    let within = |part: Expr| Expr {
+        span: part.span,
+        kind: ExprKind::Index(Box::new(Index {
+            base: part,
+            index: index.clone(),
+        })),
+    };
+    let base = std::mem::replace(&mut of.base, placeholder());
+    expr.kind = match base.unparen().kind.clone() {
+        ExprKind::If(mut choice) if !choice.is_static => {
+            for branch in [&mut choice.then_value, &mut choice.else_value] {
+                *branch = within(std::mem::replace(branch, placeholder()));
+                push_index(branch);
+            }
+            ExprKind::If(choice)
+        }
+        ExprKind::Unary(UnaryOp::Last, inner) => {
+            ExprKind::Unary(UnaryOp::Last, Box::new(within(*inner)))
+        }
+        _ => within(base).kind,
+    };
+}
+
+/// Returns the initial value of a flow, or of a part of a flow.
+fn initial_value(place: &Expr, initial: &Definitions) -> Option<Expr> {
+    let name = base_flow(place)?;
+    let alone = |d: &&Definition| matches!(&d.targets[..], [one] if denotes_target(one, place));
+    let found = initial.defining(name).find(alone).map(|d| d.value.clone());
+    found
+        .or_else(|| initial_value_in_group(place, initial))
+        .or_else(|| {
+            let whole = match &place.unparen().kind {
+                ExprKind::Field(field) => &field.base,
+                ExprKind::Index(index) => &index.base,
+                _ => return None,
+            };
+            let base = initial_value(whole, initial)?;
+            let mut part = place.unparen().clone();
+            match &mut part.kind {
+                ExprKind::Field(field) => field.base = base,
+                ExprKind::Index(index) => index.base = base,
+                _ => {}
+            }
+            Some(part)
+        })
+}
+
+/// Returns the initial value of a flow from a definition of several flows: `x, y = (1, 2)`.
+fn initial_value_in_group(place: &Expr, initial: &Definitions) -> Option<Expr> {
+    let mut groups = initial.defining(base_flow(place)?);
+    groups.find_map(|d| {
+        let at = d
+            .targets
+            .iter()
+            .position(|target| denotes_target(target, place))?;
+        match &d.value.unparen().kind {
+            ExprKind::Tuple(values) if values.len() == d.targets.len() => values.get(at).cloned(),
+            _ => None,
+        }
+    })
+}
+
+/// Returns whether an expression denotes the same flow, or part of a flow, as a target.
+fn denotes_target(target: &Target, place: &Expr) -> bool {
+    let mut place = place.unparen();
+    for access in target.path.iter().rev() {
+        place = match (&place.kind, access) {
+            (ExprKind::Field(at), Access::Field(field)) if at.field.name == field.name => {
+                at.base.unparen()
+            }
+            (ExprKind::Index(at), Access::Index(index))
+                if at.index.unparen().kind == index.unparen().kind =>
+            {
+                at.base.unparen()
+            }
+            _ => return false,
+        };
+    }
+    place.as_name() == Some(&target.name.name)
+}
+
+/// Returns the common initial value of all flows in a tuple `(last x, last y)`, whose `last` has become `pre`.
+fn common_initial_value(part: &Expr, initial: &Definitions) -> Option<Expr> {
+    let ExprKind::Tuple(values) = &part.kind else {
+        return None;
+    };
+    let delayed = |value: &Expr| match &value.unparen().kind {
+        ExprKind::Unary(UnaryOp::Pre, inner) => inner.as_name().cloned(),
+        _ => None,
+    };
+    let names: Option<Vec<Name>> = values.iter().map(delayed).collect();
+    let names = names?;
+    let is_group = |d: &&Definition| {
+        let targets = d.targets.iter().map(|target| &target.name.name);
+        d.targets.len() > 1 && targets.eq(&names)
+    };
+    let found = initial.defining(names.first()?).find(is_group);
+    found.map(|d| d.value.clone())
+}
+
+/// Returns a placeholder for `mem::replace`.
+fn placeholder() -> Expr {
+    Expr {
+        kind: ExprKind::Bool(false),
+        span: Span::NONE,
+    }
+}

@@ -1,0 +1,16 @@
+//! Runs of the tool and their output.
+#![allow(dead_code, reason = "each test target uses a part")]
+
+use std::process::{Command, Output};
+
+/// Runs the tool without colours.
+pub(crate) fn rpi(arguments: &[&str]) -> Output {
+    let mut rpi = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    rpi.args(arguments).env("NO_COLOR", "1").output().unwrap()
+}
+
+/// Returns standard output, then standard error.
+pub(crate) fn output_text(output: &Output) -> String {
+    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+    format!("{out}{err}")
+}

@@ -1,0 +1,88 @@
+//! Entry points for untrusted input, as functions from bytes, and the budget of each input.
+//!
+//! Fuzzers (`fuzz/targets/`, run by `cargo xtask fuzz`) and stable tests (`tests/`) call the same functions. No input may make
+//! an entry point panic, hang or allocate without bound. This crate must not depend on the meaning of a diagnostic; it
+//! only checks that diagnostics point into the text and can be rendered.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `texts.rs` | lexer, parser and checker |
+//! | `net.rs` | importer |
+//! | `image.rs` | image loader |
+//! | `current_input.rs` | file with the current input, for crashes |
+//! | `budget.rs` | one second and 200 MB |
+//! | `seeds.rs` | initial corpus: every program of the project |
+//! | `mutator.rs` | reproducible mutations |
+//! | `dictionary.rs` | dictionary |
+
+mod budget;
+mod current_input;
+mod dictionary;
+mod image;
+mod mutator;
+mod net;
+mod seeds;
+mod texts;
+
+pub use budget::{CPU_BUDGET, MEMORY_BUDGET, run_within_budget};
+pub use dictionary::dictionary;
+pub use mutator::Mutator;
+pub use seeds::{Seed, saved_inputs};
+pub use texts::LUSTRE;
+
+/// Entry point for untrusted input.
+#[derive(Debug)]
+pub struct Entry {
+    /// Name of its fuzz target.
+    pub name: &'static str,
+    /// Function that processes one input.
+    pub run: fn(&[u8]),
+    /// Function that returns the initial corpus.
+    pub seeds: fn() -> Vec<Seed>,
+}
+
+/// All entry points, the one that runs the most code first.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        name: "checker",
+        run: texts::check,
+        seeds: seeds::texts,
+    },
+    Entry {
+        name: "image",
+        run: image::load,
+        seeds: seeds::images,
+    },
+    Entry {
+        name: "importer",
+        run: net::import,
+        seeds: seeds::nets,
+    },
+    Entry {
+        name: "parser",
+        run: texts::parse,
+        seeds: seeds::texts,
+    },
+    Entry {
+        name: "lexer",
+        run: texts::lex,
+        seeds: seeds::texts,
+    },
+];
+
+/// Returns the entry point of this name.
+#[must_use]
+pub fn entry(name: &str) -> Option<&'static Entry> {
+    ENTRIES.iter().find(|entry| entry.name == name)
+}
+
+/// Runs an input through the entry point of this name, within its budget. `RPI_FUZZ_LAST` names a file to which the
+/// input is saved first.
+///
+/// # Panics
+/// If there is no such entry point, if it panics, or if the budget is exceeded.
+pub fn run(name: &str, input: &[u8]) {
+    let entry = entry(name).unwrap_or_else(|| panic!("unknown entry point: {name}"));
+    current_input::save(input);
+    run_within_budget(|| (entry.run)(input));
+}

@@ -1,0 +1,223 @@
+//! `cargo xtask draw --seed N`: draws doc comments and diagnostics at random.
+//!
+//! Whoever judges the texts sees what a newcomer sees: a comment with the name and signature of its item, or a rendered
+//! diagnostic. A comment that cannot be understood from these alone needs a better text. The same seed draws the same
+//! texts, as long as the sources do not change.
+
+use xtask::{source_files, tracked_files};
+
+use crate::fuzz::root;
+
+/// Defaults of the options.
+const SEED: u64 = 1;
+const COMMENTS: usize = 100;
+const DIAGNOSTICS: usize = 60;
+
+const USAGE: &str = "usage: cargo xtask draw [--seed N] [--comments N] [--diagnostics N]";
+
+/// Prints the drawn texts.
+pub(crate) fn draw(args: &[String]) -> Result<(), String> {
+    let options = Options::parse(args)?;
+    let mut random = Random(options.seed);
+    let all = source_files();
+    let comments = all.iter().flat_map(|file| {
+        let found = comments(file.without_tests());
+        found.into_iter().map(|comment| (&file.path, comment))
+    });
+    for (n, (path, comment)) in random
+        .sample(comments.collect(), options.comments)
+        .iter()
+        .enumerate()
+    {
+        println!("{:>3}. {}: {}", n + 1, path.display(), comment.signature);
+        println!("{}", comment.text);
+    }
+    let mut messages = tracked_files();
+    messages.retain(|path| {
+        path.starts_with("tests/ui") && path.extension().is_some_and(|e| e == "stderr")
+    });
+    for path in random.sample(messages, options.diagnostics) {
+        let text = std::fs::read_to_string(root().join(path)).map_err(|error| error.to_string())?;
+        println!("-----\n{text}");
+    }
+    Ok(())
+}
+
+struct Options {
+    seed: u64,
+    comments: usize,
+    diagnostics: usize,
+}
+
+impl Options {
+    fn parse(args: &[String]) -> Result<Options, String> {
+        let mut options = Options {
+            seed: SEED,
+            comments: COMMENTS,
+            diagnostics: DIAGNOSTICS,
+        };
+        for pair in args.chunks(2) {
+            let [flag, value] = pair else {
+                return Err(USAGE.to_owned());
+            };
+            let number: usize = value.parse().map_err(|_| USAGE.to_owned())?;
+            match flag.as_str() {
+                "--seed" => options.seed = number as u64,
+                "--comments" => options.comments = number,
+                "--diagnostics" => options.diagnostics = number,
+                _ => return Err(USAGE.to_owned()),
+            }
+        }
+        Ok(options)
+    }
+}
+
+/// Doc comment with the signature of its item.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Comment {
+    /// Signature on one line; for members of a type after the name of the type.
+    signature: String,
+    /// Text, each line indented.
+    text: String,
+}
+
+/// Returns the doc comments of a source text formatted by rustfmt.
+fn comments(text: &str) -> Vec<Comment> {
+    let mut found = Vec::new();
+    let mut owner = "";
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
+        if is_owner(line) {
+            owner = line.trim_end_matches('{').trim();
+        } else if line == "}" {
+            owner = "";
+        }
+        let Some(first) = line.trim_start().strip_prefix("///") else {
+            continue;
+        };
+        let is_member = line.starts_with(' ');
+        let mut doc = format!("       {}", first.trim());
+        while let Some(next) = lines
+            .peek()
+            .and_then(|l| l.trim_start().strip_prefix("///"))
+        {
+            doc.push_str(&format!("\n       {}", next.trim()));
+            lines.next();
+        }
+        while lines
+            .peek()
+            .is_some_and(|l| l.trim_start().starts_with(['#', '/']))
+        {
+            lines.next();
+        }
+        let mut item = String::new();
+        // The signature ends at the body or at the end of the item. The first line may open the type of later members.
+        while let Some(next) = lines.peek() {
+            item.push_str(&format!("{} ", next.trim()));
+            if next.ends_with(['{', ';', ',']) && is_balanced(&item) {
+                break;
+            }
+            lines.next();
+        }
+        let item = item.trim().trim_end_matches(['{', ',']).trim();
+        let signature = match is_member && !owner.is_empty() {
+            true => format!("[{owner}] {item}"),
+            false => item.to_owned(),
+        };
+        found.push(Comment {
+            signature,
+            text: doc,
+        });
+    }
+    found
+}
+
+/// Returns whether a line opens a type, trait or implementation, whose members follow.
+fn is_owner(line: &str) -> bool {
+    let line = match line.strip_prefix("pub(") {
+        Some(rest) => rest.split_once(") ").map_or("", |(_, item)| item),
+        None => line.strip_prefix("pub ").unwrap_or(line),
+    };
+    let words = ["struct ", "enum ", "trait ", "impl ", "impl<"];
+    line.ends_with('{') && words.iter().any(|word| line.starts_with(word))
+}
+
+/// Returns whether every parenthesis and bracket of an item is closed. A brace at the end opens the body.
+fn is_balanced(item: &str) -> bool {
+    let count = |c: char| item.matches(c).count();
+    count('(') == count(')') && count('[') == count(']')
+}
+
+/// SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): enough for a draw, and the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Draws `count` items without replacement, or all if there are fewer.
+    fn sample<T>(&mut self, mut items: Vec<T>, count: usize) -> Vec<T> {
+        let mut drawn = Vec::new();
+        while drawn.len() < count && !items.is_empty() {
+            let at = (self.next() % items.len() as u64) as usize;
+            drawn.push(items.swap_remove(at));
+        }
+        drawn
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "\
+/// A wheel.
+#[derive(Debug)]
+pub struct Wheel {
+    /// Radius in
+    /// metres.
+    pub radius: f64,
+}
+
+impl Wheel {
+    /// Turns it.
+    pub fn turn(
+        &mut self,
+        angle: f64,
+    ) -> f64 {
+        0.0
+    }
+}
+
+/// Number of wheels.
+const WHEELS: [usize; 2] = [1, 2];
+";
+
+    #[test]
+    fn comments_come_with_their_signatures() {
+        let found = comments(TEXT);
+        let signatures: Vec<&str> = found.iter().map(|c| c.signature.as_str()).collect();
+        let expected = [
+            "pub struct Wheel",
+            "[pub struct Wheel] pub radius: f64",
+            "[impl Wheel] pub fn turn( &mut self, angle: f64, ) -> f64",
+            "const WHEELS: [usize; 2] = [1, 2];",
+        ];
+        assert_eq!(signatures, expected);
+        assert_eq!(found[1].text, "       Radius in\n       metres.");
+    }
+
+    #[test]
+    fn a_seed_draws_each_item_once() {
+        let mut drawn = Random(7).sample((0..50).collect(), 60);
+        assert_ne!(drawn, (0..50).collect::<Vec<_>>());
+        assert_eq!(drawn, Random(7).sample((0..50).collect(), 60));
+        drawn.sort_unstable();
+        assert_eq!(drawn, (0..50).collect::<Vec<_>>());
+    }
+}
