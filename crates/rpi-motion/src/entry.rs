@@ -7,6 +7,7 @@ use crate::time_law::{HeldBrake, PathState};
 use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
 use crate::{Arm, JointState};
 use rpi_kin::state_to_rest::{AxisState, Bounds};
+use rpi_kin::{MAX_AXES, Range};
 
 /// An entry to try: shares of the limits for the residual, and of the arm's velocity and acceleration along the path.
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +19,13 @@ pub(crate) struct Attempt {
 
 /// Entries in the order in which they are tried. Half of the limits was best in the median of random takeovers, 0.7
 /// where the arm comes fast.
-pub(crate) const ATTEMPTS: [Attempt; 5] = [
+pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.5, 1.0, 1.0),
     attempt(0.7, 1.0, 1.0),
     attempt(0.5, 1.0, 0.0),
     attempt(0.5, 0.5, 0.0),
     attempt(0.5, 0.0, 0.0),
+    attempt(0.95, 0.0, 0.0),
 ];
 
 /// Shares of acceleration and jerk with which the first brake of an entry is tried.
@@ -53,6 +55,31 @@ pub(crate) struct Entry {
 /// limits. It needs no verification, because the arm could stop within its range before the takeover.
 pub(crate) fn standing(arm: &Arm, node: &Node, state: &JointState, time: f64) -> Option<Residual> {
     residual(arm, node, state, time, PathState::default(), 1.0)
+}
+
+/// The first entry of a motion: as [`standing`], with half of the limits where this keeps them and the `ranges`. A better
+/// entry follows after a few cycles, so full jerk for so short a time would only shake the arm, and what moves with it.
+pub(crate) fn first(
+    arm: &Arm,
+    node: &Node,
+    state: &JointState,
+    ranges: &[Range; MAX_AXES],
+) -> Option<Residual> {
+    let gentle = residual(arm, node, state, 0.0, PathState::default(), 0.5);
+    let in_ranges = |residual: &Residual| {
+        ranges
+            .iter()
+            .enumerate()
+            .take(arm.axes())
+            .all(|(axis, range)| {
+                let (low, high) = residual.span(axis);
+                let here = node.joints[axis];
+                here + low >= range.lower && here + high <= range.upper
+            })
+    };
+    gentle
+        .filter(|residual| peaks_are_within(arm, residual) && in_ranges(residual))
+        .or_else(|| standing(arm, node, state, 0.0))
 }
 
 /// Tries one entry at `time` (s) from the state of the arm.

@@ -148,7 +148,7 @@ impl MotionCore {
         self.cycle = 0;
         self.planner = Planner::default();
         self.held = HeldBrake::standing(0.0, 0.0);
-        let residual = entry::standing(&self.arm, self.table.first_node(), state, 0.0);
+        let residual = entry::first(&self.arm, self.table.first_node(), state, &self.ranges);
         self.residual = residual.ok_or(MotionError::NotFinite)?;
         self.attempt = if self.residual.end() > 0.0 {
             0
@@ -168,8 +168,11 @@ impl MotionCore {
         self.table
             .extend(&self.arm, Self::NODES_PER_CYCLE, now.s - 1e-3);
         if self.is_planning_cycle() && !controls.paused && controls.speed_share > 0.0 {
-            if self.attempt < ATTEMPTS.len() && self.cycle >= ENTRY_CYCLE {
-                self.try_entry(time, controls);
+            if self.attempt < ATTEMPTS.len() {
+                // Entries begin with a standing path, so it must not move before they have been tried.
+                if self.cycle >= ENTRY_CYCLE {
+                    self.try_entry(time, controls);
+                }
             } else if !self.is_at_end(&now) {
                 self.replan(now, time, controls);
             }
