@@ -11,7 +11,7 @@ use rpi_image::ShapeRule;
 
 pub(in crate::catalogue) const ALL: &[Prim] = &[MOVE_LINE, MOVE_ARC, MOVE_CORNER, MOVE_JOINTS];
 
-/// Work of a cycle in elementary operations: the bounded planning of the motion core, about 200 µs.
+/// Declares a motion. Its work is the bounded planning of the motion core in a cycle: about 200 µs.
 macro_rules! motion {
     (
         $(#[doc = $doc:expr])+
@@ -52,7 +52,7 @@ macro_rules! motion {
                 outError: i64
             }
             shape $shape;
-            presence strict work 80000;
+            presence strict work 20000;
             role function("Robot", &[$port])
         }
     };
