@@ -12,7 +12,6 @@ pub mod catalogue;
 pub mod context;
 pub mod differences;
 mod dispatch;
-pub mod double_s;
 mod fold;
 pub mod geometry;
 mod macros;

@@ -72,8 +72,6 @@ const FAMILIES: &[&[Prim]] = &[
     rpi_ops::machine_int::ALL,
     rpi_ops::logic::ALL,
     rpi_ops::motion::ALL,
-    rpi_ops::profile::ALL,
-    rpi_ops::state_to_rest::ALL,
     rpi_ops::real::ALL,
     rpi_ops::spatial::ALL,
     rpi_ops::ticks::ALL,

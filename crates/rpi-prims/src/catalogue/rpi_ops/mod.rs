@@ -8,8 +8,6 @@ pub(super) mod logic;
 pub(super) mod machine_int;
 pub(super) mod motion;
 pub(super) mod per_type;
-pub(super) mod profile;
 pub(super) mod real;
 pub(super) mod spatial;
-pub(super) mod state_to_rest;
 pub(super) mod ticks;
