@@ -52,11 +52,24 @@ fn assert_run(program: &Path, expected: &Value) {
     let ends = strings(commands.map(|command| &command["end"]["name"]));
     assert_eq!(ends, strings(elements(&expected["ends"])), "{place}");
     let devices = elements(&outcome["devices"]);
-    let troubles = devices.iter().flat_map(|device| elements(&device["troubles"]));
+    let troubles = devices
+        .iter()
+        .flat_map(|device| elements(&device["troubles"]));
     let troubles = strings(troubles.map(|trouble| &trouble["what"]));
-    assert_eq!(troubles, strings(elements(&expected["troubles"])), "{place}");
-    assert!(devices.iter().all(|device| device["moving"] == false), "{place}");
-    assert_eq!(Some(i64::from(status)), expected["status"].as_i64(), "{place}");
+    assert_eq!(
+        troubles,
+        strings(elements(&expected["troubles"])),
+        "{place}"
+    );
+    assert!(
+        devices.iter().all(|device| device["moving"] == false),
+        "{place}"
+    );
+    assert_eq!(
+        Some(i64::from(status)),
+        expected["status"].as_i64(),
+        "{place}"
+    );
 }
 
 #[test]
@@ -65,6 +78,8 @@ fn motions_end_as_expected() {
         let text = std::fs::read_to_string(folder.join("expected.json")).unwrap();
         let expected: Value = serde_json::from_str(&text).unwrap();
         let program = program(&folder);
-        elements(&expected).iter().for_each(|run| assert_run(&program, run));
+        elements(&expected)
+            .iter()
+            .for_each(|run| assert_run(&program, run));
     }
 }

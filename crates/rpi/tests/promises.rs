@@ -175,17 +175,12 @@ fn place(k: usize) -> String {
 fn one_big(motions: usize) -> String {
     let mut text = "use motion;\ncommand All (arm: Arm)\nlet\n".to_owned();
     for k in 0..motions {
-        let (when, from) = match k {
-            0 => ("true".to_owned(), "arm.pose".to_owned()),
-            k => (
-                format!("S{}.way.done ?? false", k - 1),
-                format!("S{}.way.pose ?? arm.pose", k - 1),
-            ),
+        let when = match k {
+            0 => "true".to_owned(),
+            k => format!("S{}.way.done ?? false", k - 1),
         };
         let to = place(k);
-        text += &format!(
-            "  fragment S{k} when {when}\n  let way = Line(from: {from}, to: {to}); tel\n"
-        );
+        text += &format!("  fragment S{k} when {when}\n  let way = Line(arm, {to}); tel\n");
     }
     let ways: Vec<String> = (0..motions)
         .rev()

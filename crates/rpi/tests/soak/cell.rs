@@ -74,9 +74,8 @@ fn command(k: usize, set: Arms, random: &mut Random) -> String {
             .collect();
         let _ = writeln!(
             text,
-            "  {arm}_way = Joints<<speed: 1[rad/s], acceleration: 2[rad/s^2], jerk: 20[rad/s^3]>>(\n    \
-             from: {arm}.commanded, velocity: {arm}.commanded_velocity,\n    \
-             acceleration_before: {arm}.commanded_acceleration, to: [{}]);\n  \
+            "  {arm}_way = PointToPoint<<speed: 1[rad/s], acceleration: 2[rad/s^2], jerk: 20[rad/s^3]>>(\n    \
+             {arm}, to: [{}]);\n  \
              {arm}.joints = {arm}_way.joints;",
             goal.join(", ")
         );
