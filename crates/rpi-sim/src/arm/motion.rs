@@ -174,6 +174,8 @@ impl Motion {
     pub(super) fn advance_brake(&mut self, tick: f64) -> Option<PerAxis> {
         let brake = self.brake.as_mut()?;
         brake.elapsed += tick;
+        // The arm has left the set-points of the program, which may not go on with its motion.
+        self.computed = f64::NEG_INFINITY;
         let at = self.core.braking_set_point(brake.elapsed).ok()?;
         brake.rested = if rests(&at) { brake.rested + 1 } else { 0 };
         Some(at.joints)
@@ -227,6 +229,13 @@ impl Motion {
         self.at_end = false;
         self.rejected = None;
         self.way = 0.0;
+        if self.brake.is_some() {
+            // If its first set-point is dropped, the arm goes on braking along the new motion, which begins here.
+            self.brake = Some(PathBrake {
+                elapsed: -self.period,
+                rested: 0,
+            });
+        }
         let started = self.start_path(kind, request, state);
         if let Err(fault) = started {
             self.rejected = Some(fault.violation.code);
