@@ -67,7 +67,10 @@ fn unexplained(seen: &Inspection) -> Vec<String> {
     for (k, piece) in words.iter().enumerate() {
         let name = word(k);
         let offset = u32::try_from(piece.range.start).unwrap();
-        let is_frame = word(k + 1) == "in" || k > 0 && word(k - 1) == "in";
+        // `tool in base`, or `arm.tool in arm.base` with the frames of a device.
+        let is_frame = word(k + 1) == "in"
+            || k > 0 && word(k - 1) == "in"
+            || k > 2 && word(k - 1) == "." && word(k - 3) == "in";
         let explained = piece.kind != SourceTokenKind::Name
             || seen
                 .index()

@@ -30,9 +30,9 @@ fn run(program: &Path, command: Option<&str>) -> (i32, Value) {
         .args(command.iter().flat_map(|name| ["--command", name]))
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let message = String::from_utf8_lossy(&output.stderr);
     let outcome = serde_json::from_slice(&output.stdout)
-        .unwrap_or_else(|error| panic!("{}: {error}: {said}", program.display()));
+        .unwrap_or_else(|error| panic!("{}: {error}: {message}", program.display()));
     (output.status.code().unwrap(), outcome)
 }
 
@@ -52,15 +52,11 @@ fn assert_run(program: &Path, expected: &Value) {
     let ends = strings(commands.map(|command| &command["end"]["name"]));
     assert_eq!(ends, strings(elements(&expected["ends"])), "{place}");
     let devices = elements(&outcome["devices"]);
-    let troubles = devices
+    let errors = devices
         .iter()
         .flat_map(|device| elements(&device["troubles"]));
-    let troubles = strings(troubles.map(|trouble| &trouble["what"]));
-    assert_eq!(
-        troubles,
-        strings(elements(&expected["troubles"])),
-        "{place}"
-    );
+    let errors = strings(errors.map(|error| &error["what"]));
+    assert_eq!(errors, strings(elements(&expected["errors"])), "{place}");
     assert!(
         devices.iter().all(|device| device["moving"] == false),
         "{place}"

@@ -228,7 +228,10 @@ fn many_small_commands_scale_where_one_big_one_does_not() {
     let big = [2, 8, 16].map(|n| largest(&one_big(n)));
     let small = [2, 8, 16].map(|n| largest(&many_small(n)));
     assert_eq!(small, [small[0]; 3]);
-    assert!(big[1] > 5 * big[0] / 2 && big[2] > 7 * big[1] / 4, "{big:?}");
+    assert!(
+        big[1] > 5 * big[0] / 2 && big[2] > 7 * big[1] / 4,
+        "{big:?}"
+    );
     assert!(big[2] > 7 * small[2], "{big:?} {small:?}");
     let cell = std::fs::read_to_string(example("blending/cell.toml")).unwrap();
     let ends = [one_big(4), many_small(4)].map(|text| {

@@ -48,7 +48,7 @@ fn an_editor_is_served_from_its_first_message_to_its_last() {
     client.open(&uri, PROGRAM);
     assert_eq!(client.diagnostics(&uri, 1), Vec::<Value>::new());
     client.write_raw(b"Content-Length: 3\r\n\r\n{x}");
-    let hover = client.result("textDocument/hover", at(&uri, "there>>"));
+    let hover = client.result("textDocument/hover", at(&uri, "there);"));
     assert!(
         hover["contents"]["value"]
             .as_str()

@@ -66,7 +66,7 @@ fn locals_declarations_library_primitives_and_words_are_offered() {
 fn members_are_those_of_what_stands_before_the_dot() {
     assert_eq!(labels(&in_body("x = F.|")), ["inside"]);
     assert_eq!(labels(&in_body("x = way.pose.|")), ["position", "rotation"]);
-    assert_eq!(labels(&in_body("x = way.st|"))[..2], ["pose", "twist"]);
+    assert_eq!(labels(&in_body("x = way.st|"))[..2], ["joints", "pose"]);
     offers(&in_body("arm.|"), &["tcp", "joints", "pose", "error"]);
     assert_eq!(labels(&in_body("x = (predecessor = Go.|);")), ["at_end"]);
     let fields = "type Pair = struct { left: real; right: real };\n\
@@ -78,10 +78,7 @@ fn members_are_those_of_what_stands_before_the_dot() {
 #[test]
 fn arguments_are_offered_by_name_until_they_are_given() {
     let found = labels(&in_body("x = Line<<to: there, |"));
-    assert_eq!(
-        found[..5],
-        ["speed", "leave", "acceleration", "jerk", "turning"]
-    );
+    assert_eq!(found[..5], ["n", "speed", "acceleration", "jerk", "arm"]);
     assert!(!found[..8].contains(&"to".to_owned()));
     offers(&in_body("x = distance(|"), &["a", "b"]);
 }

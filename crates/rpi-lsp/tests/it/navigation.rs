@@ -59,7 +59,7 @@ const HOVERS: &[(&str, usize, &[&str])] = &[
         0,
         &[
             "fragment Line",
-            "A straight line from `from` to `to`",
+            "A straight line of the tool from where it is to `to`",
             "stdlib/motion.rpi",
         ],
     ),
@@ -152,7 +152,7 @@ fn names_lead_to_their_declarations() {
     let cases = [
         ("work);", "work: Pose"),
         ("Go(", "Go ("),
-        ("there, speed", "there: Pose"),
+        ("there);", "there: Pose"),
         ("way.done;", "way = Line"),
         ("Late.slow", "Late when"),
         ("slow ??", "slow ="),
@@ -171,7 +171,7 @@ fn names_of_the_library_lead_to_a_copy_of_it() {
     let mut session = open(CELL);
     for (from, declared) in [
         ("Line", "Line <<"),
-        ("to:", "to: Pose"),
+        ("speed:", "speed: real"),
         ("done;", "done: bool"),
     ] {
         let found = session.request_at("definition", &position(CELL, from, 0));
@@ -201,7 +201,7 @@ fn references_are_all_places_of_a_name() {
         found.as_array().map(Vec::len),
         Some(CELL.matches("way").count() - 1)
     );
-    let shown = session.request_at("documentHighlight", &position(CELL, "there,", 0));
+    let shown = session.request_at("documentHighlight", &position(CELL, "there);", 0));
     assert_eq!(shown.as_array().map(Vec::len), Some(2));
     session.shut_down().unwrap();
 }

@@ -60,7 +60,7 @@ pub(super) struct Motion {
     way: f64,
     /// Why the motion cannot be made: it comes to rest.
     rejected: Option<ErrorCode>,
-    /// The error as told to the program: once the arm rests.
+    /// The error that the program sees: once the arm rests.
     error: ErrorCode,
     /// The last set-point was the end of the motion.
     at_end: bool,
@@ -348,7 +348,12 @@ impl Arm {
     }
 
     fn begin_motion(&mut self, kind: PathKind, request: &Request<'_>) {
-        let state = self.commanded_state();
+        let state = JointState::from_differences(
+            self.commanded(|state| state.position),
+            self.commanded(|state| state.velocity),
+            self.commanded(|state| state.acceleration),
+            self.motion.accepted_period,
+        );
         let period = self.tick * f64::from(self.set_point_ticks);
         let followed = self.motion.period == period
             && self.motion.is_due(self.time)
@@ -359,15 +364,6 @@ impl Arm {
         {
             self.report(axis, violation);
         }
-    }
-
-    fn commanded_state(&self) -> JointState {
-        JointState::from_differences(
-            self.commanded(|state| state.position),
-            self.commanded(|state| state.velocity),
-            self.commanded(|state| state.acceleration),
-            self.motion.accepted_period,
-        )
     }
 
     /// Computes the next set-point and writes the result of the call.
