@@ -80,7 +80,7 @@ impl Rig {
         self.call(self.move_line, number, to, [0.25, 0.5, 5.0])
     }
 
-    fn to_joints(&mut self, number: u64, to: &[f64]) -> Motion {
+    fn point_to_point(&mut self, number: u64, to: &[f64]) -> Motion {
         self.call(self.move_joints, number, to, [0.8, 1.6, 16.0])
     }
 
@@ -212,10 +212,10 @@ fn an_axis_beyond_its_range_can_move_back() {
     }
     let codes: Vec<ErrorCode> = rig.reports().iter().map(|report| report.code).collect();
     assert!(codes.contains(&ErrorCode::POSITION), "{codes:?}");
-    let mut motion = rig.to_joints(0, &HOME);
+    let mut motion = rig.point_to_point(0, &HOME);
     for _ in 0..5000 {
         rig.follow(&motion);
-        motion = rig.to_joints(motion.number, &HOME);
+        motion = rig.point_to_point(motion.number, &HOME);
         if motion.done {
             break;
         }

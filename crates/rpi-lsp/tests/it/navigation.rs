@@ -76,11 +76,7 @@ const HOVERS: &[(&str, usize, &[&str])] = &[
     ("slow =", 0, &["slow: real[m]", "always present"]),
     ("slow ??", 0, &["slow: real[m]?", "may be absent"]),
     ("pose;", 0, &["pose: Pose(", "out-port of `Line`"]),
-    (
-        "pose);",
-        0,
-        &["pose: Pose(", "port of `Arm`", "As last commanded"],
-    ),
+    ("tcp =", 0, &["tcp: Pose(", "port of `Arm`"]),
     ("Arm;", 0, &["device Arm", "An arm with `n` joints."]),
     (
         "Late when",
