@@ -92,11 +92,7 @@ impl Owner {
 
     /// Loads another command and schedules it as the successor of the last one.
     fn extend(&mut self) {
-        let name = match self.made {
-            0 => "MoveToA",
-            odd if odd % 2 == 1 => "MoveToC",
-            _ => "MoveToE",
-        };
+        let name = ["MoveToA", "MoveToC", "MoveToE"][self.made % 3];
         self.made += 1;
         let load = json!({
             "session": self.session,
