@@ -13,7 +13,7 @@ pub use clap_complete::Shell;
 pub use output::{ignore_broken_pipe, is_same_file, print};
 
 /// Version of the tools and of the image format that they read and write.
-pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 2)");
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 3)");
 
 /// Result of a subcommand: the exit status of the tool, or an error that is printed for the user.
 pub type CommandResult<E> = Result<E, Box<dyn Error>>;
