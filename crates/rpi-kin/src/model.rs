@@ -107,6 +107,18 @@ impl ArmModel {
         }
     }
 
+    /// Returns the arm angles (rad, not wrapped) of a redundant arm at which axis 3 has the value `third` (rad), or half a turn
+    /// more, for a pose of the flange in the base frame; NaN if there are none. `None` for other arms, and for poses out of
+    /// reach.
+    #[must_use]
+    pub fn arm_angles_of_third_axis(&self, flange: &Pose, third: f64) -> Option<[f64; 2]> {
+        let InverseKinematics::Srs(geometry) = self.inverse else {
+            return None;
+        };
+        let found = geometry.arm_angles_of_third_joint(&to_transform(flange), third);
+        found.ok()
+    }
+
     /// As [`inverse`](Self::inverse), but a redundant arm gets the arm angle `arm_angle` (rad). Where no joints within
     /// the limits have it, the nearest arm angle is taken. Returns the joints, and the change of the arm angle (rad, 0
     /// if it was kept). Arms with six axes ignore `arm_angle`.

@@ -54,6 +54,26 @@ impl Arm {
         self.model.arm_angle(&joints[..self.axes()])
     }
 
+    /// Returns the arm angle (rad) of a redundant arm for a pose of the tool in the base frame at which axis 3 has the value
+    /// `third` (rad) or half a turn more: the one nearest to that of the joints `hint`, moved by full turns to the
+    /// value nearest to `near` (rad). `None` for other arms, and where there is none.
+    #[must_use]
+    pub fn arm_angle_of_third_axis(
+        &self,
+        tool: &Pose,
+        third: f64,
+        hint: &Joints,
+        near: f64,
+    ) -> Option<f64> {
+        let flange = tool * self.tool_inverse;
+        let angles = self.model.arm_angles_of_third_axis(&flange, third)?;
+        let present = self.arm_angle(hint)?;
+        let distance = |angle: &f64| libm::fabs(turned_to(*angle, present) - present);
+        let angles = angles.into_iter().filter(|angle| angle.is_finite());
+        let nearest = angles.min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
+        Some(turned_to(nearest, near))
+    }
+
     /// Returns the joints for a pose of the tool in the base frame: those nearest to `hint`, with the arm angle
     /// `arm_angle` (rad) where the arm is redundant, or with the nearest one within the ranges of the axes. The second
     /// value is the change of the arm angle, rad.
@@ -71,6 +91,12 @@ impl Arm {
         self.model
             .inverse_at_arm_angle(&flange, hint, arm_angle, self.limits())
     }
+}
+
+/// Moves an angle by full turns to the value nearest to another, rad.
+fn turned_to(angle: f64, near: f64) -> f64 {
+    let turn = core::f64::consts::TAU;
+    angle - turn * libm::round((angle - near) / turn)
 }
 
 /// Position (rad), velocity (rad/s) and acceleration (rad/s²) of all axes.

@@ -3,6 +3,12 @@
 //! An arm angle that is clamped to the allowed interval in each place makes a kink in the joints. So places ahead are
 //! looked at, and where the present arm angle is not allowed, it moves on the way there, with three continuous
 //! derivatives.
+//!
+//! Where the upper arm stands upright, axes 1 and 3 are in line: with a held arm angle both turn at once, by the angle
+//! between the plane of the arm and the way of the elbow. With the value of axis 3 held instead, nothing is singular
+//! there. So a path that begins there holds axis 3 first, and then the arm angle.
+
+use crate::held_axis::HeldAxis;
 
 /// Number of moves of the arm angle that one path may have.
 const MOVES: usize = 32;
@@ -20,10 +26,14 @@ struct Move {
 
 impl Move {
     fn change_at(&self, s: f64) -> f64 {
-        let u = ((s - self.from) / self.length).clamp(0.0, 1.0);
-        // The polynomial from 0 to 1 whose first three derivatives are 0 at both ends.
-        self.change * (u * u * u * u * (35.0 - u * (84.0 - u * (70.0 - 20.0 * u))))
+        self.change * smooth_step((s - self.from) / self.length)
     }
+}
+
+/// The polynomial from 0 (below 0) to 1 (above 1) whose first three derivatives are 0 at both ends.
+pub(crate) fn smooth_step(share: f64) -> f64 {
+    let u = share.clamp(0.0, 1.0);
+    u * u * u * u * (35.0 - u * (84.0 - u * (70.0 - 20.0 * u)))
 }
 
 /// The arm angle as a function of the path parameter.
@@ -32,6 +42,7 @@ pub struct ArmAngle {
     start: f64,
     moves: [Move; MOVES],
     count: usize,
+    held: Option<HeldAxis>,
 }
 
 impl ArmAngle {
@@ -44,13 +55,41 @@ impl ArmAngle {
         }
     }
 
-    /// Returns the arm angle at a value of the path parameter, rad.
+    /// Returns the arm angle at a value of the path parameter, rad. `of_third` gives the arm angle (rad) there at which
+    /// axis 3 has a value (rad), near to another arm angle.
     #[must_use]
-    pub fn at(&self, s: f64) -> f64 {
+    pub fn at(&self, s: f64, of_third: impl FnOnce(f64, f64) -> Option<f64>) -> f64 {
         let begun = self.moves[..self.count]
             .iter()
             .take_while(|one| one.from < s);
-        self.start + begun.map(|one| one.change_at(s)).sum::<f64>()
+        let moved = begun.map(|one| one.change_at(s)).sum::<f64>();
+        let angle = self.start + moved;
+        let held = self.held.map(|held| (held, held.weight_at(s)));
+        let third = held
+            .filter(|(_, weight)| *weight > 0.0)
+            .and_then(|(held, weight)| of_third(held.third(), angle).map(|own| (own, weight)));
+        third.map_or(angle, |(own, weight)| {
+            angle + weight * (own + moved - angle)
+        })
+    }
+
+    /// Holds axis 3 at `third` (rad) from the start of the path on.
+    pub fn hold_axis(&mut self, third: f64) {
+        self.held = Some(HeldAxis::new(third));
+    }
+
+    /// Whether axis 3 is held at the end of what is known.
+    #[must_use]
+    pub fn holds_axis(&self) -> bool {
+        self.held.is_some_and(|held| held.is_open())
+    }
+
+    /// Passes over, between two values of the path parameter, to the held arm angle `angle` (rad), which includes all moves.
+    pub fn release_axis(&mut self, from: f64, to: f64, angle: f64) {
+        let Some(held) = &mut self.held else { return };
+        held.end((from, to));
+        let moves = self.moves[..self.count].iter();
+        self.start = angle - moves.map(|one| one.change).sum::<f64>();
     }
 
     /// Returns the end of the last move: a new one may begin there.

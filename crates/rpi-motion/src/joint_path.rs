@@ -4,6 +4,7 @@ use crate::arm_angle::ArmAngle;
 use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
+use rpi_kin::Pose;
 
 /// A step of an axis from its hint above this is a change of configuration, rad.
 const CONFIGURATION_STEP: f64 = 0.1;
@@ -14,6 +15,11 @@ const STEP: f64 = 0.01;
 
 /// Shortest stretch on which the arm angle moves, m.
 const SHORTEST_MOVE: f64 = 0.01;
+
+/// Bend of the shoulder (axis 2, rad) below which a path begins with axis 3 held instead of the arm angle, and above which
+/// the arm angle is held again.
+const UPRIGHT: f64 = 0.03;
+const INCLINED: f64 = 0.15;
 
 /// By how much the arm angle moves farther than it must, rad: the largest allowed one is taken.
 const FARTHER: [f64; 4] = [0.3, 0.15, 0.05, 0.01];
@@ -34,9 +40,14 @@ impl JointPath {
     #[must_use]
     pub fn new(arm: &Arm, path: Path, start: &Joints) -> Self {
         let angle = arm.arm_angle(start);
+        let is_redundant = angle.is_some() && matches!(path, Path::Tool(_));
+        let mut arm_angle = ArmAngle::constant(angle.unwrap_or(0.0));
+        if is_redundant && start[1].abs() < UPRIGHT {
+            arm_angle.hold_axis(start[2]);
+        }
         Self {
-            is_redundant: angle.is_some() && matches!(path, Path::Tool(_)),
-            arm_angle: ArmAngle::constant(angle.unwrap_or(0.0)),
+            is_redundant,
+            arm_angle,
             path,
             seen: (0.0, *start),
         }
@@ -61,7 +72,8 @@ impl JointPath {
             Path::Joints(line) => return Ok(line.joints(s)),
             Path::Tool(path) => path,
         };
-        let found = arm.inverse(&path.pose(s), hint, self.arm_angle.at(s));
+        let pose = path.pose(s);
+        let found = arm.inverse(&pose, hint, self.arm_angle_at(arm, s, &pose, hint));
         let (joints, _) = found.map_err(|error| PathError {
             s,
             kind: PathErrorKind::NoInverse(error),
@@ -74,6 +86,12 @@ impl JointPath {
                 kind: PathErrorKind::ConfigurationChange { axis },
             }),
         }
+    }
+
+    /// The arm angle at a place of the path with this pose of the tool, near to the joints `hint`, rad.
+    fn arm_angle_at(&self, arm: &Arm, s: f64, pose: &Pose, hint: &Joints) -> f64 {
+        let of_third = |third, near| arm.arm_angle_of_third_axis(pose, third, hint, near);
+        self.arm_angle.at(s, of_third)
     }
 
     /// Looks ahead of `built` (the end of the part that is in use), at most `steps` steps, and moves the arm angle where
@@ -94,8 +112,8 @@ impl JointPath {
 
     fn look_at(&mut self, arm: &Arm, s: f64, built: f64) {
         let Path::Tool(path) = &self.path else { return };
-        let (pose, angle) = (path.pose(s), self.arm_angle.at(s));
-        let hint = self.seen.1;
+        let (pose, hint) = (path.pose(s), self.seen.1);
+        let angle = self.arm_angle_at(arm, s, &pose, &hint);
         let found = arm.inverse(&pose, &hint, angle);
         let joints = match found {
             Ok((joints, 0.0)) => joints,
@@ -114,6 +132,16 @@ impl JointPath {
             }
             Err(_) => hint,
         };
+        self.pass_over(arm, s, &joints, built);
         self.seen = (s, joints);
+    }
+
+    /// Passes over to a held arm angle behind a place `s` with these joints, if the upper arm is inclined enough there.
+    fn pass_over(&mut self, arm: &Arm, s: f64, joints: &Joints, built: f64) {
+        if self.arm_angle.holds_axis() && joints[1].abs() > INCLINED {
+            let from = s.max(built);
+            let angle = arm.arm_angle(joints).unwrap_or(0.0);
+            self.arm_angle.release_axis(from, from + AHEAD, angle);
+        }
     }
 }

@@ -26,6 +26,7 @@ pub mod arm;
 pub mod arm_angle;
 pub mod check;
 mod entry;
+mod held_axis;
 pub mod joint_path;
 pub mod motion_core;
 pub mod node;

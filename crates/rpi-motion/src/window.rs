@@ -10,7 +10,7 @@ const RESOLUTION: f64 = 1e-8;
 
 /// Spacing of nodes on a path of the tool, m: widest, and finest before the path is refused.
 const WIDEST: f64 = 2e-3;
-const FINEST: f64 = WIDEST / 64.0;
+const FINEST: f64 = WIDEST / 512.0;
 
 /// Nodes that must be much better resolved than needed before the spacing is doubled.
 const CALM_NODES: u32 = 16;

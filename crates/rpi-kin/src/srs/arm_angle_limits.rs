@@ -103,9 +103,10 @@ pub fn limit_arm_angles(
         core::array::from_fn(|column| reach.flange_rotation.column(column).into());
     let wave = |spoke: ElbowPlaneVector, fixed: &Vector3<f64>| spoke.dot(circle, fixed);
     let minus = |wave: Sinusoid| wave.scaled_sum(-1.0, wave, 0.0);
+    let [third_sin, third_cos] = third_joint(&upper, circle);
     let turns = [
         (0, wave(upper.z, &base[1]), wave(upper.z, &base[0])),
-        (2, wave(upper.y, &base[2]), minus(wave(upper.x, &base[2]))),
+        (2, third_sin, third_cos),
         (4, wave(fore.y, &hand[2]), wave(fore.x, &hand[2])),
         (6, wave(fore.z, &hand[1]), minus(wave(fore.z, &hand[0]))),
     ];
@@ -117,6 +118,32 @@ pub fn limit_arm_angles(
         .into_iter()
         .flat_map(|(axis, cos)| limits_sin_cos(ranges[axis]).map(|end| zeros_of_bend(cos, end)));
     collect(at_turns.chain(at_bends).flatten())
+}
+
+/// Returns the arm angles (rad, not wrapped) at which the third joint has the canonical angle `third` (rad), or half a turn
+/// more with the opposite bend of the shoulder; NaN if there are none.
+///
+/// They stay well defined where the shoulder is straight and axes 1 and 3 are in line: there, every held arm angle makes
+/// both axes jump.
+#[must_use]
+pub fn arm_angles_of_third_joint(
+    reach: &ElbowTriangle,
+    circle: &ElbowCircle,
+    third: f64,
+) -> [f64; 2] {
+    let upper = LimbFrame::new(reach.shoulder_angle);
+    let [sin, cos] = third_joint(&upper, circle);
+    zeros_of_turn(sin, cos, SinCos::from_angle(third))
+}
+
+/// Returns sine and cosine of the third joint, of a common length, as functions of the arm angle.
+fn third_joint(upper: &LimbFrame, circle: &ElbowCircle) -> [Sinusoid; 2] {
+    let vertical = Vector3::z();
+    let cos = upper.x.dot(circle, &vertical);
+    [
+        upper.y.dot(circle, &vertical),
+        cos.scaled_sum(-1.0, cos, 0.0),
+    ]
 }
 
 fn limits_sin_cos(range: Range) -> [SinCos; 2] {

@@ -10,7 +10,9 @@
 //! hint (for rule 3, within its range). So a path that stays in range keeps its configuration. A path that meets a
 //! limit moves the elbow instead of jumping.
 
-use super::arm_angle_limits::{MAX_LIMIT_ARM_ANGLES, canonical_ranges, limit_arm_angles};
+use super::arm_angle_limits::{
+    MAX_LIMIT_ARM_ANGLES, arm_angles_of_third_joint, canonical_ranges, limit_arm_angles,
+};
 use super::branches::{Branch, first_branch};
 use super::elbow::{ElbowCircle, ElbowPosition};
 use super::{ElbowTriangle, Geometry, Joints};
@@ -108,6 +110,25 @@ impl Geometry {
             joints: self.apply_sense(&found.joints),
             ..found
         })
+    }
+
+    /// Returns the arm angles (rad, not wrapped) of a pose at which the third joint has the value `third` (rad), or half a
+    /// turn more; NaN if there are none.
+    ///
+    /// # Errors
+    /// [`InverseKinematicsError::OutOfReach`] or [`InverseKinematicsError::NotFinite`].
+    pub fn arm_angles_of_third_joint(
+        &self,
+        flange: &Transform,
+        third: f64,
+    ) -> Result<[f64; 2], InverseKinematicsError> {
+        let reach = self.elbow_triangle(flange)?;
+        let circle = ElbowCircle::new(reach.line);
+        Ok(arm_angles_of_third_joint(
+            &reach,
+            &circle,
+            self.sense[2] * third,
+        ))
     }
 
     /// Returns all eight solutions for a pose and an arm angle, in rad within half a turn, without regard to ranges.

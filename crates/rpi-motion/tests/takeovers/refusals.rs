@@ -55,5 +55,31 @@ fn few_lines_with_an_inverse_are_refused() {
             model.id,
             refused.len()
         );
+        assert!(refused.len() as u64 * 20 <= lines, "{}", model.id);
+    }
+}
+
+/// Lines that begin with an upright upper arm: axes 1 and 3 in line, axis 3 anywhere.
+#[test]
+fn a_line_begins_with_axis_2_at_zero() {
+    let mut random = Random::new(11);
+    let redundant = ARMS.into_iter().filter(|model| model.axes() == 7);
+    for model in redundant {
+        let arm = Arm::new(model, Pose::identity(), &[]);
+        let (mut lines, mut refused) = (0, Vec::new());
+        while lines < number("RPI_LINES", 100) {
+            let mut start = random::joints(model, &mut random);
+            start[1] = 0.0;
+            let path = random::path(model, &arm, Kind::Line, &start, &mut random);
+            let Some(path) = path.filter(|path| has_inverse(&arm, path, &start)) else {
+                continue;
+            };
+            lines += 1;
+            let requested = random::requested(Kind::Line, &mut random, true);
+            refused.extend(check_path(&arm, path, &start, requested).err());
+        }
+        println!("{}: {} of {lines} refused", model.id, refused.len());
+        refused.iter().for_each(|error| println!("{error:?}"));
+        assert!(refused.len() as u64 * 20 <= lines, "{}", model.id);
     }
 }
