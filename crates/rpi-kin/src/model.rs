@@ -119,6 +119,19 @@ impl ArmModel {
         found.ok()
     }
 
+    /// Returns joint values (rad) of a redundant arm whose axis 3 has the value `third` (rad) and whose axis 1 has turned by the
+    /// opposite angle: the same pose, if `third` is within rounding of the present value. `None` for other arms.
+    #[must_use]
+    pub fn with_third_axis(&self, joints: &[f64], third: f64) -> Option<[f64; MAX_AXES]> {
+        match self.inverse {
+            InverseKinematics::Srs(geometry) => {
+                let joints = first_n(joints).ok()?;
+                Some(geometry.with_third_joint(&joints, third))
+            }
+            _ => None,
+        }
+    }
+
     /// As [`inverse`](Self::inverse), but a redundant arm gets the arm angle `arm_angle` (rad). Where no joints within
     /// the limits have it, the nearest arm angle is taken. Returns the joints, and the change of the arm angle (rad, 0
     /// if it was kept). Arms with six axes ignore `arm_angle`.

@@ -74,6 +74,27 @@ impl Arm {
         Some(turned_to(nearest, near))
     }
 
+    /// As [`inverse`](Self::inverse), with the arm angle `arm_angle` (rad) at which axis 3 has the value `third` (rad): it
+    /// gets exactly this value, also where axes 1 and 3 are in line.
+    ///
+    /// # Errors
+    /// Any [`InverseKinematicsError`].
+    pub fn inverse_with_third_axis(
+        &self,
+        tool: &Pose,
+        hint: &Joints,
+        arm_angle: f64,
+        third: f64,
+    ) -> Result<(Joints, f64), InverseKinematicsError> {
+        let (joints, change) = self.inverse(tool, hint, arm_angle)?;
+        let is_rounding = change == 0.0 && libm::fabs(joints[2] - third) < ROUNDING;
+        let exact = match is_rounding {
+            true => self.model.with_third_axis(&joints[..self.axes()], third),
+            false => None,
+        };
+        Ok((exact.unwrap_or(joints), change))
+    }
+
     /// Returns the joints for a pose of the tool in the base frame: those nearest to `hint`, with the arm angle
     /// `arm_angle` (rad) where the arm is redundant, or with the nearest one within the ranges of the axes. The second
     /// value is the change of the arm angle, rad.
@@ -92,6 +113,9 @@ impl Arm {
             .inverse_at_arm_angle(&flange, hint, arm_angle, self.limits())
     }
 }
+
+/// Greatest difference of axis 3 from its value that counts as rounding next to an upright upper arm, rad.
+const ROUNDING: f64 = 1e-3;
 
 /// Moves an angle by full turns to the value nearest to another, rad.
 fn turned_to(angle: f64, near: f64) -> f64 {

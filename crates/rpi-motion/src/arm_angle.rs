@@ -73,6 +73,14 @@ impl ArmAngle {
         })
     }
 
+    /// Returns the value that axis 3 has at a value of the path parameter, rad, if it is held there.
+    #[must_use]
+    pub fn held_third_axis(&self, s: f64) -> Option<f64> {
+        let is_moved = self.count > 0 && self.moves[0].from < s;
+        let held = self.held.filter(|held| held.weight_at(s) >= 1.0)?;
+        (!is_moved).then(|| held.third())
+    }
+
     /// Holds axis 3 at `third` (rad) from the start of the path on.
     pub fn hold_axis(&mut self, third: f64) {
         self.held = Some(HeldAxis::new(third));

@@ -73,7 +73,11 @@ impl JointPath {
             Path::Tool(path) => path,
         };
         let pose = path.pose(s);
-        let found = arm.inverse(&pose, hint, self.arm_angle_at(arm, s, &pose, hint));
+        let angle = self.arm_angle_at(arm, s, &pose, hint);
+        let found = match self.arm_angle.held_third_axis(s) {
+            Some(third) => arm.inverse_with_third_axis(&pose, hint, angle, third),
+            None => arm.inverse(&pose, hint, angle),
+        };
         let (joints, _) = found.map_err(|error| PathError {
             s,
             kind: PathErrorKind::NoInverse(error),

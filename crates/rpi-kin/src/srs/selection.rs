@@ -131,6 +131,18 @@ impl Geometry {
         ))
     }
 
+    /// Returns joint values (rad) whose third one is `third` and whose first one has turned by the opposite angle.
+    ///
+    /// Next to an upright upper arm both are ill-conditioned, but not their sum: there, this replaces the rounding error of
+    /// the third joint, and the pose stays as it is.
+    #[must_use]
+    pub fn with_third_joint(&self, joints: &Joints, third: f64) -> Joints {
+        let mut moved = *joints;
+        moved[0] += self.sense[0] * self.sense[2] * (joints[2] - third);
+        moved[2] = third;
+        moved
+    }
+
     /// Returns all eight solutions for a pose and an arm angle, in rad within half a turn, without regard to ranges.
     /// Angles that the pose does not determine are 0.
     ///
