@@ -1,10 +1,10 @@
 //! Check of a whole path before anything moves.
 
+use crate::joint_path::JointPath;
 use crate::node_table::NodeTable;
-use crate::path::{Path, ToolPath};
+use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
-use rpi_kin::InverseKinematicsError;
 use rpi_kin::state_to_rest::Bounds;
 
 /// What a check of a path found.
@@ -18,56 +18,57 @@ pub struct PathReport {
     pub nodes: usize,
 }
 
-/// Places that [`scan_path`] looks at first.
-const SCANNED: u32 = 16;
+/// Number of steps in which [`scan_path`] looks at a path where nothing is in the way, and places that it looks at in all.
+const STEPS: f64 = 32.0;
+const PLACES: usize = 80;
 
-/// Halvings with which it narrows the place of an error.
-const HALVINGS: u32 = 12;
+/// Distance (m) of two places that are next to each other: what fails between them is an error.
+const ADJACENT: f64 = 1e-5;
 
-/// Looks at a few places of a path before anything moves: whether the inverse kinematics has a solution there, and
-/// whether the end of a joint line lies within the ranges. For the cycle: at most 28 inverses, about 50 µs. A change of
-/// configuration, a singularity, or a gap between the places is found only by [`check_path`], or on the way.
+/// Change of an axis between two places that may be another configuration, and is one if they are next to each other; rad.
+const JUMP: f64 = 0.3;
+
+/// Looks at a few places of a path before anything moves: whether the inverse kinematics has a solution there, whether
+/// an arm of six axes stays in its configuration between them, and whether the end of a joint line lies within the
+/// ranges. For the cycle: at most 80 inverses, about 100 µs. A singularity, or a gap between the places, is found only
+/// by [`check_path`], or on the way.
 ///
 /// # Errors
 /// The first place that the arm cannot pass, as far as this shows it.
 pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError> {
-    let tool = match path {
-        Path::Joints(line) => {
-            return check_ranges(arm, &line.joints(line.length()), start, line.length());
-        }
-        Path::Tool(tool) => tool,
-    };
-    let angle = arm.arm_angle(start).unwrap_or(0.0);
-    let (mut good, mut hint) = (0.0, *start);
-    for number in 1..=SCANNED {
-        let s = tool.length() * f64::from(number) / f64::from(SCANNED);
-        match arm.inverse(&tool.pose(s), &hint, angle) {
-            Ok((joints, _)) => (good, hint) = (s, joints),
-            Err(error) => return Err(narrowed(arm, tool, start, (good, hint), (s, error))),
+    let length = path.length();
+    if let Path::Joints(line) = path {
+        return check_ranges(arm, &line.joints(length), start, length);
+    }
+    let (joint_path, widest) = (JointPath::new(arm, *path, start), length / STEPS);
+    let (mut s, mut joints, mut step) = (0.0, *start, widest);
+    for _ in 0..PLACES {
+        let next = (s + step).min(length);
+        match step_to(arm, &joint_path, next, &joints) {
+            Ok(found) => {
+                (s, joints, step) = (next, found, widest.min(2.0 * step));
+                if s >= length {
+                    break;
+                }
+            }
+            Err(error) if step < ADJACENT => return Err(error),
+            Err(_) => step /= 2.0,
         }
     }
     Ok(())
 }
 
-/// The place of an error between a place that can be reached and one that cannot.
-fn narrowed(
-    arm: &Arm,
-    tool: &ToolPath,
-    start: &Joints,
-    (mut good, mut hint): (f64, Joints),
-    (mut bad, mut error): (f64, InverseKinematicsError),
-) -> PathError {
-    let angle = arm.arm_angle(start).unwrap_or(0.0);
-    for _ in 0..HALVINGS {
-        let s = (good + bad) / 2.0;
-        match arm.inverse(&tool.pose(s), &hint, angle) {
-            Ok((joints, _)) => (good, hint) = (s, joints),
-            Err(other) => (bad, error) = (s, other),
-        }
-    }
-    PathError {
-        s: bad,
-        kind: PathErrorKind::NoInverse(error),
+/// Steps to a place from joints: a large change of an axis is an error. Not so where the arm is redundant: by another arm
+/// angle, it may keep its configuration.
+fn step_to(arm: &Arm, path: &JointPath, s: f64, from: &Joints) -> Result<Joints, PathError> {
+    let joints = path.solution_at(arm, s, from)?;
+    let jumps = |axis: &usize| libm::fabs(joints[*axis] - from[*axis]) > JUMP;
+    match (0..arm.axes()).find(jumps) {
+        Some(axis) if !path.is_redundant() => Err(PathError {
+            s,
+            kind: PathErrorKind::ConfigurationChange { axis },
+        }),
+        _ => Ok(joints),
     }
 }
 

@@ -68,6 +68,23 @@ impl JointPath {
     /// # Errors
     /// A [`PathError`] if there are none, or if they belong to another configuration.
     pub fn joints_at(&self, arm: &Arm, s: f64, hint: &Joints) -> Result<Joints, PathError> {
+        let joints = self.solution_at(arm, s, hint)?;
+        let is_joint_line = matches!(self.path, Path::Joints(_));
+        let jump = |axis: &usize| (joints[*axis] - hint[*axis]).abs() > CONFIGURATION_STEP;
+        match (0..arm.axes()).find(jump) {
+            Some(axis) if !is_joint_line => Err(PathError {
+                s,
+                kind: PathErrorKind::ConfigurationChange { axis },
+            }),
+            _ => Ok(joints),
+        }
+    }
+
+    /// Returns the joints of the path at a place, of whatever configuration: the nearest ones to `hint`.
+    ///
+    /// # Errors
+    /// A [`PathError`] if there are none.
+    pub fn solution_at(&self, arm: &Arm, s: f64, hint: &Joints) -> Result<Joints, PathError> {
         let path = match &self.path {
             Path::Joints(line) => return Ok(line.joints(s)),
             Path::Tool(path) => path,
@@ -78,18 +95,16 @@ impl JointPath {
             Some(third) => arm.inverse_with_third_axis(&pose, hint, angle, third),
             None => arm.inverse(&pose, hint, angle),
         };
-        let (joints, _) = found.map_err(|error| PathError {
+        found.map(|(joints, _)| joints).map_err(|error| PathError {
             s,
             kind: PathErrorKind::NoInverse(error),
-        })?;
-        let jump = |axis: &usize| (joints[*axis] - hint[*axis]).abs() > CONFIGURATION_STEP;
-        match (0..arm.axes()).find(jump) {
-            None => Ok(joints),
-            Some(axis) => Err(PathError {
-                s,
-                kind: PathErrorKind::ConfigurationChange { axis },
-            }),
-        }
+        })
+    }
+
+    /// Whether the arm has an arm angle to choose on this path.
+    #[must_use]
+    pub fn is_redundant(&self) -> bool {
+        self.is_redundant
     }
 
     /// The arm angle at a place of the path with this pose of the tool, near to the joints `hint`, rad.

@@ -3,7 +3,7 @@
 use crate::random::{self, Kind, Random};
 use crate::{ARMS, number};
 use rpi_kin::{ArmModel, Pose};
-use rpi_motion::{Arm, Joints, Path, PathError, check_path};
+use rpi_motion::{Arm, Joints, Path, PathError, PathErrorKind, check_path, scan_path};
 
 /// Follows a path in steps of 1 mm with a free arm angle: whether the arm can pass without a jump of an axis.
 fn has_inverse(arm: &Arm, path: &Path, start: &Joints) -> bool {
@@ -81,5 +81,34 @@ fn a_line_begins_with_axis_2_at_zero() {
         println!("{}: {} of {lines} refused", model.id, refused.len());
         refused.iter().for_each(|error| println!("{error:?}"));
         assert!(refused.len() as u64 * 20 <= lines, "{}", model.id);
+    }
+}
+
+/// What the check of the whole path takes, the look at a few places before the motion takes, too; and it finds most of
+/// what the check refuses for reach, ranges and configuration.
+#[test]
+fn the_look_before_a_motion_agrees_with_the_check() {
+    let mut random = Random::new(13);
+    for model in ARMS {
+        let arm = Arm::new(model, Pose::identity(), &[]);
+        let (mut refused, mut seen) = (0, 0);
+        for _ in 0..number("RPI_LINES", 100) * 3 {
+            let start = random::joints(model, &mut random);
+            let Some(path) = random::path(model, &arm, Kind::Line, &start, &mut random) else {
+                continue;
+            };
+            let requested = random::requested(Kind::Line, &mut random, true);
+            let scanned = scan_path(&arm, &path, &start);
+            let Err(error) = check_path(&arm, path, &start, requested) else {
+                assert_eq!(scanned, Ok(()), "{}", model.id);
+                continue;
+            };
+            if error.kind != PathErrorKind::Unresolved {
+                refused += 1;
+                seen += u32::from(scanned.is_err());
+            }
+        }
+        println!("{}: {seen} of {refused} seen", model.id);
+        assert!(seen * 10 >= refused * 6, "{}", model.id);
     }
 }
