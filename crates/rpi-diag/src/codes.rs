@@ -179,6 +179,7 @@ codes! {
     RPI6104 Note "set-point may be absent";
     RPI6105 Note "mutual exclusion of set-points not proved";
     RPI6201 Warning "missing takeover";
+    RPI6202 Warning "command ignores cancel";
     RPI7001 Error "budget exceeded";
     RPI7002 Warning "period exceeded";
     RPI7003 Error "cycle share exceeded";

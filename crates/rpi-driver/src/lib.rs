@@ -21,6 +21,7 @@
 
 mod analysed_net;
 mod analysis_summary;
+mod cancel_fix;
 mod compile;
 mod coverage_points;
 mod doctext;

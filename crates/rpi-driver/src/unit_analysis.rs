@@ -11,6 +11,7 @@ use rpi_sema::typed::UnitId;
 
 use crate::analysed_net::AnalysedNet;
 use crate::analysis_summary;
+use crate::cancel_fix;
 use crate::program::{AnalysedProgram, has_errors};
 use crate::unused_outputs;
 use crate::violation;
@@ -143,6 +144,7 @@ fn checked_net(
     diagnostics.extend(analysis_summary::record_reports(
         front, unit, &analysis, elaborated,
     ));
+    cancel_fix::add_fixes(&front.checked.units, unit, &mut analysis.diagnostics);
     diagnostics.append(&mut analysis.diagnostics);
     diagnostics.extend(over_budget(&analysis.net, &analysis.work, front.machine));
     diagnostics.extend(rpi_sema::init::check(&analysis.net));

@@ -5,8 +5,8 @@ use super::{
     Dependencies, FlowPresence, Presences, Readers, Resource, Schedule, WorkBounds, Writers,
 };
 use super::{
-    causality, hoist, mark_live, schedule, setpoint_coverage, termination, unused_flows, verify,
-    writers,
+    cancellation, causality, hoist, mark_live, schedule, setpoint_coverage, termination,
+    unused_flows, verify, writers,
 };
 use crate::fragment_tree::FragmentTree;
 use crate::net::{FragmentId, Net, PortRef};
@@ -232,6 +232,10 @@ pub const PASSES: &[Pass] = &[
         run: |a, _| {
             let diagnostics = termination::check(a.proof_context());
             let summary = termination::summary(&a.net, diagnostics.len());
+            if diagnostics.is_empty() {
+                a.diagnostics
+                    .extend(cancellation::check(&a.net, &a.writers));
+            }
             a.diagnostics.extend(diagnostics);
             Ok(summary)
         },

@@ -3,6 +3,7 @@
 //! [`PASSES`] lists them in the order in which they run; [`analyse`] runs them.
 
 mod analysis;
+mod cancellation;
 pub mod causality;
 mod clocks;
 mod conjunction;

@@ -1,0 +1,123 @@
+//! Commands that ignore a cancel request: nothing that they send to a device, and none of their results, depends on
+//! `cancel`.
+//!
+//! A motion of the arm comes to rest on its path when the command is cancelled. But whether the command ends then is up to
+//! its results. So what a motion computes counts as independent of `cancel` here.
+
+use super::writers::Writers;
+use crate::net::{Activation, FragmentId, Input, Net, Node, NodeId, ResultPort, Termination};
+use rpi_diag::{Code, Diagnostic};
+use rpi_image::{CommandFlow, Role};
+use rustc_hash::FxHashSet;
+
+/// Returns a warning about a command that moves a device and ignores a cancel request. It moves one whose set-point changes
+/// from cycle to cycle; one that is constant, like the width of a gripper, is reached sooner or later. Imported nets
+/// and tests are not checked.
+pub(crate) fn check(net: &Net, writers: &Writers) -> Option<Diagnostic> {
+    let Termination::Results(results) = &net.termination else {
+        return None;
+    };
+    let mut written = writers.by_resource.iter();
+    let (resource, _) = written.find(|(_, writers)| has_moving_set_point(net, writers))?;
+    let device = &resource.device;
+    let last = results.last()?;
+    let ignores = !net.is_test && !depends_on_cancel(net, writers, results);
+    ignores.then(|| diagnostic(net, last, device))
+}
+
+fn diagnostic(net: &Net, last: &ResultPort, device: &str) -> Diagnostic {
+    let name = &net.name;
+    let message = format!("command `{name}` ignores a cancel request");
+    Diagnostic::new(Code::RPI6202, message)
+        .primary(last.origin.span, "no result depends on `cancel`")
+        .note(format!(
+            "cancelled, it drives `{device}` until one of its results happens"
+        ))
+        .help("end it when the device is at rest after `cancel`: `fail stopped when c`")
+}
+
+/// Whether what one of these nodes writes depends on time, state, or a sensor.
+fn has_moving_set_point(net: &Net, writers: &[NodeId]) -> bool {
+    let mut search = Search::new(net);
+    let inputs = writers.iter().flat_map(|writer| &net.node(*writer).inputs);
+    inputs.for_each(|input| search.input(input));
+    search.finds(|role| {
+        matches!(
+            role,
+            Role::Delay | Role::First | Role::Flow(_) | Role::Sensor(_) | Role::DeviceFunction(_)
+        )
+    })
+}
+
+fn depends_on_cancel(net: &Net, writers: &Writers, results: &[ResultPort]) -> bool {
+    let mut search = Search::new(net);
+    let conditions = results.iter().map(|result| &result.condition);
+    conditions.for_each(|condition| search.input(condition));
+    let written = writers.by_resource.values().flatten();
+    written.for_each(|writer| search.node(*writer));
+    search.finds(|role| role == Role::Flow(CommandFlow::Cancel))
+}
+
+/// Search against the direction of the flows.
+struct Search<'a> {
+    net: &'a Net,
+    seen: FxHashSet<NodeId>,
+    fragments: FxHashSet<FragmentId>,
+    open: Vec<NodeId>,
+}
+
+impl<'a> Search<'a> {
+    fn new(net: &'a Net) -> Self {
+        Self {
+            net,
+            seen: FxHashSet::default(),
+            fragments: FxHashSet::default(),
+            open: Vec::new(),
+        }
+    }
+
+    fn finds(&mut self, wanted: impl Fn(Role) -> bool) -> bool {
+        while let Some(id) = self.open.pop() {
+            let node = self.net.node(id);
+            if wanted(node.desc().role) {
+                return true;
+            }
+            if !is_motion(node) {
+                node.inputs.iter().for_each(|input| self.input(input));
+            }
+            self.fragment(node.fragment);
+        }
+        false
+    }
+
+    fn input(&mut self, input: &Input) {
+        if let Input::Port(port) = input {
+            self.node(port.node);
+        }
+    }
+
+    fn node(&mut self, id: NodeId) {
+        if self.seen.insert(id) {
+            self.open.push(id);
+        }
+    }
+
+    /// What decides whether a fragment is active.
+    fn fragment(&mut self, id: FragmentId) {
+        let mut next = Some(id);
+        while let Some(id) = next.filter(|id| self.fragments.insert(*id)) {
+            let fragment = self.net.fragment(id);
+            if let Activation::When { condition, .. } = fragment.activation {
+                self.node(condition.node);
+            }
+            next = fragment.parent;
+        }
+    }
+}
+
+/// Whether a node moves a device along a path, on which it can pause.
+fn is_motion(node: &Node) -> bool {
+    let desc = node.desc();
+    let can_pause = desc.inputs.iter().any(|port| port.name == "inPaused");
+    matches!(desc.role, Role::DeviceFunction(_)) && can_pause
+}
