@@ -7,21 +7,22 @@ use crate::{Arm, Joints};
 use rpi_kin::InverseKinematicsError;
 use rpi_kin::state_to_rest::Bounds;
 
-/// What a check of a path found.
+/// Result of checking a path: its end, its slowest place and the size of the check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathReport {
     /// Joints at the end of the path, rad.
     pub end: Joints,
-    /// Lowest velocity of the path parameter that a place allows, and the place.
+    /// Lowest velocity of the path parameter that the limits of the axes enforce, and the value of the path parameter
+    /// where they do.
     pub slowest: (f64, f64),
-    /// Number of nodes that were needed.
+    /// Number of places at which the derivatives of the joints were computed.
     pub nodes: usize,
 }
 
-/// Places that [`scan_path`] looks at first.
+/// Number of places of a path that [`scan_path`] checks first.
 const SCANNED: u32 = 16;
 
-/// Halvings with which it narrows the place of an error.
+/// Number of bisection steps with which [`scan_path`] locates an error.
 const HALVINGS: u32 = 12;
 
 /// Looks at a few places of a path before anything moves: whether the inverse kinematics has a solution there, and
@@ -49,7 +50,7 @@ pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError
     Ok(())
 }
 
-/// The place of an error between a place that can be reached and one that cannot.
+/// Bisects between a place that can be reached and one that cannot. Returns the error at the nearest place found.
 fn narrowed(
     arm: &Arm,
     tool: &ToolPath,
@@ -71,7 +72,8 @@ fn narrowed(
     }
 }
 
-/// Whether all axes end within their ranges, or no farther out than they start; the error names the first that does not.
+/// Checks that all axes end within their ranges, or no farther out than they start. The error names the first axis that
+/// does not.
 fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<(), PathError> {
     for (axis, limits) in arm.limits().iter().enumerate() {
         let range = limits.position;

@@ -12,10 +12,10 @@ const CONFIGURATION_STEP: f64 = 0.1;
 const AHEAD: f64 = 0.1;
 const STEP: f64 = 0.01;
 
-/// Shortest stretch on which the arm angle moves, m.
+/// Shortest stretch of the path on which the arm angle may change, m.
 const SHORTEST_MOVE: f64 = 0.01;
 
-/// By how much the arm angle moves farther than it must, rad: the largest allowed one is taken.
+/// Extra changes of the arm angle beyond the necessary one, rad. The largest that the ranges allow is taken.
 const FARTHER: [f64; 4] = [0.3, 0.15, 0.05, 0.01];
 
 /// A path, and the arm angle along it.
@@ -25,7 +25,7 @@ pub struct JointPath {
     pub path: Path,
     arm_angle: ArmAngle,
     is_redundant: bool,
-    /// The place that has been looked at last, and its joints.
+    /// Place (value of the path parameter) up to which the arm angle has been planned, and the joints there.
     seen: (f64, Joints),
 }
 
@@ -42,7 +42,7 @@ impl JointPath {
         }
     }
 
-    /// A path whose arm angle does not matter.
+    /// Creates a path whose arm angle is constant at 0, for arms or uses in which it does not matter.
     pub(crate) fn still(path: Path) -> Self {
         Self {
             path,

@@ -37,7 +37,7 @@ pub fn results_to_ports(analysis: &Analysis) -> (Net, Vec<Diagnostic>) {
     (ending.net, diagnostics)
 }
 
-/// Net under construction, with the analyses that it needs.
+/// Converter of results and exports to ports: the net under construction and the analyses that it needs.
 struct ResultConverter<'a> {
     net: Net,
     tree: FragmentTree,

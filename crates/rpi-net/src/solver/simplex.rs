@@ -9,27 +9,27 @@ use super::sat::Lit;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Maximal number of branches for the integers per check.
+/// Maximal number of branches per feasibility check that make the variables integers.
 const BRANCHES: usize = 40;
-/// Maximal number of pivots per check.
+/// Maximal number of pivots per feasibility check.
 const PIVOTS: usize = 2_000;
 /// Cost of an update of a row, in steps of the SAT search.
 const STEPS_PER_ROW: u64 = 8;
 
-/// Justification of a bound.
+/// Reason for a bound of a variable, from which conflicts are explained.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Reason {
     Always,
     Asserted(Lit),
-    /// Assumption of a branch at this depth.
+    /// The bound was assumed by the branch at this depth of branch and bound.
     Branch(usize),
 }
 
-/// Result of a check.
+/// Result of a feasibility check of linear constraints.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Feasibility {
     Feasible,
-    /// These literals cannot all be true.
+    /// Infeasible: these literals cannot all be true.
     Infeasible(Vec<Lit>),
     Unknown,
 }
