@@ -45,7 +45,8 @@ pub(crate) fn clocks<'s>(interpreter: &'s Interpreter<'_>, here: EvalContext) ->
     &interpreter.clocks[interpreter.instances[here.instance].id.0 as usize]
 }
 
-/// Returns whether the condition of a sampling has its value.
+/// Returns whether the condition of a sampling step has the value that the step requires; `None` if the condition is
+/// absent.
 pub(crate) fn is_on(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,

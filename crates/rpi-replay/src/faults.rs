@@ -54,18 +54,18 @@ impl ReportedFault {
         self.diagnostic.notes = violation.notes;
     }
 
-    /// Returns the diagnostic that reports the fault.
+    /// Returns the diagnostic of the fault.
     pub(crate) fn into_diagnostic(self) -> Diagnostic {
         self.diagnostic
     }
 }
 
-/// Reports for the commands of a run that ended with a fault, by the index of the command in the outcome.
+/// Reported faults of the commands of a run, by the index of the command in the outcome.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Faults(pub(crate) BTreeMap<usize, ReportedFault>);
 
 impl Faults {
-    /// Reports the faults of a run.
+    /// Creates the reports of the faults that ended commands of a run.
     #[must_use]
     pub fn from_outcome(outcome: &Outcome) -> Faults {
         let commands = outcome.commands.iter().enumerate();

@@ -87,7 +87,7 @@ impl Simplex {
         self.variables.len()
     }
 
-    /// Approximate cost of the last check in steps.
+    /// Approximate cost of the last feasibility check, in steps of the SAT search.
     pub(crate) fn work(&self) -> u64 {
         (self.pivots + self.branches) as u64 * (self.rows.len() as u64 + 1) * STEPS_PER_ROW
     }
@@ -153,7 +153,8 @@ impl Simplex {
         }
     }
 
-    /// Restores the original rows: a pivot that overflows ends half-way and leaves the rows inconsistent.
+    /// Restores the rows of the tableau from the definitions of the sums: a pivot that overflows ends half-way and
+    /// leaves the rows inconsistent.
     fn restore_rows(&mut self) {
         self.rows.clone_from(&self.definitions);
         for variable in &mut self.variables {
@@ -249,7 +250,7 @@ impl Simplex {
         Ok(())
     }
 
-    /// First non-basic variable that can move the basic one in this direction. Choosing the first one guarantees
+    /// First non-basic variable by which the basic one can be moved up or down. Choosing the first one guarantees
     /// termination (Bland 1977).
     fn entering(&self, basic: usize, upwards: bool) -> Option<usize> {
         let row = self.rows.get(&basic)?;

@@ -172,7 +172,7 @@ fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (TargetPl
     }
 }
 
-/// Handles a target whose name is not declared in this body.
+/// Reports a target whose name is not declared in this body, and returns a target that is not checked further.
 fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (TargetPlace, Ty) {
     if let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) {
         return not_definable(cx, name, cx.checker.program.decl(id).kind.description());

@@ -38,7 +38,7 @@ pub(crate) struct CallArgument<'a> {
 }
 
 impl<'a> CallArgument<'a> {
-    /// Creates a positional argument.
+    /// Creates an argument without a name, which is assigned to a port by its position.
     pub(crate) fn positional(value: ExprId) -> CallArgument<'a> {
         CallArgument {
             name: None,

@@ -41,7 +41,8 @@ pub(crate) fn report_wrong_order(
     true
 }
 
-/// Returns for each of these ports the argument of another port that matches it.
+/// Returns, for each port in `misfits`, the argument of another port that matches its type; `None` if there is no such
+/// order.
 fn matching_order(
     cx: &Body<'_, '_>,
     header: &Header,

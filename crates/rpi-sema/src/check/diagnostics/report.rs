@@ -189,9 +189,9 @@ fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
 
 /// Reason why a type is expected.
 pub(crate) enum ExpectationReason {
-    /// No explanation is needed.
+    /// The type is expected for a reason that needs no explanation.
     Unexplained,
-    /// Explanation with the location of its cause; without a location it becomes a note.
+    /// The type is expected because of this text at this location; without a location the text becomes a note.
     Because(Span, String),
 }
 
@@ -218,7 +218,7 @@ fn type_text(ty: &Ty) -> String {
     }
 }
 
-/// Returns the diagnostic for an array of another size than expected.
+/// Returns the diagnostic for an array whose size differs from the expected one.
 fn const_size(expected: u32, found: u32, span: Span) -> Diagnostic {
     Diagnostic::new(
         Code::RPI2009,
@@ -245,7 +245,7 @@ pub(crate) fn undefined_name(
     diagnostic.did_you_mean(span, near)
 }
 
-/// Returns the diagnostic for a member that a value does not have.
+/// Returns the diagnostic for a field or output that a value does not have.
 pub(crate) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::RPI1004, format!("{of} has no `{name}`")).primary(span, "not found");

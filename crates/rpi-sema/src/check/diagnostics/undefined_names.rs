@@ -12,8 +12,7 @@ use rpi_syntax::ast::Ident;
 /// Kind of name that a unit declares for itself, as it appears in messages.
 pub(crate) const FLOW_KIND: &str = "flow";
 
-/// Returns the diagnostic for an undefined name that would be global and resembles no other name. It is reported once
-/// for each name.
+/// Returns the diagnostic for an undefined global name that resembles no other name. It is reported once for each name.
 fn not_declared_anywhere(what: &str, name: &str, span: Span) -> Diagnostic {
     let message = format!("undefined {what} `{name}`");
     Diagnostic::new(Code::RPI1001, message)

@@ -23,7 +23,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident};
 use std::rc::Rc;
 
-/// Returns the name of a value in messages: its type, or "this call" for the outputs of a call.
+/// Returns the description of a value in messages: its type, or "this call" for the outputs of a call.
 fn value_description(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(_) => "this call".to_owned(),
@@ -61,7 +61,7 @@ pub(crate) fn member_names(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }
 
-/// Checks `base.field`.
+/// Checks a field access `base.field` and adds its expression.
 pub(crate) fn field_access<'a>(cx: &mut Body<'_, 'a>, field: &'a Field, span: Span) -> ExprId {
     if let Some(block) = named_block(cx, &field.base) {
         return block_member(cx, block, &field.field, span);
