@@ -33,7 +33,7 @@ impl<'u> Solver<'u> {
         LeafClocks::from_leaves(leaves.into_iter(), base)
     }
 
-    /// Returns the clock of the call: the common clock of its arguments and of the operands of its activation.
+    /// Returns the clock on which a call runs: the common clock of its arguments and of the operands of its activation.
     fn call_clock(&mut self, call: &Call, callee: &Unit) -> Clock {
         let mut clocks = Vec::new();
         for (formal, arg) in callee.inputs.iter().zip(&call.args) {
@@ -53,7 +53,7 @@ impl<'u> Solver<'u> {
         base.unwrap_or(Clock::ANY)
     }
 
-    /// Records the caller's clocks of the flows inside the callee that decide about clocks of its outputs.
+    /// Records the caller's clocks of the flows inside the callee that are clock conditions of its outputs.
     fn update_exposed(&mut self, id: ExprId, call: &Call, base: Clock) {
         let clocks = &self.facts[call.unit.0 as usize].clocks;
         for (number, (_, clock)) in (0..).zip(clocks.exposed()) {
@@ -62,7 +62,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Translates a clock of the callee, given as a path of samplings, into a clock of the caller.
+    /// Translates a clock of the called unit, given as a list of samplings, into a clock of the caller.
     pub(super) fn translate_clock(
         &mut self,
         id: ExprId,
@@ -82,8 +82,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Translates a decider of the callee: to the argument passed for it if that has a name, else to an exposed decider
-    /// of the call.
+    /// Translates a clock condition of the called unit, a flow whose value decides when a clock ticks, into one of the
+    /// caller: the argument passed for that flow if it has a name, else the condition inside this call.
     fn translate_decider(&mut self, id: ExprId, call: &Call, by: Decider) -> Option<Decider> {
         let callee = &self.units[call.unit.0 as usize];
         if let Decider::Flow(flow) = by
@@ -98,7 +98,7 @@ impl<'u> Solver<'u> {
         Some(Decider::CallInternal(id, u32::try_from(number).ok()?))
     }
 
-    /// Returns the samplings of leaf `k` of a callee's port, in the callee's terms, from its base clock on.
+    /// Returns the samplings of leaf `k` of a port of the called unit, in terms of that unit, from its base clock on.
     pub(super) fn port_path(
         &self,
         call: &Call,
@@ -127,7 +127,8 @@ impl<'u> Solver<'u> {
         path
     }
 
-    /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
+    /// Returns the flows of the unit that are clock conditions of its outputs, each with its own clock. Callers of the
+    /// unit refer to them by index.
     pub(super) fn exposed(&self) -> Vec<(Decider, Clock)> {
         let mut exposed: Vec<(Decider, Clock)> = Vec::new();
         let rows = self

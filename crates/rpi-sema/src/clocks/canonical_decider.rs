@@ -5,7 +5,7 @@ use crate::clocks::solve::Solver;
 use crate::typed::{Activation, TypedKind};
 use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
 
-/// Returns the canonical decider for a flow.
+/// Returns the clock condition that a flow stands for: itself, or the flow that it copies.
 pub(super) fn decider_of(solver: &mut Solver<'_>, flow: FlowId) -> Decider {
     if let Some(known) = solver.canonical.get(&flow) {
         return *known;
@@ -15,7 +15,8 @@ pub(super) fn decider_of(solver: &mut Solver<'_>, flow: FlowId) -> Decider {
     name
 }
 
-/// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
+/// Returns the clock condition that leaf `k` of an expression stands for; `None` if the expression computes a new
+/// value.
 pub(super) fn decider(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<Decider> {
     match copied_source(solver, id, k)? {
         CopySource::Leaf(flow, 0) if is_scalar(solver.unit, flow) => Some(decider_of(solver, flow)),
@@ -24,7 +25,7 @@ pub(super) fn decider(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<D
     }
 }
 
-/// Returns the flow or call result that leaf `k` of a flow copies, following copies to their source.
+/// Returns the flow or call result that leaf `k` of a flow copies, followed through all copies.
 fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<Decider> {
     let (mut at, mut best) = ((flow, k), None);
     for _ in 0..solver.unit.flows.len() {
@@ -109,11 +110,11 @@ pub(super) fn runs_always(solver: &Solver<'_>, callee: &Unit) -> bool {
     solver.is_last_round() && !solver.unit.is_lustre && callee.has_state
 }
 
-/// Source of a leaf that is passed on unchanged.
+/// Source of a leaf (scalar part) that an expression passes on unchanged.
 enum CopySource {
-    /// Leaf of a flow, by its index.
+    /// Leaf of a flow: the flow and the index of the leaf.
     Leaf(FlowId, usize),
-    /// Exposed decider inside a call.
+    /// Clock condition inside a called unit.
     CallResult(Decider),
 }
 

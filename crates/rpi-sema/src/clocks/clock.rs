@@ -3,27 +3,27 @@
 use crate::hash::{FastMap, FastSet};
 use crate::typed::{ExprId, FlowId};
 
-/// Flow whose value decides whether a clock ticks.
+/// Clock condition: the flow whose value decides in which cycles a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum Decider {
     /// Flow of the unit.
     Flow(FlowId),
-    /// Unnamed decider inside a call: the call expression and the index in [`Clocks::exposed`](super::Clocks::exposed)
-    /// of the called unit.
+    /// Condition inside a call, without a name in the caller: the call expression and the index in
+    /// [`Clocks::exposed`](super::Clocks::exposed) of the called unit.
     CallInternal(ExprId, u32),
 }
 
-/// One sampling: the cycles in which the decider has the given value.
+/// Sampling of a flow: a clock condition, and the value of it for which the sampled flow has a value.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Sampling {
-    /// Decider of the sampling.
+    /// Condition of the sampling.
     pub decider: Decider,
-    /// Value of the decider: 0 or 1 for a Boolean, the index of an enum's value.
+    /// Value of the condition in the cycles that count: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,
 }
 
 /// Clock of a leaf during inference: any clock, the base clock, or one sampling. The parent of a sampling is the clock
-/// of its decider.
+/// of its condition.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct Clock(u32);
 
@@ -75,7 +75,7 @@ impl Samplings {
         self.clock_by_sampling.get(&tick).copied()
     }
 
-    /// Returns whether a sampling with this decider exists.
+    /// Returns whether a sampling with this condition exists.
     pub(super) fn is_decider(&self, by: Decider) -> bool {
         self.deciders.contains(&by)
     }

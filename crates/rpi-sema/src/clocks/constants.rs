@@ -36,7 +36,7 @@ pub(super) fn settle_constants(solver: &mut Solver<'_>) {
     }
 }
 
-/// For each expression, whether inference left it without a clock.
+/// For each expression, whether inference left it without a clock of its own.
 struct Undetermined(Vec<bool>);
 
 struct ConstantClocks<'s, 'u> {
@@ -47,8 +47,8 @@ struct ConstantClocks<'s, 'u> {
 }
 
 impl<'u> ConstantClocks<'_, 'u> {
-    /// Gives an expression without a clock the clock of a reader. A second reader lowers it to the common clock of
-    /// both.
+    /// Gives an expression without a clock of its own the clock on which a reader uses it. A second reader lowers it to
+    /// the common clock of both.
     fn set_prim_arg(&mut self, id: ExprId, wanted: &LeafClocks<Clock>) {
         let k = id.0 as usize;
         if !self.open.0[k] {

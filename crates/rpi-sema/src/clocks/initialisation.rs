@@ -59,7 +59,7 @@ impl Check<'_, '_> {
     }
 }
 
-/// Words for the cycles in which a value is present, for use after "is present".
+/// Returns words for the cycles in which a value is present, for use after "is present".
 fn presence_phrase(words: &str) -> String {
     match words.starts_with('`') {
         true => format!("only {words}"),

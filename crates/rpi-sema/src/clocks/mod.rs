@@ -59,7 +59,7 @@ pub struct Clocks {
     flows: Vec<LeafClocks<ClockId>>,
     /// For each call, the clock on which it runs.
     calls: FastMap<ExprId, ClockId>,
-    /// Flows that decide about the clocks of the outputs, each with its own clock.
+    /// Flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by index.
     exposed: Vec<(Decider, ClockId)>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
     reads_inactive: Vec<bool>,
@@ -86,7 +86,8 @@ impl Clocks {
         known.map_or(ClockId::BASE, |row| row.leaf(k))
     }
 
-    /// Returns the clock on which an expression is computed. For a call this may differ from the clocks of its results.
+    /// Returns the clock on which an expression is evaluated. For a call this may differ from the clocks of its
+    /// results.
     #[must_use]
     pub fn computed_on(&self, id: ExprId) -> ClockId {
         match self.calls.get(&id) {
@@ -108,7 +109,7 @@ impl Clocks {
         self.paths.get(clock.0 as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the samplings of `clock` that follow the common prefix with the clock of a reader.
+    /// Returns the samplings of `clock` that the clock of a reader does not share.
     #[must_use]
     pub fn samplings_beyond(&self, clock: ClockId, reader: ClockId) -> &[Sampling] {
         let (own, read) = (self.path(clock), self.path(reader));
@@ -148,7 +149,8 @@ impl Clocks {
             .unwrap_or(false)
     }
 
-    /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
+    /// Returns the flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by
+    /// index.
     #[must_use]
     pub fn exposed(&self) -> &[(Decider, ClockId)] {
         &self.exposed
@@ -191,7 +193,7 @@ pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampli
     text.trim_start().to_owned()
 }
 
-/// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A decider inside a call is named after its unit,
+/// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A condition inside a call is named after its unit,
 /// `Call.c`.
 fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
     let Decider::Flow(flow) = tick.decider else {

@@ -167,8 +167,8 @@ impl Solver<'_> {
         LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
-    /// Returns whether an expression has state with a first cycle of its own. If only constants start it, it runs in
-    /// all cycles.
+    /// Returns whether an expression has state with a first cycle of its own, such as `a -> b`. If all its operands are
+    /// constants, it runs in all cycles.
     pub(super) fn has_first_cycle(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
             TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, operands) => {

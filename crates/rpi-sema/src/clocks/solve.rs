@@ -26,9 +26,9 @@ pub(super) struct Solver<'u> {
     pub(super) inferred: Vec<bool>,
     /// For each call, the clock on which it runs.
     pub(super) calls: FastMap<ExprId, Clock>,
-    /// Clock of each exposed decider inside a call.
+    /// Clock of each condition inside a call that is a clock condition of the call's results.
     pub(super) exposed_clocks: FastMap<(ExprId, u32), Clock>,
-    /// Canonical decider of each deciding flow, cached.
+    /// For each flow that is a clock condition, the condition that it stands for, cached.
     pub(super) canonical: FastMap<FlowId, Decider>,
     /// For each flow, the definitions that define leaves of it.
     pub(super) definitions_of: Vec<Vec<u32>>,
@@ -36,7 +36,7 @@ pub(super) struct Solver<'u> {
     pub(super) reads_inactive: Vec<bool>,
     /// Whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a constant.
     pub(super) is_last_round: bool,
-    /// Whether the clock of a decider has changed. Meets of clocks sampled by it are then out of date.
+    /// Whether the clock of a clock condition has changed. Common clocks computed from it are then out of date.
     decider_changed: bool,
     changed: Vec<FlowId>,
 }
@@ -130,7 +130,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// A decider whose clock is still [`Clock::ANY`] is a constant: puts it on the base clock.
+    /// Puts each clock condition whose clock is still [`Clock::ANY`] on the base clock: it is a constant.
     fn fix_constant_deciders(&mut self) {
         for k in 0..self.ticks.len() {
             let clock = Clock::from_sampling(k);
@@ -247,7 +247,7 @@ impl<'u> Solver<'u> {
         leaves.fold(Clock::ANY, |all, leaf| self.meet(all, leaf))
     }
 
-    /// Returns the clock from which a clock is sampled: the clock of its decider. None for the base clock and for
+    /// Returns the clock from which a clock is sampled: the clock of its condition. `None` for the base clock and for
     /// [`Clock::ANY`].
     pub(super) fn parent(&self, clock: Clock) -> Option<Clock> {
         match self.ticks.sampling(clock)?.decider {
@@ -301,7 +301,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Records the clock of an exposed decider inside a call.
+    /// Records the clock of a condition inside a call.
     pub(super) fn set_exposed_clock(&mut self, call: ExprId, number: u32, clock: Clock) {
         let known = self.exposed_clocks.insert((call, number), clock);
         self.decider_changed |= known.is_some_and(|known| known != clock);

@@ -34,7 +34,7 @@ pub(super) struct ConditionalCall {
     pub(super) is_optional: Vec<bool>,
 }
 
-/// Argument of a call: its wire and its span.
+/// Argument of a call: the signals of its leaves, and its location.
 pub(super) struct CallArgument {
     wire: Wire,
     span: Span,
@@ -146,7 +146,7 @@ fn arguments<'u>(
     args
 }
 
-/// Inlines a call at `at` and binds the deciders that it exposes.
+/// Inlines a call at `at` and returns its results. Binds the clock conditions inside it that the caller refers to.
 fn results_of<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -206,7 +206,7 @@ pub(super) fn elab_activation(
     }
 }
 
-/// Adds a fragment to the net.
+/// Adds a fragment to the net, with its activation and restart condition.
 pub(super) fn elab_fragment(
     elab: &mut Elaborator<'_>,
     path: &str,

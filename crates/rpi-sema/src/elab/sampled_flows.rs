@@ -20,18 +20,19 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
-/// Key of a clock's fragment: the parent fragment, the decider and its value.
+/// Key of the fragment that holds the operations of a clock: the parent fragment, the signal of the clock condition and
+/// its value.
 pub(super) type ClockKey = (FragmentId, DeciderSignal, u32);
 
-/// Signal that decides whether a clock ticks.
+/// Signal whose value decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum DeciderSignal {
     Flow(PortRef),
-    /// Constant decider: a Boolean as 0 or 1, or the index of an enum's value.
+    /// Constant clock condition: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
-/// Positions where the leaves of an expression are computed.
+/// Positions in the net at which the leaves of an expression are computed.
 pub(super) enum LeafPositions {
     Uniform(Position),
     PerLeaf(Vec<Position>),
@@ -76,8 +77,8 @@ pub(super) fn leaf_places<'u>(
     }
 }
 
-/// Returns the position in the fragment of a clock. The guard of `at` is kept if the fragment lies inside that of
-/// `at`.
+/// Returns where in the net an expression on a clock is evaluated: in the fragment that runs only when the clock ticks.
+/// The guard of `at` is kept if that fragment lies inside the one of `at`.
 pub(super) fn clock_position<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -99,13 +100,14 @@ pub(super) fn facts_of<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&
     scope.id.and_then(|unit| facts.get(unit.0 as usize))
 }
 
-/// Returns the facts of a unit that has sampled flows; none for other units and for constants.
+/// Returns the clocks and presences of a unit if it has sampled flows; `None` for other units and for constants.
 pub(super) fn clocked_facts<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = facts_of(elab, scope).filter(|facts| facts.clocks.has_samplings());
     facts.filter(|_| elab.mode != ElabMode::Constant)
 }
 
-/// Returns the fragment of a clock in the block that is being elaborated, creating it if necessary.
+/// Returns the fragment that holds the operations of a clock, in the block that is being elaborated; creates it if
+/// necessary.
 pub(super) fn clock_fragment<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -160,8 +162,8 @@ pub(super) fn sampling_fragment<'u>(
     fragment
 }
 
-/// Returns the first port under which a flow was used as a decider, which may be an alias from before its equation
-/// was reached. Otherwise one clock would get two fragments.
+/// Returns the first port under which a flow was used as a clock condition, which may be an alias from before its
+/// equation was reached. Otherwise one clock would get two fragments.
 fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     use crate::elab::signal::alias_of;
     let mut name = port;
@@ -173,7 +175,7 @@ fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     name
 }
 
-/// Returns the span and name of a decider in the source.
+/// Returns the span and name of a clock condition in the source.
 fn decider_source<'u>(scope: &Scope<'u>, by: Decider) -> (Span, String) {
     match by {
         Decider::Flow(flow) => {
@@ -186,7 +188,7 @@ fn decider_source<'u>(scope: &Scope<'u>, by: Decider) -> (Span, String) {
     }
 }
 
-/// Returns the signal of a decider; an alias for a decider inside a call.
+/// Returns the signal of a clock condition; an alias for a condition inside a call.
 fn decider_signal<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -213,7 +215,7 @@ fn decider_signal<'u>(
     }
 }
 
-/// Returns the machine type of a decider.
+/// Returns the machine type of a clock condition.
 fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> Scalar {
     let (mut unit, mut by) = (scope.unit, by);
     loop {
@@ -234,7 +236,7 @@ fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> 
     }
 }
 
-/// Returns the deciders that a unit exposes to its caller.
+/// Returns the signals of the clock conditions of a unit's outputs, for its caller.
 pub(super) fn exposed_deciders<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -249,7 +251,7 @@ pub(super) fn exposed_deciders<'u>(
         .collect()
 }
 
-/// Binds the aliases of the deciders inside a call.
+/// Binds the aliases for the clock conditions inside a call to their signals.
 pub(super) fn bind_exposed<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -264,7 +266,7 @@ pub(super) fn bind_exposed<'u>(
     }
 }
 
-/// Returns the condition under which a sampling ticks: the decider has its value.
+/// Returns the Boolean that is true when a sampling ticks: its clock condition has the required value.
 pub(super) fn tick_condition<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -384,7 +386,8 @@ pub(super) fn elab_current<'u>(
     leaves.into()
 }
 
-/// Returns an operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
+/// Returns the signals of an operand of a strict operator or call: absent where the clock of the operator ticks and
+/// that of the operand does not.
 pub(super) fn operand_wire<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -398,7 +401,7 @@ pub(super) fn operand_wire<'u>(
     read_at(elab, scope, operand, clock, at)
 }
 
-/// Returns an operand of an elementwise operator, leaf by leaf on the clock of the result.
+/// Returns the signals of an operand of an elementwise operator, each leaf on the clock of the result.
 pub(super) fn read_leaves<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -417,7 +420,7 @@ pub(super) fn read_leaves<'u>(
     outside_flows::on_reader_clock(elab, scope, (&wire, &scalars), pair, expr.span)
 }
 
-/// Returns a value for a reader on one clock.
+/// Returns the signals of a value for a reader on one clock.
 pub(super) fn read_at<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

@@ -261,7 +261,7 @@ fn port_type(
     Some(ty.substituted(&device_frame_subst(cx, device, flow)))
 }
 
-/// Returns the substitution of the frames of a device type by those of the device that `flow` holds: `tcp` becomes
+/// Returns the substitution that replaces the frames of a device type by those of the device in `flow`: `tcp` becomes
 /// `arm.tcp`.
 pub(crate) fn device_frame_subst(
     cx: &Body<'_, '_>,

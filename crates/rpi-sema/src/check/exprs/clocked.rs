@@ -35,7 +35,7 @@ pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a WhenExpr, span: Spa
     }
 }
 
-/// Resolves a clock: the flow that decides, and the value for which the clock is present.
+/// Resolves a clock: the flow that is its condition, and the value of that flow for which the clock ticks.
 pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<DeclaredClock> {
     cx.unit.has_clocks = true;
     let flow = resolve_clock_flow(cx, &clock.flow)?;
@@ -68,7 +68,7 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Decl
     Some(DeclaredClock { flow, value })
 }
 
-/// Resolves the flow of a clock.
+/// Resolves the name of the flow that is the condition of a clock.
 fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
     match locals::find_local(cx, &name.name) {
         Some(Local::Flow(flow)) => {
@@ -191,7 +191,7 @@ fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
     Ty::Unknown
 }
 
-/// Returns the common type of the cases up to this one.
+/// Returns the common type of the cases of a `merge` up to this one.
 fn case_type(cx: &mut Body<'_, '_>, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {
     let Some((_, first)) = cases.first() else {
         return cx.ty_of(then).clone();
@@ -305,7 +305,7 @@ fn is_partially_defined(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     shared.any(|shared| shared.flow == flow && shared.is_partially_defined())
 }
 
-/// Whether an expression reads a flow or a part of one.
+/// Whether an expression is only a name of a flow or of a part of one.
 fn is_name_or_field(operand: &ast::Expr) -> bool {
     match &operand.unparen().kind {
         ast::ExprKind::Field(field) => is_name_or_field(&field.base),

@@ -226,7 +226,8 @@ pub(crate) fn not_indexable(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> Optio
     None
 }
 
-/// Returns the first of the types between `map<` and `>`. Commas inside brackets belong to a type.
+/// Returns the first of the types between `map<` and `>`, the type of the keys. Commas inside brackets belong to a
+/// type.
 fn map_key_type(args: &str) -> &str {
     let mut depth = 0;
     let end = args.find(|c| {

@@ -30,7 +30,7 @@ enum PatternShape {
     Alternative(usize, Vec<PatternShape>),
 }
 
-/// The wildcard pattern.
+/// Shape of the pattern that matches any value.
 const WILDCARD: &PatternShape = &PatternShape::Wildcard;
 
 /// Maximum number of pattern rows examined in the search for missing cases, and again in the search for unreachable
@@ -98,7 +98,7 @@ fn conjunction(cx: &mut Body<'_, '_>, tests: &[ExprId], span: Span) -> Option<Ex
     Some(rest.iter().copied().fold(*first, and))
 }
 
-/// Checks a case. The names in its pattern are in scope while its value is checked.
+/// Checks a case of a `match`. The names in its pattern are in scope while its value is checked.
 fn check_match_case<'a>(
     cx: &mut Body<'_, 'a>,
     value: ExprId,
@@ -198,7 +198,7 @@ fn check_part_patterns<'a>(
     shapes
 }
 
-/// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
+/// Returns the index of the first struct field that holds a part of an alternative, and the number of its parts.
 fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
     let found = cx
         .checker
@@ -329,7 +329,7 @@ fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
     }
 }
 
-/// Search for values that no case matches, with its step count.
+/// Search for values that no case of a `match` matches, with the number of its steps.
 struct UsefulnessSearch<'s, 'c, 'a> {
     body: &'s Body<'c, 'a>,
     steps: usize,
@@ -380,7 +380,7 @@ impl UsefulnessSearch<'_, '_, '_> {
         }
     }
 
-    /// Does the same as [`Self::fits_none`] for a first value that has the alternative `index`.
+    /// Does the same as [`Self::find_unmatched`] for a first value that has the alternative `index`.
     fn find_unmatched_alternative(
         &mut self,
         (ty, all, index): (&Ty, &Rc<EnumTy>, usize),

@@ -219,7 +219,7 @@ pub(crate) fn set_type(element: &Ty) -> Ty {
     opaque_type(format!("set<{element}>"))
 }
 
-/// Returns a type of Kind 2 of which only the name is known.
+/// Creates a type of Kind 2 of which only the name is known.
 pub(crate) fn opaque_type(name: String) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.into(),

@@ -106,7 +106,8 @@ pub(crate) fn spatial_value<'a>(
     compose_spatial(cx, &known, &parts, span)
 }
 
-/// Returns the parts in their order, those that are not given from the base. Reports missing and unknown parts.
+/// Returns the parts of a spatial value in their order; those that are not given are taken from the base. Reports
+/// missing and unknown parts.
 fn given_parts(
     cx: &mut Body<'_, '_>,
     scalar: Scalar,

@@ -35,7 +35,7 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Name of the member that holds the alternative of a value.
+/// Name of the struct field that tells which alternative of a `datatype` a value has.
 pub(crate) const TAG: &str = "tag";
 
 /// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
@@ -357,7 +357,7 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     None
 }
 
-/// Adds the test of a tag for one alternative.
+/// Adds an expression that tests whether a tag has one alternative of a `datatype`.
 pub(crate) fn tag_test(
     cx: &mut Body<'_, '_>,
     all: &Rc<EnumTy>,
@@ -420,7 +420,8 @@ fn zero_value(ty: &Ty) -> Rc<[Leaf]> {
     leaves.into()
 }
 
-/// Returns the value of the parts of other alternatives: zeros, or the value nearest to zero in a subrange.
+/// Returns the value that the fields of other alternatives have in a value of a `datatype`: zeros, or the value nearest
+/// to zero in a subrange.
 fn filler_value(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = zero_value(ty).to_vec();
     for (at, range) in ty.subranges(true) {

@@ -34,12 +34,12 @@ pub(crate) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
     }
 }
 
-/// Returns the type of a declaration without static arguments.
+/// Returns the type that a declaration without static parameters declares.
 pub(crate) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
     type_instance(checker, id, Rc::default())
 }
 
-/// Returns the type of a declaration with static arguments.
+/// Returns the type that a declaration declares for these static arguments.
 pub(crate) fn type_instance(
     checker: &mut Checker<'_>,
     id: DeclId,
