@@ -11,7 +11,7 @@ pub struct ErrorCode(pub i64);
 pub struct ErrorCodeInfo {
     /// The error code.
     pub code: ErrorCode,
-    /// Short name for display.
+    /// Short name of the code for display.
     pub name: &'static str,
     /// Explanation of the code.
     pub description: &'static str,

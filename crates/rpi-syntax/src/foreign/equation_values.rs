@@ -237,7 +237,7 @@ fn closing(found: &ErrorContext<'_, '_>, open: usize) -> Option<usize> {
     (is_value && found.token_at(close) == Some(Token::RBrace)).then_some(close)
 }
 
-/// Recognises `fby` in the syntax of SCADE: `fby(x, 1, 0)`.
+/// Recognises `fby` as a function, in the syntax of SCADE: `fby(x, 1, 0)`.
 pub(super) fn fby_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     if found.token_at(at) != Some(Token::Fby)
