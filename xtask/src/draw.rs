@@ -8,14 +8,14 @@ use xtask::{source_files, tracked_files};
 
 use crate::fuzz::root;
 
-/// Defaults of the options.
+/// Default seed of a draw.
 const SEED: u64 = 1;
 const COMMENTS: usize = 100;
 const DIAGNOSTICS: usize = 60;
 
 const USAGE: &str = "usage: cargo xtask draw [--seed N] [--comments N] [--diagnostics N]";
 
-/// Prints the drawn texts.
+/// Carries out `cargo xtask draw`: prints doc comments and diagnostics drawn at random.
 pub(crate) fn draw(args: &[String]) -> Result<(), String> {
     let options = Options::parse(args)?;
     let mut random = Random(options.seed);
@@ -148,7 +148,8 @@ fn is_balanced(item: &str) -> bool {
     count('(') == count(')') && count('[') == count(']')
 }
 
-/// SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): enough for a draw, and the same on every machine.
+/// Pseudo-random number generator SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): enough for a draw, and the same on
+/// every machine.
 struct Random(u64);
 
 impl Random {

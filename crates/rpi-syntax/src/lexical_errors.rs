@@ -112,14 +112,14 @@ pub(crate) fn unterminated_string(span: Span) -> Diagnostic {
         .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
 }
 
-/// Classification of a word directly after a number.
+/// Classification of a word that directly follows a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SuffixKind {
-    /// Keyword.
+    /// The word is a keyword.
     Keyword,
-    /// Name that the text declares or defines.
+    /// The word is a name that the text declares or defines.
     Name,
-    /// Unit of measure.
+    /// The word is a unit of measure.
     Unit,
 }
 

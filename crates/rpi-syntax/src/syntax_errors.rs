@@ -31,7 +31,7 @@ impl SyntaxError {
     }
 }
 
-/// Syntax error with the tokens around it and their nesting.
+/// Context of a syntax error: the tokens of the declaration and their nesting.
 pub(crate) struct ErrorContext<'f, 't> {
     pub(crate) cx: &'f ParseContext<'t>,
     pub(crate) lexemes: &'f [Lexeme],

@@ -199,7 +199,7 @@ const EMPTY_LEXEME: Lexeme = Lexeme {
     end: 0,
 };
 
-/// Access to the tokens around a syntax error, and construction of repairs.
+/// Access of recognisers of foreign syntax to the tokens around a syntax error, and construction of repairs.
 impl ErrorContext<'_, '_> {
     fn token_at(&self, at: usize) -> Option<Token> {
         self.lexemes.get(at).map(|lexeme| lexeme.token)
