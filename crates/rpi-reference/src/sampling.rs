@@ -52,12 +52,12 @@ pub(crate) fn is_on(
     here: EvalContext,
     on: &Sampling,
 ) -> Result<Option<bool>, EvalError> {
-    let leaf = decider(interpreter, here.instance, &on.by)?;
+    let leaf = condition_value(interpreter, here.instance, &on.by)?;
     Ok(leaf.map(|leaf| leaf::equals_value(leaf, on.value)))
 }
 
 /// Returns the value of a clock condition: a flow, or a condition inside a call, possibly of another block.
-fn decider(
+fn condition_value(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
     by: &ClockCondition,
@@ -75,7 +75,7 @@ fn decider(
         return Ok(None);
     }
     match call::active_instance(interpreter, interpreter.inside(instance, block), id, call)? {
-        Some(behind) => decider(interpreter, behind, inner),
+        Some(behind) => condition_value(interpreter, behind, inner),
         None => Ok(None),
     }
 }

@@ -1,8 +1,8 @@
 //! Clocks of a callee's ports, translated into the caller's terms: relative to the clock of the call, with the caller's
 //! names for the deciding flows.
 
-use super::canonical_decider;
-use crate::clocks::clock::{Clock, Decider, Sampling};
+use super::canonical_condition;
+use crate::clocks::clock::{Clock, ClockCondition, Sampling};
 use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::typed::{Activation, Call};
@@ -14,7 +14,7 @@ impl<'u> Solver<'u> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
         let mut base = self.call_clock(call, callee);
-        if base == Clock::ANY && canonical_decider::runs_always(self, callee) {
+        if base == Clock::ANY && canonical_condition::runs_always(self, callee) {
             base = Clock::BASE;
         }
         self.calls.insert(id, base);
@@ -73,9 +73,9 @@ impl<'u> Solver<'u> {
         let Some(tick) = path.last() else {
             return base;
         };
-        match self.translate_decider(id, call, tick.decider) {
+        match self.translate_condition(id, call, tick.condition) {
             Some(by) => self.ticks.intern(Sampling {
-                decider: by,
+                condition: by,
                 ..*tick
             }),
             None => Clock::ANY,
@@ -84,18 +84,26 @@ impl<'u> Solver<'u> {
 
     /// Translates a clock condition of the called unit, a flow whose value decides when a clock ticks, into one of the
     /// caller: the argument passed for that flow if it has a name, else the condition inside this call.
-    fn translate_decider(&mut self, id: ExprId, call: &Call, by: Decider) -> Option<Decider> {
+    fn translate_condition(
+        &mut self,
+        id: ExprId,
+        call: &Call,
+        by: ClockCondition,
+    ) -> Option<ClockCondition> {
         let callee = &self.units[call.unit.0 as usize];
-        if let Decider::Flow(flow) = by
+        if let ClockCondition::Flow(flow) = by
             && let Some(port) = callee.inputs.iter().position(|input| *input == flow)
             && let Some(given) =
-                call.args[port].and_then(|arg| canonical_decider::decider(self, arg, 0))
+                call.args[port].and_then(|arg| canonical_condition::condition(self, arg, 0))
         {
             return Some(given);
         }
         let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
         let number = exposed.iter().position(|(known, _)| *known == by)?;
-        Some(Decider::CallInternal(id, u32::try_from(number).ok()?))
+        Some(ClockCondition::CallInternal(
+            id,
+            u32::try_from(number).ok()?,
+        ))
     }
 
     /// Returns the samplings of leaf `k` of a port of the called unit, in terms of that unit, from its base clock on.
@@ -116,9 +124,9 @@ impl<'u> Solver<'u> {
         // loop here.
         let declared = |at: FlowId| callee.flow(at).clock;
         while let Some(on) = declared(at).filter(|_| path.len() < callee.flows.len()) {
-            let by = Decider::Flow(on.flow);
+            let by = ClockCondition::Flow(on.flow);
             path.push(Sampling {
-                decider: by,
+                condition: by,
                 value: on.value,
             });
             at = on.flow;
@@ -129,8 +137,8 @@ impl<'u> Solver<'u> {
 
     /// Returns the flows of the unit that are clock conditions of its outputs, each with its own clock. Callers of the
     /// unit refer to them by index.
-    pub(super) fn exposed(&self) -> Vec<(Decider, Clock)> {
-        let mut exposed: Vec<(Decider, Clock)> = Vec::new();
+    pub(super) fn exposed(&self) -> Vec<(ClockCondition, Clock)> {
+        let mut exposed: Vec<(ClockCondition, Clock)> = Vec::new();
         let rows = self
             .unit
             .outputs
@@ -139,9 +147,9 @@ impl<'u> Solver<'u> {
         for clock in rows.flat_map(LeafClocks::iter) {
             let chain = self.chain(clock).unwrap_or_default();
             for tick in chain.iter().filter_map(|clock| self.ticks.sampling(*clock)) {
-                if exposed.iter().all(|(known, _)| *known != tick.decider) {
+                if exposed.iter().all(|(known, _)| *known != tick.condition) {
                     let clock = self.ticks.clock_of(tick).and_then(|at| self.parent(at));
-                    exposed.push((tick.decider, clock.unwrap_or(Clock::BASE)));
+                    exposed.push((tick.condition, clock.unwrap_or(Clock::BASE)));
                 }
             }
         }

@@ -5,7 +5,7 @@ use crate::typed::{ExprId, FlowId};
 
 /// Clock condition: the flow whose value decides in which cycles a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub enum Decider {
+pub enum ClockCondition {
     /// Flow of the unit.
     Flow(FlowId),
     /// Condition inside a call, without a name in the caller: the call expression and the index in
@@ -17,7 +17,7 @@ pub enum Decider {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Sampling {
     /// Condition of the sampling.
-    pub decider: Decider,
+    pub condition: ClockCondition,
     /// Value of the condition in the cycles that count: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,
 }
@@ -50,17 +50,17 @@ impl Clock {
 pub(super) struct Samplings {
     all: Vec<Sampling>,
     clock_by_sampling: FastMap<Sampling, Clock>,
-    deciders: FastSet<Decider>,
+    conditions: FastSet<ClockCondition>,
 }
 
 impl Samplings {
     /// Returns the clock of a sampling, adding the sampling if it is new.
     pub(super) fn intern(&mut self, tick: Sampling) -> Clock {
         let next = Clock::from_sampling(self.all.len());
-        let (all, deciders) = (&mut self.all, &mut self.deciders);
+        let (all, conditions) = (&mut self.all, &mut self.conditions);
         *self.clock_by_sampling.entry(tick).or_insert_with(|| {
             all.push(tick);
-            deciders.insert(tick.decider);
+            conditions.insert(tick.condition);
             next
         })
     }
@@ -76,8 +76,8 @@ impl Samplings {
     }
 
     /// Returns whether a sampling with this condition exists.
-    pub(super) fn is_decider(&self, by: Decider) -> bool {
-        self.deciders.contains(&by)
+    pub(super) fn is_clock_condition(&self, by: ClockCondition) -> bool {
+        self.conditions.contains(&by)
     }
 
     /// Number of samplings.

@@ -1,6 +1,6 @@
 //! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
-use super::canonical_decider;
+use super::canonical_condition;
 use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
@@ -177,6 +177,9 @@ impl<'u> ConstantClocks<'_, 'u> {
 
 /// Returns the clock of a case of a `merge`.
 pub(super) fn case_clock(solver: &mut Solver<'_>, on: ExprId, value: u32) -> Option<Clock> {
-    let by = canonical_decider::decider(solver, on, 0)?;
-    Some(solver.ticks.intern(Sampling { decider: by, value }))
+    let by = canonical_condition::condition(solver, on, 0)?;
+    Some(solver.ticks.intern(Sampling {
+        condition: by,
+        value,
+    }))
 }

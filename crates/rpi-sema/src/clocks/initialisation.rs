@@ -40,7 +40,8 @@ impl Check<'_, '_> {
             false if self.solver.parent(clocks[1]) == Some(clocks[0]) => (clocks[1], sides[0]),
             false => return None,
         };
-        let crate::clocks::Decider::Flow(_) = self.solver.ticks.sampling(slow)?.decider else {
+        let crate::clocks::ClockCondition::Flow(_) = self.solver.ticks.sampling(slow)?.condition
+        else {
             return None;
         };
         let tick = self.solver.ticks.sampling(slow)?;

@@ -12,13 +12,13 @@
 //! |---|---|
 //! | `clock.rs`, `leaf_clocks.rs` | clocks during inference; the clocks of a value, leaf by leaf |
 //! | `solve.rs`, `calls.rs` | greatest solution; clocks of a callee's ports in the caller's terms |
-//! | `canonical_decider.rs` | canonical names of deciding flows |
+//! | `canonical_condition.rs` | canonical names of deciding flows |
 //! | `constants.rs` | constants take the clock of their readers |
 //! | `check.rs`, `initialisation.rs`, `span_set.rs` | clock mismatches |
 //! | `inactive_blocks.rs` | flows of blocks that may be inactive |
 
 mod calls;
-pub(crate) mod canonical_decider;
+pub(crate) mod canonical_condition;
 mod check;
 mod clock;
 pub(crate) mod constants;
@@ -32,7 +32,7 @@ pub(crate) mod span_set;
 pub use crate::clocks::inactive_blocks::InactiveBlocks;
 pub use crate::clocks::leaf_clocks::LeafClocks;
 pub(crate) use calls::may_be_inactive;
-pub use clock::{Decider, Sampling};
+pub use clock::{ClockCondition, Sampling};
 
 use crate::facts::Facts;
 use crate::hash::FastMap;
@@ -60,7 +60,7 @@ pub struct Clocks {
     /// For each call, the clock on which it runs.
     calls: FastMap<ExprId, ClockId>,
     /// Flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by index.
-    exposed: Vec<(Decider, ClockId)>,
+    exposed: Vec<(ClockCondition, ClockId)>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
     reads_inactive: Vec<bool>,
 }
@@ -152,7 +152,7 @@ impl Clocks {
     /// Returns the flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by
     /// index.
     #[must_use]
-    pub fn exposed(&self) -> &[(Decider, ClockId)] {
+    pub fn exposed(&self) -> &[(ClockCondition, ClockId)] {
         &self.exposed
     }
 }
@@ -196,7 +196,7 @@ pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampli
 /// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A condition inside a call is named after its unit,
 /// `Call.c`.
 fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
-    let Decider::Flow(flow) = tick.decider else {
+    let ClockCondition::Flow(flow) = tick.condition else {
         return format_call_condition(units, facts, unit, tick);
     };
     let flow = unit.flow(flow);
@@ -214,7 +214,7 @@ fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling
 }
 
 fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
-    let Decider::CallInternal(call, number) = tick.decider else {
+    let ClockCondition::CallInternal(call, number) = tick.condition else {
         return String::new();
     };
     let TypedKind::Call(call) = &unit.expr(call).kind else {
@@ -232,7 +232,7 @@ fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sam
         facts,
         callee,
         Sampling {
-            decider: *by,
+            condition: *by,
             ..tick
         },
     );

@@ -1,6 +1,6 @@
 //! Clock of an expression, from those of its operands.
 
-use super::canonical_decider;
+use super::canonical_condition;
 use crate::clocks::LeafClocks;
 use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::solve::Solver;
@@ -36,9 +36,12 @@ impl Solver<'_> {
             // Presence of a flow may be tested on every clock.
             TypedKind::Present(_) => LeafClocks::Uniform(Clock::ANY),
             TypedKind::When { clock, .. } => {
-                let by = canonical_decider::decider_of(self, clock.flow);
+                let by = canonical_condition::condition_of(self, clock.flow);
                 let value = clock.value;
-                LeafClocks::Uniform(self.ticks.intern(Sampling { decider: by, value }))
+                LeafClocks::Uniform(self.ticks.intern(Sampling {
+                    condition: by,
+                    value,
+                }))
             }
             TypedKind::Merge { on, .. } => LeafClocks::Uniform(self.leaf(*on, 0)),
             TypedKind::Current(operand) => {

@@ -157,7 +157,7 @@ fn results_of<'u>(
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let wire = inline_unit(elab, call.unit, args, at, path, span);
-    let exposed = std::mem::take(&mut elab.inlining.exposed_deciders);
+    let exposed = std::mem::take(&mut elab.inlining.exposed_conditions);
     sampled_flows::bind_exposed(elab, scope, id, exposed);
     wire
 }
@@ -310,9 +310,9 @@ fn inline_body<'u>(
     let around = std::mem::replace(&mut scope.base, inner.fragment);
     let leaves = outputs_of(elab, &mut scope, is_lifted, span);
     scope.base = around;
-    elab.inlining.exposed_deciders = match elab.mode {
+    elab.inlining.exposed_conditions = match elab.mode {
         ElabMode::Constant => Vec::new(),
-        _ => sampled_flows::exposed_deciders(elab, &mut scope, id, span),
+        _ => sampled_flows::exposed_conditions(elab, &mut scope, id, span),
     };
     fragment_outputs::gate_wire(elab, &leaves, inner.fragment, at.fragment)
 }

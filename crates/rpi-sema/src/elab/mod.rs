@@ -192,7 +192,7 @@ struct Inlining {
     /// Guard of the innermost call.
     guard: Option<PortRef>,
     /// Signals of the clock conditions of the outputs of the unit that was inlined last.
-    exposed_deciders: Vec<Signal>,
+    exposed_conditions: Vec<Signal>,
     /// Whether the results of the next unit are kept while the unit does not run.
     keeps_results: bool,
 }

@@ -1,7 +1,7 @@
 //! Elaborates sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). This
 //! fragment is not in the source, so dependencies are those of the single operations in it (M5).
 
-use crate::clocks::{ClockId, Decider, LeafClocks, Sampling};
+use crate::clocks::{ClockCondition, ClockId, LeafClocks, Sampling};
 use crate::elab::call;
 use crate::elab::elementwise;
 use crate::elab::expr;
@@ -22,11 +22,11 @@ use rpi_net::{FragmentId, PortRef, Restart};
 
 /// Key of the fragment that holds the operations of a clock: the parent fragment, the signal of the clock condition and
 /// its value.
-pub(super) type ClockKey = (FragmentId, DeciderSignal, u32);
+pub(super) type ClockKey = (FragmentId, ConditionSignal, u32);
 
 /// Signal whose value decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum DeciderSignal {
+pub(super) enum ConditionSignal {
     Flow(PortRef),
     /// Constant clock condition: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
@@ -134,12 +134,12 @@ pub(super) fn sampling_fragment<'u>(
     tick: Sampling,
     parent: FragmentId,
 ) -> FragmentId {
-    let (span, name) = decider_source(scope, tick.decider);
-    let deciding = match decider_signal(elab, scope, tick.decider, span) {
-        Signal::Port(port) => Some(DeciderSignal::Flow(first_alias(elab, port))),
+    let (span, name) = condition_source(scope, tick.condition);
+    let deciding = match condition_signal(elab, scope, tick.condition, span) {
+        Signal::Port(port) => Some(ConditionSignal::Flow(first_alias(elab, port))),
         Signal::Const(value) => {
             let value = value.as_bool().map(i64::from).or(value.as_int());
-            value.map(DeciderSignal::Constant)
+            value.map(ConditionSignal::Constant)
         }
         _ => None,
     };
@@ -176,35 +176,35 @@ fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
 }
 
 /// Returns the span and name of a clock condition in the source.
-fn decider_source<'u>(scope: &Scope<'u>, by: Decider) -> (Span, String) {
+fn condition_source<'u>(scope: &Scope<'u>, by: ClockCondition) -> (Span, String) {
     match by {
-        Decider::Flow(flow) => {
+        ClockCondition::Flow(flow) => {
             let flow = scope.unit.flow(flow);
             (flow.span, flow.name.to_string())
         }
-        Decider::CallInternal(call, number) => {
+        ClockCondition::CallInternal(call, number) => {
             (scope.unit.expr(call).span, format!("inside{number}"))
         }
     }
 }
 
 /// Returns the signal of a clock condition; an alias for a condition inside a call.
-fn decider_signal<'u>(
+fn condition_signal<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    by: Decider,
+    by: ClockCondition,
     span: Span,
 ) -> Signal {
     match by {
-        Decider::Flow(flow) => {
+        ClockCondition::Flow(flow) => {
             let wire = flows::elab_flow(elab, scope, flow, span);
             wire.first().cloned().unwrap_or(Signal::Absent)
         }
-        Decider::CallInternal(call, number) => {
+        ClockCondition::CallInternal(call, number) => {
             let port = match scope.exposed_aliases.get(&(call, number)) {
                 Some(port) => *port,
                 None => {
-                    let scalar = decider_scalar(elab, scope, by);
+                    let scalar = condition_scalar(elab, scope, by);
                     let port = nodes::new_alias(elab, scalar);
                     scope.exposed_aliases.insert((call, number), port);
                     port
@@ -216,14 +216,14 @@ fn decider_signal<'u>(
 }
 
 /// Returns the machine type of a clock condition.
-fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> Scalar {
+fn condition_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: ClockCondition) -> Scalar {
     let (mut unit, mut by) = (scope.unit, by);
     loop {
         let (call, number) = match by {
-            Decider::Flow(flow) => {
+            ClockCondition::Flow(flow) => {
                 return unit.flow(flow).ty.scalar().unwrap_or(Scalar::Bool);
             }
-            Decider::CallInternal(call, number) => (call, number),
+            ClockCondition::CallInternal(call, number) => (call, number),
         };
         let TypedKind::Call(call) = &unit.expr(call).kind else {
             return Scalar::Bool;
@@ -237,7 +237,7 @@ fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> 
 }
 
 /// Returns the signals of the clock conditions of a unit's outputs, for its caller.
-pub(super) fn exposed_deciders<'u>(
+pub(super) fn exposed_conditions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: UnitId,
@@ -247,7 +247,7 @@ pub(super) fn exposed_deciders<'u>(
     let exposed = facts.map_or(&[][..], |facts| facts.clocks.exposed());
     let exposed = exposed.iter();
     exposed
-        .map(|(by, _)| decider_signal(elab, scope, *by, span))
+        .map(|(by, _)| condition_signal(elab, scope, *by, span))
         .collect()
 }
 
@@ -259,8 +259,8 @@ pub(super) fn bind_exposed<'u>(
     exposed: Vec<Signal>,
 ) {
     for (number, signal) in (0..).zip(exposed) {
-        let by = Decider::CallInternal(call, number);
-        if let Signal::Port(alias) = decider_signal(elab, scope, by, Span::NONE) {
+        let by = ClockCondition::CallInternal(call, number);
+        if let Signal::Port(alias) = condition_signal(elab, scope, by, Span::NONE) {
             call::bind_alias(elab, alias, &signal);
         }
     }
@@ -274,8 +274,8 @@ pub(super) fn tick_condition<'u>(
     at: Position,
     span: Span,
 ) -> Signal {
-    let deciding = decider_signal(elab, scope, tick.decider, span);
-    match (decider_scalar(elab, scope, tick.decider), tick.value) {
+    let deciding = condition_signal(elab, scope, tick.condition, span);
+    match (condition_scalar(elab, scope, tick.condition), tick.value) {
         (Scalar::Bool, 0) => {
             nodes::add_simple(elab, prim!("Core::BooleanNot"), &[deciding], at, span)
         }
@@ -287,7 +287,7 @@ pub(super) fn tick_condition<'u>(
     }
 }
 
-/// Elaborates `merge c (...)` as a selection by the decider. Cases that are not selected are absent.
+/// Elaborates `merge c (...)` as a selection by the clock condition. Cases that are not selected are absent.
 pub(super) fn merge_expr<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
