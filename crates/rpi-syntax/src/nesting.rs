@@ -9,7 +9,7 @@ use crate::token::Token;
 use rpi_diag::{Code, Diagnostic};
 
 /// Maximum accepted nesting depth. Every walk over a tree may recurse this deep: see
-/// [`with_stack`](crate::with_stack).
+/// [`with_stack`](crate::with_large_stack).
 pub(crate) const MAX_DEPTH: u32 = 5_000;
 
 /// Bracket or body that is open during the check of the nesting depth.

@@ -25,7 +25,7 @@ pub(crate) trait ConnectionHandler {
     fn on_error(&mut self, _: &str) {}
 }
 
-/// A stream whose reads time out after [`TURN`].
+/// A stream whose reads time out after [`READ_TIMEOUT`].
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
