@@ -171,7 +171,11 @@ fn precedence_labels(
             format!("whenever this is true, `{}` takes precedence", first.name),
         )
         .secondary(first.origin.span, "this is also true then")
-        .help("`fail` comes first, then the other results in text order")
+        .note("`fail` comes first, then the other results in text order")
+        .help(format!(
+            "exclude the other result: add `and not` with the condition of `{}`, or delete this result",
+            first.name
+        ))
 }
 
 /// Flows that say whether a successor takes over.

@@ -234,7 +234,8 @@ fn warn_needless_coalesce(
     if sure && !matches!(unit.expr(first).kind, TypedKind::Error) {
         let diagnostic = Diagnostic::new(Code::RPI3002, "the right side of `??` is never used")
             .primary(unit.expr(second).span, "never used")
-            .secondary(unit.expr(first).span, "this is always present");
+            .secondary(unit.expr(first).span, "this is always present")
+            .help("delete `??` and its right side");
         diagnostics.push(diagnostic);
     }
 }

@@ -273,7 +273,8 @@ fn check_initial_state(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
             "an automaton must have exactly one initial state",
         )
         .primary(second.name.span, "second initial state")
-        .secondary(first.name.span, "first initial state"),
+        .secondary(first.name.span, "first initial state")
+        .help("delete `initial` before all states but one"),
         (None, _) => Diagnostic::new(Code::RPI3006, "the automaton has no initial state")
             .primary(automaton.states[0].name.span, "first state")
             .help("mark one state as initial: `initial state`"),

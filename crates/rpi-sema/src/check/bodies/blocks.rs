@@ -60,6 +60,7 @@ fn block_diagnostic(fault: &BlockError) -> Diagnostic {
             Diagnostic::new(Code::RPI1008, format!("`{}` is defined twice", name.name))
                 .primary(name.span, "defined again here")
                 .secondary(*first, "first defined here")
+                .help("delete one of the two equations")
         }
     }
 }

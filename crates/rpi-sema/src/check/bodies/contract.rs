@@ -111,7 +111,8 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
         let message = format!("dependency cycle: the mode `{name}` depends on itself");
         let diagnostic = Diagnostic::new(Code::RPI1007, message)
             .primary(span, format!("the condition of `{name}` reads it"))
-            .secondary(mode.name.span, "declared here");
+            .secondary(mode.name.span, "declared here")
+            .help("state the condition of one of the modes by flows instead of modes");
         return cx.report_error_expr(diagnostic, span);
     }
     cx.contract.modes_in_progress.push(mode.name.name.clone());

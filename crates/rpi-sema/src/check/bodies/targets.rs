@@ -88,7 +88,11 @@ fn count_mismatch(
         ),
     )
     .primary(at, format!("this gives {}", with_noun(parts, "value")))
-    .secondary(span, format!("{} on the left", with_noun(targets, "flow")));
+    .secondary(span, format!("{} on the left", with_noun(targets, "flow")))
+    .help(match targets > parts {
+        true => "delete the flows that get no value, or give as many values as flows",
+        false => "add a flow for each value on the left",
+    });
     // It is not known which target lacks its value, so no further errors are reported for any of them.
     let introduced = cx.pending[index].inferred_flows.iter().flatten();
     cx.reported.erroneous_flows.extend(introduced.copied());

@@ -11,6 +11,7 @@ use crate::check::exprs::expr;
 use crate::check::exprs::names::plain_name;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::header::Port;
+use crate::check::signatures::static_args;
 use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::types::exact_time;
@@ -215,7 +216,11 @@ fn assign_arg<'a>(
             ),
         )
         .primary(cx.span_of(arg.value), "this changes while the command runs")
-        .secondary(port.span, "declared as a parameter here");
+        .secondary(port.span, "declared as a parameter here")
+        .help(format!(
+            "pass a constant, or declare `{}` as an in-port, whose value may change",
+            port.name
+        ));
         report::report_diagnostic(cx, diagnostic);
         return false;
     }
@@ -426,8 +431,22 @@ fn unknown_arg(
     let open = names.iter().filter(|other| !is_given(other));
     let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
     let names = join_names(names.iter().map(|name| name.as_str()));
-    crate::check::signatures::static_args::unknown_static_param(of, name, near)
-        .secondary(declared, format!("its ports and parameters are {names}"))
+    let label = format!("its ports and parameters are {names}");
+    let is_static = given
+        .iter()
+        .any(|arg| arg.is_static && arg.name.is_some_and(|given| given.span == name.span));
+    if is_static {
+        return static_args::unknown_static_param(of, name, near).secondary(declared, label);
+    }
+    let of = without_statics(of);
+    let message = format!("`{of}` has no in-port or parameter `{}`", name.name);
+    let diagnostic = Diagnostic::new(Code::RPI1001, message)
+        .primary(name.span, "not declared")
+        .secondary(declared, label);
+    match near {
+        Some(near) => diagnostic.did_you_mean(name.span, Some(near)),
+        None => diagnostic.help("correct the name, or leave out the argument"),
+    }
 }
 
 /// Returns the indices of the ports that take positional arguments.

@@ -385,7 +385,8 @@ fn report_extern_call(cx: &mut Body<'_, '_>, header: &Header, span: Span) {
     {
         let diagnostic = Diagnostic::new(Code::RPI1012, format!("`{}` has no body", header.name))
             .primary(span, "an external node cannot be executed")
-            .secondary(header.span, "declared without a body");
+            .secondary(header.span, "declared without a body")
+            .help("write a body `let ... tel` for it, or pass its results in as in-ports");
         report::report_diagnostic(cx, diagnostic);
     }
 }

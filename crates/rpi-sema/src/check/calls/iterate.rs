@@ -152,7 +152,9 @@ fn check_boolred_bounds(
     let message = "`boolred<<least; most; size>>` requires 0 <= least <= most <= size";
     report::report_diagnostic(
         cx,
-        Diagnostic::new(Code::RPI2009, message).primary(arg.span, text),
+        Diagnostic::new(Code::RPI2009, message)
+            .primary(arg.span, text)
+            .help("write how many elements must be true, at least and at most, then the size"),
     );
     None
 }

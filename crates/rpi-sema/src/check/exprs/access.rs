@@ -167,13 +167,14 @@ pub(crate) fn block_member(
         }
         _ => {
             let near = cx.checker.suggest(&field.name, locals::names_in(cx, block));
+            let flows = join_names(locals::names_in(cx, block));
             let what = match automaton::is_state(cx, block) {
                 true => "state",
                 false => "fragment",
             };
             let of = format!("the {what} `{}`", cx.unit.block(block).name);
             let diagnostic = no_member(&of, &field.name, field.span, near);
-            cx.report_error_expr(diagnostic, span)
+            cx.report_error_expr(diagnostic.help(format!("its flows are {flows}")), span)
         }
     }
 }

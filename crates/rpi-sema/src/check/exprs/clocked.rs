@@ -216,6 +216,7 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
         .map(|(_, n)| *n)
         .collect();
     if !missing.is_empty() {
+        let help = format!("add a case: `({} -> ...)`", missing[0]);
         let diagnostic = Diagnostic::new(
             Code::RPI2011,
             format!(
@@ -223,7 +224,8 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
                 join_names(missing)
             ),
         )
-        .primary(span, "a `merge` needs a case for every value");
+        .primary(span, "a `merge` needs a case for every value")
+        .help(help);
         report::report_diagnostic(cx, diagnostic);
     }
 }
@@ -323,4 +325,5 @@ pub(crate) fn duplicate_case(name: &Ident, first: rpi_diag::Span) -> Diagnostic 
     )
     .primary(name.span, "given again here")
     .secondary(first, "first given here")
+    .help("delete one of the two cases")
 }

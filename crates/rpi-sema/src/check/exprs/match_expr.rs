@@ -278,6 +278,7 @@ fn not_covered(missing: &[String], span: Span) -> Diagnostic {
     let message = format!("non-exhaustive match: {missing} not covered");
     Diagnostic::new(Code::RPI2011, message)
         .primary(span, "a `match` needs a case for every alternative")
+        .help("add a case for it, or a last case `_` for all others")
 }
 
 /// Returns the diagnostic for a case that no value reaches.
@@ -292,10 +293,12 @@ fn unreachable_case(before: &[Arm], pattern: &Pattern) -> Diagnostic {
         };
         return crate::check::exprs::clocked::duplicate_case(&again, first.name.span);
     }
-    Diagnostic::new(Code::RPI2011, format!("unreachable case `{text}`")).primary(
-        pattern.name.span,
-        "the cases before it cover all its values",
-    )
+    Diagnostic::new(Code::RPI2011, format!("unreachable case `{text}`"))
+        .primary(
+            pattern.name.span,
+            "the cases before it cover all its values",
+        )
+        .help("delete it, or move it before the more general cases")
 }
 
 /// Returns the diagnostic for a `match` with too many cases to search for missing ones.

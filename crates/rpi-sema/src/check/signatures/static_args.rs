@@ -201,7 +201,8 @@ fn static_expr<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<ExprId> 
         StaticValue::Expr(expr) => Some(expr::check_expr(cx, expr)),
         _ => {
             let diagnostic = Diagnostic::new(Code::RPI1010, "a value is expected here")
-                .primary(arg.span, "not a value");
+                .primary(arg.span, "not a value")
+                .help("write a constant expression here");
             report::report_diagnostic(cx, diagnostic);
             None
         }
@@ -235,7 +236,8 @@ fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: S
         ),
     )
     .primary(span, "unexpected argument")
-    .secondary(decl.span, "declared here");
+    .secondary(decl.span, "declared here")
+    .help("delete it, or pass it in `(...)` if it is a value of an in-port");
     report::report_diagnostic(cx, diagnostic);
 }
 

@@ -341,15 +341,23 @@ fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
             diagnostic.help(format!("remove `{outside}` or the body")),
         );
     }
-    let lacks = match node.modifier {
-        Modifier::Opaque if node.contract.is_none() => "a contract, which is all that callers see",
-        Modifier::Transparent if !has_body => "a body, which callers see",
+    let (lacks, help) = match node.modifier {
+        Modifier::Opaque if node.contract.is_none() => (
+            "a contract, which is all that callers see",
+            "add a contract `(*@contract ... *)` before the body, or remove `opaque`",
+        ),
+        Modifier::Transparent if !has_body => (
+            "a body, which callers see",
+            "add a body `let ... tel`, or remove `transparent`",
+        ),
         _ => return,
     };
     let message = format!("`{}` lacks {lacks}", node.signature.name.name);
     report::report_diagnostic(
         cx,
-        Diagnostic::new(Code::RPI1014, message).primary(node.signature.name.span, "declared here"),
+        Diagnostic::new(Code::RPI1014, message)
+            .primary(node.signature.name.span, "declared here")
+            .help(help),
     );
 }
 

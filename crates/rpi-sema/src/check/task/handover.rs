@@ -186,9 +186,10 @@ fn source_from(
         }),
         Err(_) => {
             let text = format!("this `{name}` is `{found}`, expected `{ty}`");
-            Err(Box::new(
-                missing_handover(taken, run).secondary(export.span, text),
-            ))
+            let help =
+                format!("give both the same type, for example `{name}: {found}` after `given`");
+            let diagnostic = missing_handover(taken, run).secondary(export.span, text);
+            Err(Box::new(diagnostic.help(help)))
         }
     }
 }

@@ -149,7 +149,16 @@ fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> 
     if found.is_none() {
         let names = labels.iter().map(|(known, _)| known.name.as_str());
         let near = cx.checker.suggest(&label.name, names);
-        report::report_diagnostic(cx, undefined_name("step", &label.name, label.span, near));
+        report::report_diagnostic(cx, {
+            let is_near = near.is_some();
+            let diagnostic = undefined_name("step", &label.name, label.span, near);
+            match is_near {
+                true => diagnostic,
+                false => diagnostic.help(
+                    "name a step of the same list: a branch cannot lead into `repeat` or `parallel`, or out of them",
+                ),
+            }
+        });
     }
     found.map(|(_, run)| *run)
 }
@@ -190,7 +199,8 @@ fn check_known_at_load(cx: &mut Body<'_, '_>, value: ExprId) -> bool {
     let known = args::is_load_time_constant(cx, value);
     if !known {
         let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
-            .primary(cx.span_of(value), "this changes while commands run");
+            .primary(cx.span_of(value), "this changes while commands run")
+            .help("use a number, a constant or a parameter of the task");
         report::report_diagnostic(cx, diagnostic);
     }
     known

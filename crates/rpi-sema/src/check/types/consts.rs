@@ -187,7 +187,8 @@ pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
                 cx,
                 Diagnostic::new(Code::RPI2008, "a constant is needed here")
                     .primary(span, "this is only known at run time")
-                    .secondary(cx.span_of(id), "needed at compile time"),
+                    .secondary(cx.span_of(id), "needed at compile time")
+                    .help("use a number, a constant or a static parameter"),
             );
             None
         }
@@ -195,7 +196,8 @@ pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
             report::report_diagnostic(
                 cx,
                 Diagnostic::new(Code::RPI2010, what)
-                    .primary(span, "while evaluating this constant"),
+                    .primary(span, "while evaluating this constant")
+                    .help("correct the values from which it is computed"),
             );
             None
         }

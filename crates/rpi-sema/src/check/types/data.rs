@@ -59,7 +59,8 @@ pub(crate) fn type_instance_for<'a>(
         );
         let diagnostic = Diagnostic::new(Code::RPI1010, message)
             .primary(span, "wrong number of type arguments")
-            .secondary(decl.span, "declared here");
+            .secondary(decl.span, "declared here")
+            .help(type_args_help(&decl.name, names.len()));
         report::report_diagnostic(cx, diagnostic);
         return Ty::Unknown;
     }
@@ -312,6 +313,14 @@ pub(crate) fn constructor_value<'a>(
     cx.add(TypedKind::Build(parts.into()), Ty::Struct(ty), span)
 }
 
+/// Returns how a type with `count` type arguments is written.
+fn type_args_help(name: &str, count: usize) -> String {
+    match count {
+        0 => format!("write only its name: `{name}`"),
+        _ => format!("write it as `{name}<<{}>>`", vec!["T"; count].join("; ")),
+    }
+}
+
 /// Reports a wrong number of parts of an alternative.
 pub(crate) fn report_part_count(
     cx: &mut Body<'_, '_>,
@@ -327,7 +336,15 @@ pub(crate) fn report_part_count(
     );
     let diagnostic = Diagnostic::new(Code::RPI1010, message)
         .primary(span, "wrong number of parts")
-        .secondary(name.span, "declared here");
+        .secondary(name.span, "declared here")
+        .help(match count {
+            0 => format!("write only its name: `{}`", name.name),
+            _ => format!(
+                "write it as `{}({})`",
+                name.name,
+                vec!["..."; count].join(", ")
+            ),
+        });
     cx.report_error_expr(diagnostic, span)
 }
 
@@ -351,7 +368,8 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     if !ty.is_unknown() {
         let diagnostic =
             Diagnostic::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
-                .primary(span, format!("this is `{ty}`"));
+                .primary(span, format!("this is `{ty}`"))
+                .help("compare numbers and Booleans by `if`: `if x = 1 then ... else ...`");
         report::report_diagnostic(cx, diagnostic);
     }
     None

@@ -437,4 +437,5 @@ pub(crate) fn is_kind2_type(ty: &Ty, beginnings: &[&str]) -> bool {
 pub(crate) fn too_large(span: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI2009, "the array is too large")
         .primary(span, format!("more than {MAX_LEAVES} values"))
+        .help("use a smaller array, or several")
 }

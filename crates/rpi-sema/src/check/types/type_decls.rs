@@ -118,7 +118,14 @@ pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id:
             _ => diagnostic.secondary(decl.span, text),
         };
     }
-    checker.diagnostics.push(diagnostic);
+    let help = match what {
+        "constant" => "give one of these constants a value of its own",
+        "type" => {
+            "delete one of these parts: a type has a fixed size, so that it cannot hold itself"
+        }
+        _ => "break the circle: define one of them without the others",
+    };
+    checker.diagnostics.push(diagnostic.help(help));
 }
 
 fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
