@@ -159,6 +159,8 @@ pub fn merge_by_subject(diagnostics: &mut Vec<Diagnostic>) {
         let Some([_, others @ ..]) = all.map(Vec::as_slice) else {
             continue;
         };
+        let advice = "declare it, or correct the name".to_owned();
+        diagnostic.help.push(advice);
         for span in others.iter().take(MAX_LOCATIONS) {
             *diagnostic = diagnostic.clone().secondary(*span, "also used here");
         }

@@ -33,11 +33,15 @@ impl ReportedFault {
             format!("for `{name}`")
         });
         let message = format!("{place}: {}", fault_text(origin.code));
+        let diagnostic = Diagnostic::new(Code::RPI9011, message);
+        let diagnostic = diagnostic.primary(span.unwrap_or(Span::NONE), label);
         ReportedFault {
             cause: origin.code,
             place,
-            diagnostic: Diagnostic::new(Code::RPI9011, message)
-                .primary(span.unwrap_or(Span::NONE), label),
+            diagnostic: match fault_help(origin.code) {
+                Some(help) => diagnostic.help(help),
+                None => diagnostic,
+            },
         }
     }
 
@@ -52,11 +56,32 @@ impl ReportedFault {
         self.diagnostic.message = format!("{}: {sentence}", self.place);
         self.diagnostic.labels = violation.labels;
         self.diagnostic.notes = violation.notes;
+        self.diagnostic.help = violation.help;
     }
 
     /// Returns the diagnostic of the fault.
     pub(crate) fn into_diagnostic(self) -> Diagnostic {
         self.diagnostic
+    }
+}
+
+/// Returns how a program avoids a fault of its own; `None` for the faults of devices.
+fn fault_help(code: FaultCode) -> Option<&'static str> {
+    match code {
+        FaultCode::IndexOutOfRange => {
+            Some("limit the index first: `a[min(max(k, 0), n - 1)]` for an array of `n` elements")
+        }
+        FaultCode::OutsideSubrange => Some(
+            "limit the value first, for example by `min` and `max`, or declare a wider subrange",
+        ),
+        FaultCode::DivisionByZero => {
+            Some("test the divisor first: `if b <> 0 then a div b else 0`")
+        }
+        FaultCode::IntegerOverflow => Some("limit the operands first, or compute with reals"),
+        FaultCode::LossyConversion => {
+            Some("limit the real number first, and test for NaN by `x = x`")
+        }
+        _ => None,
     }
 }
 

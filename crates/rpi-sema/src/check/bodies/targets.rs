@@ -11,6 +11,7 @@ use crate::check::bodies::type_inference::EquationLhs;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::diagnostics::report::undefined_name;
+use crate::check::diagnostics::undefined_names;
 use crate::check::exprs::access;
 use crate::check::exprs::expr;
 use crate::check::types::exact_time;
@@ -198,12 +199,16 @@ fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Targ
     (TargetPlace::Nowhere, Ty::Unknown)
 }
 
-/// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has no other help.
+/// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has only the general help.
 fn add_target_help(cx: &mut Body<'_, '_>, name: &Ident, help: &str) {
     let index = cx.reported.undefined_flows.index(&name.name);
     let diagnostic = index.and_then(|index| cx.diagnostics.get_mut(index));
-    if let Some(diagnostic) = diagnostic.filter(|f| f.help.is_empty() && f.fixes.is_empty()) {
-        diagnostic.help.push(help.to_owned());
+    let general = undefined_names::declaration_help(&name.name);
+    let is_general = |diagnostic: &&mut Diagnostic| {
+        diagnostic.fixes.is_empty() && diagnostic.help.iter().all(|help| *help == general)
+    };
+    if let Some(diagnostic) = diagnostic.filter(is_general) {
+        diagnostic.help = vec![help.to_owned()];
     }
 }
 

@@ -17,9 +17,6 @@ fn not_declared_anywhere(what: &str, name: &str, span: Span) -> Diagnostic {
     let message = format!("undefined {what} `{name}`");
     Diagnostic::new(Code::RPI1001, message)
         .primary(span, "not declared anywhere")
-        .help(format!(
-            "declare a {what} of this name, or correct the name"
-        ))
         .about(Subject::UndefinedName(format!("{what} {name}")))
 }
 
