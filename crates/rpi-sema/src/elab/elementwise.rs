@@ -135,8 +135,7 @@ fn conditional<'u>(
     leaves.into()
 }
 
-/// Elaborates `if c then x else y` on a value whose leaves have different clocks: each leaf is selected on its own
-/// clock.
+/// Elaborates `if c then x else y` on a value whose leaves have different clocks; each leaf keeps its clock.
 fn conditional_per_leaf<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

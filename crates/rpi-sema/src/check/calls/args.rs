@@ -11,7 +11,6 @@ use crate::check::exprs::expr;
 use crate::check::exprs::names::plain_name;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::header::Port;
-use crate::check::signatures::static_args;
 use crate::check::signatures::static_params;
 use crate::check::signatures::unit;
 use crate::check::types::exact_time;
@@ -241,7 +240,7 @@ pub(crate) fn report_unknown_args<'a>(
     let named = given.iter().filter_map(|arg| arg.name);
     let clients = named.filter(|name| !names.contains(&&name.name));
     let clients: Vec<Diagnostic> = clients
-        .map(|name| unknown_arg(&decl.name, decl.span, &names, name, given))
+        .map(|name| argument_order::unknown_arg(&decl.name, decl.span, &names, name, given))
         .collect();
     let any = !clients.is_empty();
     clients
@@ -261,7 +260,7 @@ fn report_unexpected_arg<'a>(
     let diagnostic = match arg.name {
         Some(name) => {
             let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
-            unknown_arg(&header.name, header.span, &names, name, given)
+            argument_order::unknown_arg(&header.name, header.span, &names, name, given)
         }
         None => Diagnostic::new(
             Code::RPI1010,
@@ -397,7 +396,7 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
 }
 
 /// Returns the name of a callable without the static arguments of the instance.
-fn without_statics(name: &Name) -> &str {
+pub(crate) fn without_statics(name: &Name) -> &str {
     name.split("<<").next().unwrap_or(name)
 }
 
@@ -413,40 +412,6 @@ pub(crate) fn signature_text(header: &Header) -> String {
         ports.push("...".to_owned());
     }
     format!("{}({})", header.name, ports.join("; "))
-}
-
-/// Returns the diagnostic for a named argument that matches no port or parameter.
-fn unknown_arg(
-    of: &Name,
-    declared: Span,
-    names: &[&Name],
-    name: &Ident,
-    given: &[CallArgument<'_>],
-) -> Diagnostic {
-    let is_given = |other: &Name| {
-        given
-            .iter()
-            .any(|arg| arg.name.is_some_and(|n| n.name == *other))
-    };
-    let open = names.iter().filter(|other| !is_given(other));
-    let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
-    let names = join_names(names.iter().map(|name| name.as_str()));
-    let label = format!("its ports and parameters are {names}");
-    let is_static = given
-        .iter()
-        .any(|arg| arg.is_static && arg.name.is_some_and(|given| given.span == name.span));
-    if is_static {
-        return static_args::unknown_static_param(of, name, near).secondary(declared, label);
-    }
-    let of = without_statics(of);
-    let message = format!("`{of}` has no in-port or parameter `{}`", name.name);
-    let diagnostic = Diagnostic::new(Code::RPI1001, message)
-        .primary(name.span, "not declared")
-        .secondary(declared, label);
-    match near {
-        Some(near) => diagnostic.did_you_mean(name.span, Some(near)),
-        None => diagnostic.help("correct the name, or leave out the argument"),
-    }
 }
 
 /// Returns the indices of the ports that take positional arguments.

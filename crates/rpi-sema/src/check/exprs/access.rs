@@ -361,9 +361,7 @@ pub(crate) fn resolve_path<'a>(
 pub(crate) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
     let found = find_member(ty, &field.name);
     if found.is_none() {
-        let names = ty.members().iter().filter_map(|m| m.name.as_deref());
-        let near = rpi_diag::suggest(&field.name, names);
-        let diagnostic = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+        let diagnostic = unknown_member(ty, &format!("`{ty}`"), field);
         report::report_diagnostic(cx, diagnostic);
     }
     found

@@ -341,24 +341,17 @@ fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
             diagnostic.help(format!("remove `{outside}` or the body")),
         );
     }
-    let (lacks, help) = match node.modifier {
-        Modifier::Opaque if node.contract.is_none() => (
-            "a contract, which is all that callers see",
-            "add a contract `(*@contract ... *)` before the body, or remove `opaque`",
-        ),
-        Modifier::Transparent if !has_body => (
-            "a body, which callers see",
-            "add a body `let ... tel`, or remove `transparent`",
-        ),
+    let (lacks, word) = match node.modifier {
+        Modifier::Opaque if node.contract.is_none() => ("a contract", "opaque"),
+        Modifier::Transparent if !has_body => ("a body", "transparent"),
         _ => return,
     };
-    let message = format!("`{}` lacks {lacks}", node.signature.name.name);
-    report::report_diagnostic(
-        cx,
-        Diagnostic::new(Code::RPI1014, message)
-            .primary(node.signature.name.span, "declared here")
-            .help(help),
-    );
+    let name = &node.signature.name;
+    let message = format!("`{}` is `{word}` but lacks {lacks}", name.name);
+    let diagnostic = Diagnostic::new(Code::RPI1014, message)
+        .primary(name.span, format!("callers rely on {lacks}"))
+        .help(format!("add {lacks}, or remove `{word}`"));
+    report::report_diagnostic(cx, diagnostic);
 }
 
 fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
