@@ -5,7 +5,7 @@ use rpi_device::{DeviceBank, PortId, PortQuery, Rejection, ResolveError};
 use rpi_image::hash::Fnv1a;
 use rpi_image::{Scalar, Type};
 
-/// A resolved port.
+/// Device port with its kind resolved: the type of its values and a hash of its name.
 #[derive(Clone, Debug)]
 struct Port {
     name: String,

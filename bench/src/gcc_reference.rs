@@ -15,10 +15,10 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// Cycles before the first measured batch.
+/// Number of cycles that run before the first measured batch, so that caches and branch predictors are warm.
 const WARM_UP_CYCLES: u64 = 20;
 
-/// The input of a cycle, the same in both languages.
+/// Value of the input `x` in a cycle; the C text and the interpreter get the same values.
 fn x(cycle: u64) -> f64 {
     (cycle % 200) as f64 * 0.01 - 1.0
 }
@@ -70,7 +70,7 @@ impl InterpretedNet {
     }
 }
 
-/// The same net compiled by gcc, in a process that runs batches on request.
+/// The net of [`InterpretedNet`] compiled by gcc, in a process that runs batches on request.
 pub struct CompiledNet {
     child: Child,
     requests: Option<ChildStdin>,

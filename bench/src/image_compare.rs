@@ -37,7 +37,7 @@ pub fn lower_net(net: &Net, options: &LowerOptions<'_>) -> Result<Image, BenchEr
     lower(&analysis.net, &plan, options).map_err(BenchError::from_cause)
 }
 
-/// A machine with a device bank of its own.
+/// An instance of a net's image with a device bank of its own, which is run cycle by cycle.
 pub struct Runner {
     machine: Instance,
     bank: FakeDevices,
@@ -95,7 +95,7 @@ impl Runner {
         }
     }
 
-    /// The machine under test.
+    /// The instance that is run.
     #[must_use]
     pub fn machine(&self) -> &Instance {
         &self.machine

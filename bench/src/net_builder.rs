@@ -12,7 +12,7 @@ use rpi_prims::PrimId;
 /// A net under construction. Wrong names and types cause a panic, because the builder is for tests only.
 #[derive(Clone, Debug)]
 pub struct NetBuilder {
-    /// The net built so far.
+    /// The net as built so far.
     pub net: Net,
 }
 
@@ -139,7 +139,8 @@ impl NetBuilder {
         })
     }
 
-    /// Connects an in-port later, for feedback.
+    /// Connects an in-port of a node that has been added already. Used for feedback, where the source is added after
+    /// the reader.
     pub fn wire(&mut self, node: NodeId, port: usize, source: PortRef) {
         self.net.nodes[node.index()].inputs[port] = Input::Port(source);
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// Environment variable with the name of the file. If it is unset, no input is saved.
+/// Environment variable that names the file to which each input is saved. If it is unset, no input is saved.
 const VARIABLE: &str = "RPI_FUZZ_LAST";
 
 /// Saves an input until the next one.

@@ -30,10 +30,10 @@ pub use mutator::Mutator;
 pub use seeds::{Seed, saved_inputs};
 pub use texts::LUSTRE;
 
-/// Entry point for untrusted input.
+/// Entry point of the product for untrusted input, which fuzzers call.
 #[derive(Debug)]
 pub struct Entry {
-    /// Name of its fuzz target.
+    /// Name of the fuzz target that calls the entry point.
     pub name: &'static str,
     /// Function that processes one input.
     pub run: fn(&[u8]),

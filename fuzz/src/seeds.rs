@@ -10,7 +10,7 @@ use rpi_testkit::{files_below, workspace_root};
 
 use crate::texts::LUSTRE;
 
-/// Input of the initial corpus.
+/// Input of the initial corpus of a fuzzer.
 #[derive(Clone, Debug)]
 pub struct Seed {
     /// Origin of the input, as a file name.

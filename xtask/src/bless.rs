@@ -2,13 +2,13 @@
 
 use std::process::Command;
 
-/// Tests that compare an output with a file of the repository.
+/// Group of tests that compare an output with files of the repository, as `cargo xtask bless` rewrites them.
 struct Suite {
     /// Name, for the filter.
     name: &'static str,
     /// The files that are rewritten.
     files: &'static str,
-    /// Packages whose tools the tests run.
+    /// Packages whose tools must be built first because the tests run them.
     tools: &'static [&'static str],
     /// Arguments of `cargo test`.
     tests: &'static [&'static str],
@@ -99,7 +99,7 @@ fn run(suite: &Suite) -> Result<(), String> {
     cargo("test", suite.tests)
 }
 
-/// Runs cargo with the settings that make tests rewrite their files: `RPI_BLESS` for the tests of the project,
+/// Runs cargo with the environment in which tests rewrite their files: `RPI_BLESS` for the tests of the project,
 /// `INSTA_*` for snapshots. `CI` would forbid snapshots to be written.
 fn cargo(task: &str, args: &[&str]) -> Result<(), String> {
     let status = Command::new(env!("CARGO"))

@@ -15,7 +15,8 @@ const VERSION: &str = "0.5.4";
 /// Number of links that the book has at least. A check that finds fewer of them does not read the pages correctly.
 const LEAST_LINKS: usize = 1000;
 
-/// Builds the book in `target/book` and checks its links. Installs mdBook below `target` if necessary.
+/// Carries out `cargo xtask book`: builds the book in `target/book` and checks its links. Installs mdBook below
+/// `target` if necessary.
 pub(crate) fn book(args: &[String]) -> Result<(), String> {
     if !args.is_empty() {
         return Err("usage: cargo xtask book".to_owned());
@@ -61,7 +62,7 @@ fn is_right_version(mdbook: &Path) -> bool {
     })
 }
 
-/// Builds the pages. A warning of mdBook is an error.
+/// Builds the pages of the book. A warning of mdBook is an error.
 fn build(mdbook: &Path, pages: &Path) -> Result<(), String> {
     let output = Command::new(mdbook)
         .arg("build")
@@ -98,13 +99,13 @@ fn check_links(folder: &Path) -> Result<usize, String> {
     }
 }
 
-/// Web and mail addresses have a scheme before the first colon.
+/// Returns whether a link leads out of the book: web and mail addresses have a scheme before the first colon.
 fn is_external(link: &str) -> bool {
     let scheme = link.split_once(':').map_or("", |(scheme, _)| scheme);
     !scheme.is_empty() && scheme.chars().all(|c| c.is_ascii_alphabetic())
 }
 
-/// Returns what is wrong with a link on the page `path`.
+/// Returns the reason why a link on the page `path` is wrong; `None` if it is right.
 fn problem(pages: &BTreeMap<PathBuf, Page>, path: &Path, link: &str) -> Option<&'static str> {
     let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
     let target = match file {

@@ -8,14 +8,16 @@ use xtask::{source_files, tracked_files};
 
 use crate::fuzz::root;
 
-/// Defaults of the options.
+/// Seed of a draw without `--seed`.
 const SEED: u64 = 1;
+/// Number of doc comments drawn without `--comments`.
 const COMMENTS: usize = 100;
+/// Number of diagnostics drawn without `--diagnostics`.
 const DIAGNOSTICS: usize = 60;
 
 const USAGE: &str = "usage: cargo xtask draw [--seed N] [--comments N] [--diagnostics N]";
 
-/// Prints the drawn texts.
+/// Carries out `cargo xtask draw`: prints doc comments and diagnostics drawn at random.
 pub(crate) fn draw(args: &[String]) -> Result<(), String> {
     let options = Options::parse(args)?;
     let mut random = Random(options.seed);
@@ -32,15 +34,25 @@ pub(crate) fn draw(args: &[String]) -> Result<(), String> {
         println!("{:>3}. {}: {}", n + 1, path.display(), comment.signature);
         println!("{}", comment.text);
     }
-    let mut messages = tracked_files();
-    messages.retain(|path| {
-        path.starts_with("tests/ui") && path.extension().is_some_and(|e| e == "stderr")
-    });
-    for path in random.sample(messages, options.diagnostics) {
-        let text = std::fs::read_to_string(root().join(path)).map_err(|error| error.to_string())?;
+    for text in random.sample(diagnostics()?, options.diagnostics) {
         println!("-----\n{text}");
     }
     Ok(())
+}
+
+/// Returns the diagnostics that the tests of the compiler expect, one text for each program that has any.
+fn diagnostics() -> Result<Vec<String>, String> {
+    let mut texts = Vec::new();
+    for path in tracked_files() {
+        if path.starts_with("tests/ui") && path.extension().is_some_and(|e| e == "stderr") {
+            let text =
+                std::fs::read_to_string(root().join(path)).map_err(|error| error.to_string())?;
+            texts.push(text);
+        }
+    }
+    // A program without any diagnostic has an empty file.
+    texts.retain(|text| !text.trim().is_empty());
+    Ok(texts)
 }
 
 struct Options {
@@ -85,12 +97,17 @@ struct Comment {
 fn comments(text: &str) -> Vec<Comment> {
     let mut found = Vec::new();
     let mut owner = "";
+    let mut variant = "";
     let mut lines = text.lines().peekable();
     while let Some(line) = lines.next() {
         if is_owner(line) {
             owner = line.trim_end_matches('{').trim();
         } else if line == "}" {
             owner = "";
+        } else if let Some(name) = opened_variant(line) {
+            variant = name;
+        } else if line == "    }," {
+            variant = "";
         }
         let Some(first) = line.trim_start().strip_prefix("///") else {
             continue;
@@ -114,13 +131,15 @@ fn comments(text: &str) -> Vec<Comment> {
         // The signature ends at the body or at the end of the item. The first line may open the type of later members.
         while let Some(next) = lines.peek() {
             item.push_str(&format!("{} ", next.trim()));
-            if next.ends_with(['{', ';', ',']) && is_balanced(&item) {
+            if next.ends_with(['{', '}', ';', ',']) && is_balanced(&item) {
                 break;
             }
             lines.next();
         }
         let item = item.trim().trim_end_matches(['{', ',']).trim();
+        let is_field_of_variant = line.starts_with("        ") && !variant.is_empty();
         let signature = match is_member && !owner.is_empty() {
+            true if is_field_of_variant => format!("[{owner}::{variant}] {item}"),
             true => format!("[{owner}] {item}"),
             false => item.to_owned(),
         };
@@ -142,13 +161,22 @@ fn is_owner(line: &str) -> bool {
     line.ends_with('{') && words.iter().any(|word| line.starts_with(word))
 }
 
+/// Returns the name of the enum variant with named fields that a line opens.
+fn opened_variant(line: &str) -> Option<&str> {
+    let name = line.strip_prefix("    ")?.strip_suffix(" {")?;
+    let is_name = name.starts_with(|c: char| c.is_ascii_uppercase())
+        && name.chars().all(|c| c.is_ascii_alphanumeric());
+    is_name.then_some(name)
+}
+
 /// Returns whether every parenthesis and bracket of an item is closed. A brace at the end opens the body.
 fn is_balanced(item: &str) -> bool {
     let count = |c: char| item.matches(c).count();
     count('(') == count(')') && count('[') == count(']')
 }
 
-/// SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): enough for a draw, and the same on every machine.
+/// Pseudo-random number generator SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): enough for a draw, and the same on
+/// every machine.
 struct Random(u64);
 
 impl Random {
@@ -196,6 +224,25 @@ impl Wheel {
 
 /// Number of wheels.
 const WHEELS: [usize; 2] = [1, 2];
+
+/// Kind of drive.
+enum Drive {
+    /// Driven by a motor.
+    Motor {
+        /// Power in watts.
+        power: f64,
+    },
+    /// Not driven.
+    Free,
+}
+
+trait Brake {
+    /// Stops the wheel.
+    fn stop(&mut self) {}
+
+    /// Lets the wheel go.
+    fn release(&mut self);
+}
 ";
 
     #[test]
@@ -207,9 +254,22 @@ const WHEELS: [usize; 2] = [1, 2];
             "[pub struct Wheel] pub radius: f64",
             "[impl Wheel] pub fn turn( &mut self, angle: f64, ) -> f64",
             "const WHEELS: [usize; 2] = [1, 2];",
+            "enum Drive",
+            "[enum Drive] Motor",
+            "[enum Drive::Motor] power: f64",
+            "[enum Drive] Free",
+            "[trait Brake] fn stop(&mut self) {}",
+            "[trait Brake] fn release(&mut self);",
         ];
         assert_eq!(signatures, expected);
         assert_eq!(found[1].text, "       Radius in\n       metres.");
+    }
+
+    #[test]
+    fn drawn_diagnostics_have_a_text() {
+        let found = diagnostics().expect("the tests of the compiler can be read");
+        assert!(found.len() > 100);
+        assert!(found.iter().all(|text| text.contains("RPI")));
     }
 
     #[test]

@@ -30,7 +30,7 @@ const LIMITS: &[&str] = &[
 /// Default duration: one hour.
 const DEFAULT_SECONDS: &str = "3600";
 
-/// Builds a target and runs it.
+/// Carries out `cargo xtask fuzz`: builds a fuzz target and runs it.
 pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
     let (entry, seconds) = match args {
         [entry] => (entry, DEFAULT_SECONDS),
@@ -79,7 +79,7 @@ fn rerun_slow(entry: &str, found: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// A command that runs one of the tools of `rpi-fuzz`.
+/// Creates the command that runs one of the tools of `rpi-fuzz`.
 fn tool_command(name: &str, flags: &[&str]) -> Command {
     let mut run = Command::new(env!("CARGO"));
     run.current_dir(root())
@@ -114,7 +114,7 @@ fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
     Ok(folder.join("target").join(host).join("release").join(entry))
 }
 
-/// Target triple of the host.
+/// Returns the target triple of this machine.
 fn host() -> Result<String, String> {
     let version = Command::new("rustc").arg("-vV").output();
     let version = version.map_err(|error| format!("rustc: {error}"))?.stdout;

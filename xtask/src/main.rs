@@ -8,7 +8,7 @@ mod lustre;
 
 use std::process::ExitCode;
 
-/// A task: name, description, function.
+/// Task of `cargo xtask`: name, description, function.
 type Task = (
     &'static str,
     &'static str,
@@ -53,7 +53,8 @@ const TASKS: &[Task] = &[
     ),
 ];
 
-/// Number of histories of up to 120 steps; together more than a million steps.
+/// Number of random histories of the core that the long test runs, each of up to 120 steps; together more than a
+/// million steps.
 const HISTORIES: &str = "20000";
 
 /// Number of random programs for each property of the language.
@@ -95,8 +96,9 @@ fn generate(_: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs tests with much larger parameters than in the test suite: random programs, the core and its model, a million
-/// takeovers of two arms, an hour of misbehaving clients, and a day of blending.
+/// Carries out `cargo xtask soak`: runs tests with much larger parameters than in the test suite, namely random
+/// programs, the core and its model, a million takeovers of two arms, an hour of misbehaving clients, and a day of
+/// blending.
 fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(
         &["-p", "rpi-reference", "--test", "properties"],

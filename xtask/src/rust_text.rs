@@ -16,7 +16,7 @@ pub enum PartKind {
 pub struct Part<'a> {
     /// Kind.
     pub kind: PartKind,
-    /// Line number of its first character, from 1.
+    /// Line number of the first character of the part, from 1.
     pub line: usize,
     /// Text.
     pub text: &'a str,
@@ -77,7 +77,7 @@ pub fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Length of the raw string at the start of the text: `r"..."`, `r#"..."#`.
+/// Returns the length of the raw string at the start of the text: `r"..."`, `r#"..."#`.
 fn raw_string(text: &str) -> Option<usize> {
     let start = text.find('r')? + 1;
     let hashes = text[start..].bytes().take_while(|b| *b == b'#').count();
@@ -87,7 +87,7 @@ fn raw_string(text: &str) -> Option<usize> {
     Some((start + hashes + 1 + at + end.len()).min(text.len()))
 }
 
-/// Length of the string at the start of the text, with both quotes.
+/// Returns the length of the string at the start of the text, with both quotes.
 fn string_length(text: &str) -> usize {
     let mut escaped = false;
     for (at, c) in text.char_indices().skip(1) {

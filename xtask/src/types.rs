@@ -1,6 +1,6 @@
 //! Types of a Rust source text with the number of their fields and inherent methods, found by the layout of rustfmt.
 
-/// Part of a type that a source text contains: its declaration, or an inherent `impl` block.
+/// Part of a type in a source text: its declaration, or an inherent `impl` block.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum TypePart<'a> {
     /// Declaration of a struct or an enum.

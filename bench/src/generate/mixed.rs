@@ -55,7 +55,7 @@ impl Mixed {
         }
     }
 
-    /// An unused output, or one of the last hundred.
+    /// Returns a random output to read: an unused one if there is any, else one of the last hundred.
     fn real(&mut self) -> PortRef {
         if self.rng.below(2) == 0
             && let Some(port) = self.unused.pop()

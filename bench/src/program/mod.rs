@@ -7,12 +7,12 @@ mod bodies;
 mod errors;
 mod parts;
 
-/// A generator of programs of any size.
+/// A generator of benchmark programs: a named pattern of equations, of any size.
 #[derive(Clone, Copy)]
 pub struct Shape {
-    /// Short name of the shape.
+    /// Short name of the pattern, shown in the table of the benchmark.
     pub name: &'static str,
-    /// File extension: the language.
+    /// File extension of the generated text: `rpi` or `lus`.
     pub extension: &'static str,
     write: fn(usize) -> String,
 }

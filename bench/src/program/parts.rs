@@ -2,7 +2,7 @@
 
 use super::{lines, names};
 
-/// Equations per part.
+/// Number of equations in each generated node, fragment or command.
 const EQUATIONS_PER_PART: usize = 8;
 
 /// Many small nodes, and a node that calls each of them once in a chain.

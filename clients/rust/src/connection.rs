@@ -152,7 +152,8 @@ fn handshake_error<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
     }
 }
 
-/// State of the connection thread.
+/// State of the thread that owns the websocket: the socket, the requests waiting for an answer and the receivers of
+/// updates.
 struct Worker {
     socket: WebSocket<Box<dyn Stream>>,
     requests: Receiver<WorkerRequest>,

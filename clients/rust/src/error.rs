@@ -7,7 +7,7 @@ use serde_json::Value;
 /// Error of a request or connection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Error {
-    /// The server refused the request.
+    /// The server rejected the request.
     Refused {
         /// Error code of the server; its manual has the table.
         code: i64,

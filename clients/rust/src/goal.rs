@@ -14,12 +14,12 @@ use crate::task::Task;
 /// Policy for a session's commands when its connection ends.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum OnLoss {
-    /// Running commands are cancelled and end on their path.
+    /// Running commands are cancelled: each ends as its program defines for `cancel`, still on its path.
     #[default]
     Cancel,
     /// Commands keep running.
     RunOn,
-    /// Commands end at once.
+    /// Commands are aborted: they end at once, and their devices brake on their own.
     Abort,
 }
 
@@ -39,7 +39,7 @@ pub enum Language {
     /// A program in RPI.
     #[default]
     Rpi,
-    /// A net of the reference system.
+    /// Net in the text format of the reference system (`.rpinet`).
     Rpinet,
 }
 
@@ -227,7 +227,7 @@ pub struct Goal {
     client: Client,
     name: String,
     updates: Receiver<Value>,
-    /// Ending of the command, or the error that prevents it; `None` until it is known.
+    /// Ending of the command, or the error that prevents waiting for it; `None` until one of them is known.
     end: RefCell<Option<Result<Ending, Error>>>,
 }
 

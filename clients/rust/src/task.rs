@@ -25,7 +25,7 @@ pub struct TaskEnd {
 pub struct Step {
     /// Name of the command in the program.
     pub command: String,
-    /// How the command has ended.
+    /// Ending of the command: cause, result and error.
     pub ending: Ending,
     /// Whether a branch of the task handles its error.
     pub handled: bool,
@@ -37,7 +37,7 @@ pub struct Task {
     client: Client,
     name: String,
     updates: Receiver<Value>,
-    /// Ending of the task, or the error that prevents it; `None` until it is known.
+    /// Ending of the task, or the error that prevents waiting for it; `None` until one of them is known.
     end: RefCell<Option<Result<TaskEnd, Error>>>,
 }
 

@@ -18,7 +18,7 @@ use alloc::vec::Vec;
 
 /// A loaded command: a running image, its lifecycle state and the resources that it needs and holds.
 pub struct Command {
-    /// The running image.
+    /// Instance of the command's image: its memory and its resolved ports.
     pub(crate) instance: Instance,
     pub(crate) state: CommandState,
     /// Resources that the command needs, in ascending order, each with a flag for whether it is held.
@@ -159,7 +159,7 @@ impl Command {
         self.state
     }
 
-    /// The running image.
+    /// The instance of the command's image.
     #[must_use]
     pub fn instance(&self) -> &Instance {
         &self.instance
@@ -232,7 +232,7 @@ impl Command {
         found.is_ok_and(|k| self.resource_uses[k].is_held)
     }
 
-    /// First resource that this command lacks and `other` holds.
+    /// First resource (actuator) that this command needs but does not hold, and that `other` holds.
     pub(crate) fn first_conflict(&self, other: &Command) -> Option<u32> {
         // Both lists are sorted by resource, so one merge pass finds the first common one in linear time.
         let mut theirs = other
@@ -255,7 +255,7 @@ impl Command {
         })
     }
 
-    /// Releases the resources in `needs`, which another command takes.
+    /// Releases those of the command's resources that are in `needs`, the list of another command that takes them.
     pub(crate) fn release_to(&mut self, needs: &[ResourceUse]) {
         let mut needs = needs.iter().peekable();
         for hold in &mut self.resource_uses {

@@ -15,7 +15,7 @@ pub(crate) struct Entry {
     pub(crate) command: Box<Command>,
     /// Period of the command, in ticks.
     pub(crate) period_ticks: u64,
-    /// Tick of the next cycle.
+    /// Tick in which the next cycle of the command runs.
     pub(crate) due: u64,
     /// Logical time of the first cycle, nanoseconds since the Unix epoch.
     pub(crate) start_ns: i64,
@@ -27,7 +27,7 @@ pub(crate) struct Entry {
     pub(crate) ending: bool,
     /// The command was started in the current decision.
     pub(crate) just_started: bool,
-    /// The command runs, or a rule may still start it.
+    /// The command runs, or a rule that has not fired may still start it.
     pub(crate) live: bool,
 }
 
@@ -82,7 +82,8 @@ impl CommandTable {
     /// Inserts a command with a period of `period_ticks` ticks into the slot of `id`.
     ///
     /// # Errors
-    /// Returns the command if the slot is occupied or beyond the capacity.
+    ///
+    /// Returns the command and the reason if the slot is occupied or beyond the capacity.
     pub(crate) fn insert(
         &mut self,
         id: CommandId,
@@ -187,8 +188,8 @@ impl CommandTable {
         }
     }
 
-    /// Knowledge about a fact: its present value and its possible later values. A scheduled command that is not marked
-    /// as live counts as one that never runs.
+    /// Known truth value of a fact, and the values that it may still take. A scheduled command that is not marked as
+    /// live counts as one that never runs.
     pub(crate) fn fact_truth(&self, id: CommandId, fact: Fact) -> Truth {
         match self.find(id).and_then(|place| self.get(place)) {
             Some(entry) => entry.fact_truth(fact),

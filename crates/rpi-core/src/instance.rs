@@ -16,7 +16,7 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Inputs from the core to a command for one cycle.
+/// Context of a command in one cycle, supplied by the core: times, cancellation, takeover and predecessor.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct CycleContext {
     /// Logical time of this cycle, nanoseconds since the Unix epoch.
@@ -38,7 +38,7 @@ pub enum Verdict {
     Result(usize),
     /// The ports `terminate` and `fail`, with the error number of `fail`; 0 for none.
     Terminate(i64),
-    /// A fault.
+    /// A fault in the cycle, such as an overflow or a missing sample.
     Fault(Fault),
 }
 
@@ -48,7 +48,8 @@ pub struct Instance {
     slots: Box<[u64]>,
     steps: Program,
     commit: Program,
-    /// For each fragment, its range in [`Image::init`].
+    /// For each fragment, the range of its initial values in [`Image::init`]; they are copied when the fragment
+    /// restarts.
     init: Box<[SlotRange]>,
     work_bound: WorkBound,
     ports: Ports,
@@ -223,7 +224,7 @@ impl Instance {
         self.ports.hand_over(bank)
     }
 
-    /// Raises the fault for a missing or rejected set-point.
+    /// Raises the fault for an actuator that moves without a set-point or whose set-point its device has rejected.
     pub(crate) fn fail_uncontrolled(&mut self) {
         let (code, actuator) = self.ports.uncontrolled_fault();
         let actuator = actuator.and_then(|k| self.image.actuators.get(k));
@@ -381,7 +382,7 @@ fn prim_context<'a>(
     }
 }
 
-/// Runs one step and returns the index of the next.
+/// Runs the step with index `pc` of an image and returns the index of the next one.
 #[inline(always)]
 fn step(
     pc: usize,

@@ -66,7 +66,7 @@ pub enum CommandEvent {
 pub enum Transition {
     /// The command enters this state.
     To(CommandState),
-    /// The command is removed; it is freed outside the cycle.
+    /// The command is removed from the table. It is freed outside the cycle.
     Removed,
     /// The event is not allowed in this state; nothing changes.
     Rejected,

@@ -14,9 +14,9 @@ use alloc::vec::Vec;
 pub enum LoadError {
     /// The image is malformed.
     InvalidImage(VerifyError),
-    /// Unknown device in this cell.
+    /// The image names a device that the cell does not have.
     UnknownDevice(String),
-    /// Unknown port of a device.
+    /// The image names a device port that the cell does not have, or has with another kind or type.
     UnknownPort {
         /// The port as `device.port[index]: type`.
         port: String,

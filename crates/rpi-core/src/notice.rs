@@ -62,7 +62,7 @@ pub enum Notice {
         /// Place and size of the discontinuity.
         discontinuity: Discontinuity,
     },
-    /// A rule was removed.
+    /// A rule was removed from the table because it fired, failed, was withdrawn or can no longer fire.
     Rule {
         /// The rule.
         rule: RuleId,
@@ -74,7 +74,7 @@ pub enum Notice {
 /// Outcome of a rule.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RuleOutcome {
-    /// The rule has fired.
+    /// The rule has fired: its actions have been carried out.
     Fired,
     /// The condition was true, but a command could not be started. The rule had no effect.
     Failed(CommandError),

@@ -14,7 +14,7 @@ use rpi_device::DeviceBank;
 /// Reaction to overruns of a command. Overruns are counted in any case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum CommandOverrunPolicy {
-    /// Only counts.
+    /// Counts the overruns without any other reaction.
     #[default]
     Count,
     /// Aborts the command when the threshold is reached. Its devices stop on their own; other commands continue.
@@ -34,7 +34,7 @@ impl OverrunThreshold {
     /// Maximum number of cycles in the window.
     pub const MAX_WINDOW: u32 = 64;
 
-    /// The first overrun.
+    /// The threshold that the first overrun reaches.
     pub const FIRST_OVERRUN: OverrunThreshold = OverrunThreshold {
         overruns: 1,
         window: 1,
@@ -120,7 +120,7 @@ impl fmt::Display for CommandOverrunPolicy {
     }
 }
 
-/// One overrun.
+/// An overrun: a tick that ended after the next one was due, blamed on the command that took the longest.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Overrun {
     /// Tick of the overrun.

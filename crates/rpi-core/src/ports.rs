@@ -12,7 +12,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Resolved device ports, and the buffer in which set-points and arguments are assembled.
+/// Device ports of a command, resolved in the cell, and the buffer in which set-points and arguments are assembled.
 pub(crate) struct Ports {
     sensors: Box<[PortId]>,
     functions: Box<[PortId]>,
@@ -28,7 +28,7 @@ pub(crate) struct Ports {
     uncontrolled: Option<(usize, Option<usize>)>,
 }
 
-/// An actuator port of the image.
+/// An actuator port of the image, resolved when the image was loaded.
 struct LoadedPort {
     port: PortId,
     /// Resources that the port moves, as a range of `held`.

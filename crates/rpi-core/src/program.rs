@@ -7,14 +7,14 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// An executable step.
+/// A step of an image with its operands resolved, ready to be executed.
 #[derive(Clone, Copy)]
 pub(crate) enum ExecutableStep {
-    /// Runs a row of calls of the same primitive.
+    /// Runs several calls of the same primitive, one after another; `words` holds the operands of all of them.
     Run { code: RunFn, words: SlotRange },
     /// Copies single slots: pairs (from, to).
     Copy { words: SlotRange },
-    /// Jumps over inactive fragments; see [`Guard`].
+    /// Jumps to step `to` unless one of the fragments behind `guards` is active; see [`Guard`].
     Skip { guards: SlotRange, to: u32 },
     /// Restores the initial state of a fragment unless slot `unless` is true.
     Reset { unless: u32, fragment: u32 },

@@ -72,7 +72,7 @@ fn push_part(words: &mut Vec<u64>, part: impl ExactSizeIterator<Item = u64>) {
     words.extend(part);
 }
 
-/// Splits off a part with a length prefix. Returns the part and the rest.
+/// Splits off the first part of an encoding, which begins with its length. Returns the part and the rest.
 fn split_part(words: &[u64]) -> Option<(&[u64], &[u64])> {
     let (len, rest) = words.split_first()?;
     rest.split_at_checked(usize::try_from(*len).ok()?)

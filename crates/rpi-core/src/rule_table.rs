@@ -64,7 +64,7 @@ impl RuleTable {
         });
     }
 
-    /// Position of a pending rule.
+    /// Index of a pending rule in the table; `None` if the rule is not pending.
     pub(crate) fn position(&self, id: RuleId) -> Option<usize> {
         self.pending.iter().position(|p| p.id == id)
     }

@@ -55,7 +55,7 @@ impl Schedule {
         Ok(())
     }
 
-    /// Cancels a command if it is running.
+    /// Cancels a command that is running; has no effect on other commands.
     pub(crate) fn cancel_if_running(&mut self, command: CommandId) {
         let place = self.commands.find(command);
         let entry = place.and_then(|p| self.commands.get_mut(p));

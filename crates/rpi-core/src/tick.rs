@@ -130,7 +130,7 @@ impl Core {
     }
 }
 
-/// Runs one phase of the cycle for each command that is due.
+/// Runs one phase of the cycle (read, evaluate, commit, hand over) for each command that is due in tick `tick`.
 fn for_each_due(schedule: &mut Schedule, tick: u64, mut phase: impl FnMut(&mut Command)) {
     for entry in schedule
         .commands

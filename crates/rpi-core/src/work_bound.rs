@@ -76,7 +76,7 @@ fn heaviest(own: &[u64]) -> Box<[u32]> {
     all.into()
 }
 
-/// Work of a row of primitive calls.
+/// Work of a step that calls the same primitive several times.
 fn row_work(image: &Image, prims: &[Option<&PrimDesc>], step: &Step) -> u64 {
     let Step::Run {
         prim,

@@ -84,7 +84,7 @@ impl core::error::Error for ResolveError {}
 pub struct Rejection(pub u32);
 
 impl Rejection {
-    /// No reason: the set-point is accepted.
+    /// Empty set of reasons: the set-point is accepted.
     pub const NONE: Rejection = Rejection(0);
     /// Another writer has set this port in the same cycle.
     pub const CONCURRENT_ACCESS: Rejection = Rejection(1);
@@ -111,9 +111,9 @@ impl Rejection {
 pub enum Quantity {
     /// Position outside its range.
     Position,
-    /// Velocity: the first difference.
+    /// Velocity out of its limit: the first difference of the set-points, per second.
     Velocity,
-    /// Acceleration: the second difference.
+    /// Acceleration out of its limit: the second difference of the set-points, per second squared.
     Acceleration,
 }
 

@@ -12,7 +12,8 @@ const MAX_LINE_BYTES: usize = 400;
 /// Largest number of characters shown before, within and after a label.
 const CONTEXT_CHARS: usize = 30;
 
-/// Returns whether a snippet of the diagnostic, including one line of context on each side, is too long.
+/// Returns whether a diagnostic must be drawn abbreviated: one of its snippets, with one line of context on each side,
+/// is too long.
 pub(crate) fn is_needed(diagnostic: &Diagnostic, sources: &SourceMap) -> bool {
     let too_long = |label: &Label| {
         let bytes = sources.text(label.span.file).as_bytes();
@@ -28,7 +29,7 @@ pub(crate) fn is_needed(diagnostic: &Diagnostic, sources: &SourceMap) -> bool {
     diagnostic.labels.iter().any(too_long)
 }
 
-/// Length in bytes of the rest of the line, counted up to `LINE + 1`.
+/// Length in bytes of the rest of the line, counted up to [`MAX_LINE_BYTES`] + 1.
 fn rest_of_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     bytes
         .take(MAX_LINE_BYTES + 1)
@@ -36,7 +37,7 @@ fn rest_of_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
         .count()
 }
 
-/// Length in bytes of the next line, counted up to `LINE + 1`.
+/// Length in bytes of the next line, counted up to [`MAX_LINE_BYTES`] + 1.
 fn next_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     rest_of_line_len(
         bytes
@@ -46,7 +47,7 @@ fn next_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     )
 }
 
-/// Length in bytes of the next two lines, counted up to `WHOLE + 1`.
+/// Length in bytes of the next two lines, counted up to [`MAX_SNIPPET_BYTES`] + 1.
 fn two_lines_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     let mut ends = 0;
     let within = |byte: &&u8| {

@@ -31,25 +31,25 @@ impl Severity {
 /// Group of diagnostic codes: the stage or the subject of the check that reports them.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub enum CodeGroup {
-    /// Tokens and grammar.
+    /// Diagnostics of the lexer and the parser.
     Syntax,
-    /// Names and declarations.
+    /// Diagnostics about names and declarations.
     Names,
-    /// Types and units.
+    /// Diagnostics about types and units.
     Types,
-    /// Presence and activation.
+    /// Diagnostics about presence (whether a flow has a value in a cycle) and activation of fragments.
     Presence,
-    /// Causality.
+    /// Diagnostics about causality: flows that depend on one another in the same cycle.
     Causality,
-    /// Initialisation.
+    /// Diagnostics about initialisation: delays that are read before they have a value.
     Initialisation,
-    /// Resources and takeover.
+    /// Diagnostics about actuators written twice, and about takeover by a successor.
     Resources,
-    /// Budgets.
+    /// Diagnostics about budgets: bounds of work, memory and time of a cycle.
     Budgets,
-    /// Tasks.
+    /// Diagnostics about tasks, the programs of commands.
     Tasks,
-    /// Run time and tools.
+    /// Diagnostics reported while programs run, and by the tools themselves.
     RunTime,
 }
 
@@ -242,7 +242,8 @@ impl Code {
         }
     }
 
-    /// Returns whether the code is about the value of a size or a constant, which a sample may stand for.
+    /// Returns whether the code is about the value of a size or a constant. Such a diagnostic may be wrong if the
+    /// compiler assumed a value for a parameter that has none.
     pub fn may_depend_on_values(self) -> bool {
         matches!(
             self,
@@ -250,7 +251,8 @@ impl Code {
         )
     }
 
-    /// Returns whether the code is about a part of the program that only another tool supplies or supports.
+    /// Returns whether the code is about a part of the program that this compiler cannot compile, although another tool
+    /// may supply or support it.
     pub fn is_external(self) -> bool {
         matches!(self, Code::RPI0017 | Code::RPI1012)
     }
@@ -268,7 +270,7 @@ impl Code {
         )
     }
 
-    /// Returns whether the code is about an unclosed body or bracket.
+    /// Returns whether the code is about a body or bracket whose end is missing.
     pub fn is_unclosed(self) -> bool {
         self == Code::RPI0004
     }

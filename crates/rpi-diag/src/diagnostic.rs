@@ -17,11 +17,12 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// Possible fixes, the best first.
     pub fixes: Vec<Fix>,
-    /// What the diagnostic is about, if one diagnostic for all its uses is enough. Not part of the output.
+    /// Subject of the diagnostic (an undefined name, a construct), if one diagnostic for all its uses is enough. Not
+    /// part of the output.
     pub subject: Option<Subject>,
 }
 
-/// What a diagnostic is about, where one diagnostic is enough for the whole program.
+/// Subject shared by several diagnostics of a program, of which only the first is reported.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Subject {
     /// Global name of a kind without a declaration, such as `type Celsius`. The diagnostic shows some of its uses.
@@ -62,7 +63,7 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Returns whether the edit deletes whole lines of the text, including their line ends.
+    /// Returns whether the edit deletes whole lines of `text`, including their line ends.
     pub(crate) fn deletes_whole_lines(&self, text: &str) -> bool {
         let (start, end) = (self.span.start as usize, self.span.end as usize);
         let is_start = |at: usize| at == 0 || text.as_bytes().get(at - 1) == Some(&b'\n');

@@ -2,7 +2,8 @@
 
 use crate::{Diagnostic, Edit, Fix, SourceMap, Span, Style};
 
-/// Draws the lines below the snippets. Every line ends with a newline; the result is empty if there is nothing to draw.
+/// Draws the help, the notes and the fixes of a diagnostic, which stand below its snippets. Every line ends with a
+/// newline; the result is empty if there is nothing to draw.
 pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
     for text in &diagnostic.help {
@@ -18,7 +19,7 @@ pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -
     out
 }
 
-/// Formats `  head: text`, wrapped, with further lines aligned to the text. Line breaks in the text are kept.
+/// Formats a text as `  head: text`, wrapped, with further lines aligned to the text. Line breaks in the text are kept.
 fn paragraph(head: &str, text: &str, style: Style) -> String {
     let indent = head.len() + 4;
     let lines = text
@@ -77,11 +78,11 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
 /// Length in bytes beyond which a changed region is not previewed.
 const MAX_PREVIEW_BYTES: u32 = 400;
 
-/// Whole source lines around an edit.
+/// Whole source lines around an edit of a fix, which its preview shows.
 struct Region {
     span: Span,
     first_line: u32,
-    /// Whether the edit deletes all of the lines.
+    /// Whether the edit deletes all of the lines, so that the preview shows them as removed.
     is_deleted: bool,
 }
 

@@ -5,7 +5,7 @@
 
 use crate::{Diagnostic, Severity, SourceMap};
 
-/// Renders one command per diagnostic.
+/// Renders each diagnostic as a workflow command of GitHub Actions, such as `::error file=..,line=..::message`.
 pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     diagnostics
         .iter()

@@ -4,10 +4,11 @@ use serde::Serialize;
 
 use crate::{Applicability, Diagnostic, Edit, Fix, Label, LineCol, SourceMap, Span};
 
-/// Version of the schema. It is incremented when a field changes its meaning or is removed, not for new fields.
+/// Version of the JSON schema of diagnostics. It is incremented when a field changes its meaning or is removed, not for
+/// new fields.
 const SCHEMA_VERSION: u32 = 1;
 
-/// Renders the indented object and a final newline.
+/// Renders diagnostics as an indented JSON object with a final newline.
 pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let diagnostics = diagnostics
         .iter()

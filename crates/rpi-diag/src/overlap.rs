@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Label of a diagnostic, prepared for drawing: its range of text and its words.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Mark {
-    /// Marked range, in addresses of `Texts`.
+    /// Marked range of text, in the addresses that the source code adapter gives to all files of a diagnostic together.
     pub(crate) range: Range<usize>,
     /// Text of the label; may be empty.
     pub(crate) text: String,

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::{Code, Diagnostic, Edit, Fix, Label, Severity, SourceMap, Span, json};
 
-/// Renders the log of one run.
+/// Renders diagnostics as a SARIF log of one run of the tool.
 pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let mut codes: Vec<Code> = diagnostics
         .iter()

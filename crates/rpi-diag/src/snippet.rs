@@ -27,7 +27,7 @@ pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -
     tidy(&out)
 }
 
-/// Removes the indentation of the headline and trailing spaces.
+/// Removes the indentation of the headline, and trailing spaces, from a drawn snippet.
 fn tidy(drawn: &str) -> String {
     let drawn = drawn.strip_prefix("  ").unwrap_or(drawn);
     drawn

@@ -11,10 +11,10 @@ use crate::{Diagnostic, FileId, SourceMap, Span};
 /// Number of lines between two labels up to which they are drawn in one snippet.
 const MAX_LINE_GAP: usize = 2;
 
-/// Source texts of one diagnostic.
+/// Source texts of one diagnostic, joined to a single address space for miette.
 pub(crate) struct DiagnosticSources<'a> {
     sources: &'a SourceMap,
-    /// Each file and the address of its first byte.
+    /// Each file with the address of its first byte in the joined text.
     files: Vec<(FileId, usize)>,
     /// Location of the error.
     error_span: Span,

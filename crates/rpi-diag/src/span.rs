@@ -11,9 +11,9 @@ pub struct FileId(pub u32);
 pub struct Span {
     /// File that contains the range.
     pub file: FileId,
-    /// Offset of the first byte.
+    /// Offset of the first byte of the range in the file.
     pub start: u32,
-    /// Offset after the last byte.
+    /// Offset of the byte after the range in the file.
     pub end: u32,
 }
 

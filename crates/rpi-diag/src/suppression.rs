@@ -8,27 +8,29 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{Applicability, Code, CodeGroup, Diagnostic, FileId, Fix, Severity, Span, Subject};
 
-/// Reason why diagnostics are consequences and not errors of their own.
+/// Reason why some diagnostics are consequences of another error and are not reported.
 #[derive(Clone, Copy, Debug)]
 pub enum Cause<'a> {
-    /// A constant or a size has no value, and a sample stands for it: a value error may be that of the sample.
+    /// A constant or a size has no value, and the compiler assumed one to go on: an error about the value may come from
+    /// the assumption.
     SampleValue,
-    /// The program is incomplete only for this compiler, which matters only if it has no other error.
+    /// The program uses parts that only another tool supplies. Diagnostics about them matter only if the program has no
+    /// other error.
     OtherError,
-    /// The rest of these declarations was not recognised because of a missing end. It may contain the missing definitions.
+    /// Declarations whose end is missing, so that their rest was not recognised. Undefined names may be defined there.
     UnclosedDeclarations(&'a [Span]),
-    /// These texts have syntax errors. Diagnostics about what was made of them are meaningless.
+    /// Texts with syntax errors. Other diagnostics within these texts are meaningless.
     SyntaxErrors(&'a [Span]),
-    /// These expressions run on several clocks. What contains them is absent in some cycles as a consequence.
+    /// Expressions whose operands have several clocks. The expressions around them are absent in some cycles as a
+    /// consequence.
     ClockMismatch(&'a BTreeSet<Span>),
-    /// These values are absent by an error. Whether a default value for them is needed is unknown.
+    /// Values that are absent because of an error. Whether they need a default value is unknown.
     AbsentValues(&'a BTreeSet<Span>),
-    /// Some text has an error that may hide the use of other text.
+    /// Some text has an error that may hide a use. Diagnostics about unused text are unreliable then.
     HiddenUse,
-    /// A caller does not need these results, but other callers may.
+    /// Results that one caller does not need. Other callers may, so they do not count as unused.
     UsedElsewhere(&'a BTreeSet<Span>),
-    /// The text belongs to a library, whose warnings and notes are of no use to its users. Files from this one on are
-    /// those of libraries.
+    /// Files of libraries, from this one on. Their warnings and notes are of no use to the users of the library.
     LibraryFiles(FileId),
 }
 
@@ -61,7 +63,7 @@ impl Cause<'_> {
     }
 }
 
-/// Removes the consequences of a cause.
+/// Removes the diagnostics that are consequences of a cause.
 pub fn suppress(diagnostics: &mut Vec<Diagnostic>, cause: Cause<'_>) {
     suppress_from(diagnostics, 0, cause);
 }
@@ -80,7 +82,7 @@ pub fn suppress_warnings(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.retain(|diagnostic| diagnostic.severity() == Severity::Error);
 }
 
-/// Removes the diagnostics about incomplete definitions if there is an error of another kind.
+/// Removes the diagnostics about definitions that only another tool can supply, if there is an error of another kind.
 pub fn suppress_external(diagnostics: &mut Vec<Diagnostic>) {
     let is_other = |diagnostic: &Diagnostic| {
         diagnostic.severity() == Severity::Error && !diagnostic.code.is_external()
@@ -157,6 +159,8 @@ pub fn merge_by_subject(diagnostics: &mut Vec<Diagnostic>) {
         let Some([_, others @ ..]) = all.map(Vec::as_slice) else {
             continue;
         };
+        let advice = "declare it, or correct the name".to_owned();
+        diagnostic.help.push(advice);
         for span in others.iter().take(MAX_LOCATIONS) {
             *diagnostic = diagnostic.clone().secondary(*span, "also used here");
         }

@@ -4,7 +4,8 @@ use rpi_syntax::{Dialect, SourceTokenKind, source_tokens};
 
 use crate::html::escape;
 
-/// Returns a program or a part of one in HTML. `link` returns the target of a name, if it has one.
+/// Returns the text of a program, or of a part of one, as HTML with coloured tokens. `link` returns the target of a
+/// name, if it has one.
 pub(crate) fn code(text: &str, mode: Dialect, link: &dyn Fn(&str) -> Option<String>) -> String {
     let mut out = String::with_capacity(2 * text.len());
     let mut at = 0;
@@ -45,7 +46,7 @@ fn linked_name(word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
     }
 }
 
-/// Returns a whole text in HTML, with a linkable number before each line.
+/// Returns a whole program text as HTML, with a number before each line that links can refer to.
 pub(crate) fn listing(text: &str, mode: Dialect) -> String {
     let coloured = code(text, mode, &|_| None);
     let mut out = String::from("<pre class=\"listing\"><code>");
@@ -59,7 +60,7 @@ pub(crate) fn listing(text: &str, mode: Dialect) -> String {
     out
 }
 
-/// Returns a block of code in HTML.
+/// Returns a block of program text as an HTML `pre` element with coloured tokens.
 pub(crate) fn block(text: &str, mode: Dialect, link: &dyn Fn(&str) -> Option<String>) -> String {
     let coloured = code(text.trim_end(), mode, link);
     format!("<pre class=\"code\"><code>{coloured}</code></pre>\n")

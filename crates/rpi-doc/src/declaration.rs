@@ -12,7 +12,7 @@ use crate::links::LinkMap;
 use crate::markdown::to_html;
 use crate::members;
 
-/// Context for the declarations of one file.
+/// Context in which the sections of a page are written: the checked module, the links and the page of its source text.
 pub(crate) struct PageContext<'s> {
     pub(crate) inspected: &'s Inspection,
     pub(crate) links: &'s LinkMap,
@@ -21,7 +21,8 @@ pub(crate) struct PageContext<'s> {
 }
 
 impl PageContext<'_> {
-    /// Returns the target of a name within a declaration. A name of the declaration itself is not linked.
+    /// Returns the link target of a name that is used in the declaration `from`. A name of the declaration itself is
+    /// not linked.
     pub(crate) fn link(&self, from: &Def, name: &str) -> Option<String> {
         let (file, offset) = (from.span.file, from.span.end);
         let index = self.inspected.index();
@@ -33,7 +34,7 @@ impl PageContext<'_> {
             .flatten()
     }
 
-    /// Returns the section of a declaration.
+    /// Returns the section of a page that describes one declaration, in HTML.
     pub(crate) fn section(&self, id: DefId, item: &Item) -> String {
         let def = self.inspected.index().def(id);
         let link = |name: &str| self.link(def, name);
@@ -115,7 +116,7 @@ fn without_docs(head: &str) -> String {
     kept.join("\n")
 }
 
-/// Returns the description of a file of this language.
+/// Returns the description of a file in this language, such as "RPI program".
 pub(crate) fn mode_word(mode: Dialect) -> &'static str {
     match mode {
         Dialect::Rpi => "module",

@@ -72,7 +72,7 @@ fn first_sentence_len(text: &str) -> usize {
 
 struct Writer<'w> {
     link: Link<'w>,
-    /// Open links, and for each whether it is kept.
+    /// For each open link, innermost last, whether it is written to the output.
     links: Vec<bool>,
     /// Language and text of the code block that is being read.
     block: Option<(String, String)>,
@@ -113,7 +113,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Turns a quoted name of a declaration into a link.
+    /// Turns an inline code span that names a declaration into a link to it.
     fn quoted<'e>(&self, text: CowStr<'e>) -> Event<'e> {
         match (self.link)(&text).filter(|_| self.links.is_empty()) {
             Some(href) => {
@@ -157,7 +157,7 @@ fn code_block(language: &str, text: &str, link: Link<'_>) -> String {
     }
 }
 
-/// Returns whether a link is allowed on a page: to the web or within the site, but no script.
+/// Returns whether a URL may be linked from a page: to the web or within the site, but not a script.
 fn is_safe(url: &str) -> bool {
     let scheme = url.split(['/', '#', '?']).next().unwrap_or_default();
     match scheme.split_once(':') {

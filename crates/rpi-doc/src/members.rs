@@ -10,7 +10,7 @@ use crate::html::escape;
 use crate::links::anchor;
 use crate::markdown::{Link, to_html};
 
-/// Kind of members with a common table.
+/// Kind of members of a declaration (ports, fields, results) that one table lists.
 struct Group {
     title: &'static str,
     kind: DefKind,
@@ -38,7 +38,7 @@ const GROUPS: &[Group] = &[
     group("Results", DefKind::Result, true),
 ];
 
-/// Returns the tables of a declaration.
+/// Returns the tables of the members of a declaration, in HTML.
 pub(crate) fn tables(seen: &Inspection, id: DefId, link: Link<'_>) -> String {
     let parts = parts(seen, id);
     let mut out = String::new();
@@ -131,7 +131,7 @@ pub(crate) fn type_text(seen: &Inspection, def: &Def) -> String {
     }
 }
 
-/// Returns the text after a type in its declaration: a clock or a default.
+/// Returns the text of a declaration after its type: a clock or a default.
 fn rest_of(sources: &SourceMap, whole: Span, ty: Span) -> String {
     let rest = Span::new(whole.file, ty.end, whole.end.max(ty.end));
     let rest = sources.slice(rest).trim().trim_end_matches(';');

@@ -104,7 +104,8 @@ impl<'m> SiteBuilder<'m> {
         .html()
     }
 
-    /// Returns the list of modules for the side bar of every page.
+    /// Returns the list of modules for the side bar of every page, in HTML. `up` is the relative path to the root
+    /// folder.
     fn contents(&self, up: &str) -> String {
         let line = |(module, page): (&Module, &String)| {
             let name = escape(&module.name);
@@ -186,7 +187,7 @@ impl<'m> SiteBuilder<'m> {
         }
     }
 
-    /// Returns the list of every declaration, sorted by name ignoring case.
+    /// Returns the page that lists every declaration, sorted by name ignoring case.
     fn all_names(&self) -> String {
         let mut names = self.declarations();
         names.sort_by_key(|name| (name.name.to_lowercase(), name.href.clone()));

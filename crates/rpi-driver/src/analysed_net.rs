@@ -53,7 +53,7 @@ impl AnalysedNet {
         self
     }
 
-    /// Exports more ports. No result of the passes depends on the exports.
+    /// Adds ports to the exports of the net. The results of the passes stay valid, because none depends on the exports.
     pub(crate) fn export(&mut self, ports: impl IntoIterator<Item = ExportPort>) {
         self.analysis.net.exports.extend(ports);
     }

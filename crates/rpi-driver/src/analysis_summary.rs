@@ -13,16 +13,16 @@ use crate::compile::CompileOptions;
 use crate::faults::{self, FaultLocation};
 use crate::program::AnalysedProgram;
 
-/// Summary of the analyses of one unit: its name, and one line per result.
+/// Summary of the analyses of one command, node or task: its name, and one line per result.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct AnalysisSummary {
-    /// Name of the unit.
+    /// Name of the command, node or task.
     pub name: String,
     /// Lines: the name of the analysis and its result.
     pub lines: Vec<(&'static str, String)>,
 }
 
-/// Reports about nets that the user requested, filled in while the nets are analysed.
+/// Reports about nets that the user requested with options, filled in while the nets are analysed.
 #[derive(Default)]
 pub(crate) struct RequestedReports {
     /// Summaries of the units so far, if requested.
@@ -112,7 +112,7 @@ fn unit_summary(
     AnalysisSummary { name, lines }
 }
 
-/// Returns the summary of the work bound and the declared budgets.
+/// Returns the summary of the work bound of a net and of the budgets that the program declares.
 fn budget(analysis: &Analysis, machine: MachineProfile) -> String {
     let bound = machine.time_of(analysis.work.bound(FragmentId::ROOT)) / 1e3;
     let fragments = analysis.net.fragments.iter();

@@ -60,7 +60,7 @@ pub struct CompileOptions {
     pub claims: ClaimPolicy,
     /// Whether to summarise the results of the analyses.
     pub summaries: bool,
-    /// Whether to report operations that can fault at run time.
+    /// Whether to report all operations that can fault at run time.
     pub faults: bool,
     /// Whether to return the coverage points.
     pub marks: bool,
@@ -221,7 +221,7 @@ fn net(input: &Input, text: &str) -> Compiled {
     }
 }
 
-/// Returns the net after the passes, or `None` if they reported errors.
+/// Runs the passes on a net. Returns the analysed net, or `None` if they reported errors.
 fn analyse_net(
     net: Net,
     diagnostics: &mut Vec<Diagnostic>,

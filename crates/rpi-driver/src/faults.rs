@@ -14,7 +14,7 @@ pub struct FaultLocation {
     pub span: Span,
     /// Kind of the fault.
     pub kind: FaultKind,
-    /// Whether the operation is evaluated only in the cycles in which its result is needed.
+    /// Whether the operation is in a branch that is evaluated only in the cycles in which its result is needed.
     pub guarded: bool,
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn locations(found: &[PossibleFault]) -> BTreeSet<FaultLocation> {
     found.iter().map(place).collect()
 }
 
-/// Returns the summary: a count and one line per location.
+/// Returns the summary of the operations that can fault: their number, and one line per location.
 pub(crate) fn lines(found: &[PossibleFault], sources: &SourceMap) -> Vec<(&'static str, String)> {
     let places = locations(found);
     let count = match places.len() {
@@ -64,7 +64,8 @@ pub(crate) fn lines(found: &[PossibleFault], sources: &SourceMap) -> Vec<(&'stat
     std::iter::once(("faults", count)).chain(all).collect()
 }
 
-/// Returns warnings about operands that are not always needed, have state and can fault: one per faulting operation.
+/// Returns warnings about operations that can fault in operands that are not always needed but have state, and are
+/// therefore evaluated in every cycle. One warning per operation.
 pub(crate) fn stateful_operand_warnings(
     operands: &[LazyOperand],
     found: &[PossibleFault],

@@ -43,7 +43,7 @@ impl<'c> ExprIndex<'c> {
         })
     }
 
-    /// Returns the expressions that begin at a location, the shortest first.
+    /// Returns the expressions that begin at the start of `place`, the shortest first.
     fn starting(&self, place: Span) -> impl Iterator<Item = &'c Expr> {
         let start = |span: Span| (span.file, span.start);
         let sorted = self.sorted();
@@ -72,7 +72,8 @@ pub(crate) fn delete_whole_lines(diagnostics: &mut [Diagnostic], sources: &Sourc
     }
 }
 
-/// Returns false if the initial value cannot be written as a literal.
+/// Gives the initial value in a fix the type of the expression that it precedes. Returns false if the value cannot be
+/// written as a literal of that type.
 fn type_fix(fix: &mut Fix, places: &ExprIndex<'_>) -> bool {
     for pair in fix.edits.chunks_mut(2) {
         if let [before, after] = pair {
@@ -83,7 +84,8 @@ fn type_fix(fix: &mut Fix, places: &ExprIndex<'_>) -> bool {
     insertions.all(|edit| type_edit(edit, places).is_some())
 }
 
-/// Writes `pre x` instead of `pre (x)` if the delayed expression is a single name.
+/// Changes the edits of a fix so that it inserts `pre x` instead of `pre (x)`, if the delayed expression is a single
+/// name.
 fn remove_parentheses(before: &mut Edit, after: &mut Edit, places: &ExprIndex<'_>) {
     let (Some(head), Some(tail)) = (before.text.strip_suffix('('), after.text.strip_prefix(')'))
     else {
@@ -100,7 +102,8 @@ fn remove_parentheses(before: &mut Edit, after: &mut Edit, places: &ExprIndex<'_
     }
 }
 
-/// Returns `None` if the initial value of the edit cannot be written as a literal.
+/// Gives the initial value in an edit the type of the expression that it precedes. Returns `None` if the value cannot
+/// be written as a literal of that type.
 fn type_edit(edit: &mut Edit, places: &ExprIndex<'_>) -> Option<()> {
     let (open, rest) = match edit.text.strip_prefix('(') {
         Some(rest) => ("(", rest),
@@ -122,7 +125,8 @@ fn type_at<'c>(place: Span, places: &ExprIndex<'c>) -> Option<&'c Ty> {
     known.map(|expr| &expr.ty)
 }
 
-/// Returns a literal of the type, the zero of addition where there is one.
+/// Returns a literal of the type for an initial value: zero for numbers, `false` for Booleans; `None` for types without
+/// literals.
 fn zero_literal(ty: &Ty) -> Option<String> {
     match ty {
         Ty::Bool => Some("false".to_owned()),

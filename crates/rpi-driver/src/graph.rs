@@ -63,7 +63,7 @@ pub fn mermaid(net: &Net) -> String {
     out
 }
 
-/// Syntax of fragments and primitives in a drawing language.
+/// Notation of fragments, primitives and links in a drawing language (Graphviz or Mermaid).
 struct GraphSyntax {
     open: fn(FragmentId, &str) -> String,
     close: &'static str,

@@ -19,7 +19,7 @@ pub(crate) struct InstanceDiagnostics(Vec<(UnitId, InstanceCall, Vec<Diagnostic>
 type Key = (UnitId, Code, Span);
 
 impl InstanceDiagnostics {
-    /// Adds an instance of a unit and returns the list for its diagnostics.
+    /// Adds an instance of a unit and returns the list to which its diagnostics are added.
     pub(crate) fn add_instance(&mut self, unit: UnitId, run: InstanceCall) -> &mut Vec<Diagnostic> {
         self.0.push((unit, run, Vec::new()));
         let at = self.0.len() - 1;
@@ -64,7 +64,8 @@ impl InstanceDiagnostics {
 /// Largest number of instances shown in one diagnostic.
 const MAX_INSTANCES_SHOWN: usize = 3;
 
-/// Adds labels for the instances to a diagnostic; returns `None` if the diagnostic was already reported.
+/// Adds labels for the instances to a diagnostic; returns `None` if the diagnostic is equal to one that was already
+/// reported.
 fn with_instance_labels(diagnostic: Diagnostic, runs: Vec<InstanceCall>) -> Option<Diagnostic> {
     if runs.is_empty() {
         return None;

@@ -18,7 +18,7 @@ use crate::input::InputError;
 /// File name of the machine description.
 pub const MACHINE: &str = "machine.toml";
 
-/// Required content of the file.
+/// Help text of errors: the required content of a machine description.
 const FORMAT_HELP: &str = "required is `ns-per-operation` above 0, optional is `period-us` above 0; `rpic machine` writes such a file";
 
 #[derive(Deserialize)]

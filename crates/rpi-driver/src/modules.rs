@@ -20,7 +20,7 @@ use crate::program::SourceText;
 struct Library {
     name: &'static str,
     text: &'static str,
-    /// Whether every program imports it implicitly.
+    /// Whether every program imports the module without a `use`.
     implicit: bool,
 }
 
@@ -46,7 +46,7 @@ const LIBRARY: &[Library] = &[
     library!("timers", false),
 ];
 
-/// Module that a `use` has loaded.
+/// Module that a `use` has loaded: its name and its parsed files.
 #[derive(Debug)]
 struct Module {
     name: String,

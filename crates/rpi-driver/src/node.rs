@@ -31,7 +31,7 @@ pub struct CompiledNode {
 /// Node that can be run on its own.
 #[derive(Debug)]
 pub struct Node {
-    /// Net of the node. It exports all columns except the in-ports, by their keys.
+    /// Net of the node. It exports the out-ports and the requested local flows by the keys of their columns.
     pub net: AnalysedNet,
     /// In-ports, one column per scalar component.
     pub inputs: Vec<Column>,
@@ -149,7 +149,7 @@ fn last_uncalled(front: &AnalysedProgram<'_>) -> Option<UnitId> {
         .map(|(_, unit)| unit)
 }
 
-/// The main text is always file 0, because it is read first.
+/// File number of the program text itself, which is always read first.
 const OWN: FileId = FileId(0);
 
 /// Returns whether a declaration is checked like a node but is not a node.

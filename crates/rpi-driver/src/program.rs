@@ -22,7 +22,7 @@ pub(crate) struct SourceText<'t> {
     pub(crate) name: &'t str,
     /// Path of the file, for messages.
     pub(crate) path: &'t str,
-    /// Text.
+    /// Source text.
     pub(crate) text: &'t str,
     /// Folder in which other modules are searched for.
     pub(crate) folder: Option<&'t Path>,
@@ -48,16 +48,16 @@ pub(crate) struct AnalysedProgram<'p> {
     pub(crate) checked: &'p CheckedProgram,
     pub(crate) sources: &'p SourceMap,
     pub(crate) facts: &'p [Facts],
-    /// For each unit whether it has no errors so far.
+    /// For each unit, whether it has no errors so far.
     pub(crate) error_free: &'p [bool],
     pub(crate) machine: MachineProfile,
     /// Budget of nodes for all nets together, and its current use.
     pub(crate) node_budget: SizeBudget,
-    /// Reports about the nets so far.
+    /// Reports that the user requested about the nets compiled so far.
     pub(crate) reports: RequestedReports,
 }
 
-/// Checks parsed modules and calls `back`, which makes nets of the units without errors.
+/// Checks parsed modules and calls `back`, which compiles the units without errors to nets.
 pub(crate) fn with_checked_program<T>(
     modules: &Modules,
     sources: &SourceMap,

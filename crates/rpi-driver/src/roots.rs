@@ -18,17 +18,17 @@ use crate::program_tests::Test;
 use crate::task::{self, Instance, Task};
 use crate::unit_analysis::{AnalysedUnit, elaborate_and_analyse, with_claims};
 
-/// Result of compiling a program.
+/// Result of compiling a program: nets, tests and tasks, with the diagnostics of all stages.
 pub(crate) struct BuildOutput {
     /// Commands that can be run, in source order.
     pub(crate) nets: Vec<AnalysedNet>,
-    /// Commands that lack arguments.
+    /// Commands that cannot run on their own because an argument has no value.
     pub(crate) unbound: Vec<UnboundCommand>,
     /// Tests, in source order.
     pub(crate) tests: Vec<Test>,
-    /// Diagnostics.
+    /// Diagnostics of all stages.
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// Summaries of the analyses.
+    /// Summaries of the analyses of each unit, if requested.
     pub(crate) summaries: Vec<AnalysisSummary>,
     /// Operations that can fault at run time, in source order, if requested.
     pub(crate) faults: Vec<FaultLocation>,
@@ -58,7 +58,7 @@ pub(crate) fn build_modules(
     (built, checked)
 }
 
-/// Units that can be run.
+/// Units that are compiled to nets of their own because they can be run: commands, tests and tasks.
 #[derive(Default)]
 struct Roots {
     nets: Vec<AnalysedNet>,
@@ -178,7 +178,7 @@ fn default_arguments(front: &AnalysedProgram<'_>, unit: UnitId) -> Vec<Argument>
     params.into_iter().map(argument).collect()
 }
 
-/// Returns a command that lacks arguments, or `None` if it lacks none.
+/// Returns the description of a command with parameters that have no value, or `None` if every parameter has one.
 fn unbound_command(unit: &Unit, args: &[Argument]) -> Option<UnboundCommand> {
     let params = rpi_sema::elab::parameters(unit).into_iter().zip(args);
     let lacking = params.filter(|(_, arg)| **arg == Argument::Unknown);

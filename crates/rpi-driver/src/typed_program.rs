@@ -8,12 +8,12 @@ use crate::compile::{display, program_text};
 use crate::input::{Input, InputError};
 use crate::program;
 
-/// Checked program: its typed units and the results of their analysis.
+/// Program after type checking: its typed units and the results of their analysis.
 #[derive(Debug)]
 pub struct TypedProgram {
     /// Units of the program.
     pub units: Vec<Unit>,
-    /// Presence facts of each unit.
+    /// Presence facts of each unit: which flows may be absent.
     pub facts: Vec<Facts>,
     /// Units that can be run on their own, by name.
     pub runnable: Vec<(String, UnitId)>,

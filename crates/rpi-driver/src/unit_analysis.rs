@@ -16,7 +16,7 @@ use crate::program::{AnalysedProgram, has_errors};
 use crate::unused_outputs;
 use crate::violation;
 
-/// Unit after the passes over its net, without errors.
+/// Unit whose net has passed all analyses without errors.
 pub(crate) struct AnalysedUnit {
     /// Net with the results of the passes.
     pub(crate) net: AnalysedNet,
@@ -133,7 +133,8 @@ fn run_passes(
     None
 }
 
-/// Reports what the passes found, checks the budgets and the initialisation, and returns the net.
+/// Reports the diagnostics of the passes, checks the budgets and the initialisation, and returns the net if there is no
+/// error.
 fn checked_net(
     front: &AnalysedProgram<'_>,
     unit: UnitId,

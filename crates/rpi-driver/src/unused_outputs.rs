@@ -6,7 +6,8 @@ use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Diagnostic, Span};
 use rpi_sema::typed::{Equation, FlowRole, TargetPlace, Unit, UnitId};
 
-/// Removes diagnostics about unused text at locations where a called unit computes an out-port.
+/// Removes diagnostics about unused text where the text defines an out-port of a unit that `root` calls: another caller
+/// may use the port.
 pub(crate) fn suppress_unused_outputs(units: &[Unit], root: UnitId, found: &mut Vec<Diagnostic>) {
     if !found.iter().any(|f| f.code.is_unnecessary()) {
         return;

@@ -3,7 +3,8 @@
 use rpi_diag::{Diagnostic, Span};
 use rpi_net::VerifyError;
 
-/// Converts a violation to a diagnostic; `around` is the location of the unit that was being compiled.
+/// Converts an error of the image verifier to a diagnostic; `around` is the location of the unit that was being
+/// compiled.
 pub(crate) fn diagnostic(violation: &VerifyError, around: Span) -> Diagnostic {
     let message = format!("the compiler produced an invalid net: {violation}");
     let place = match violation.span() {

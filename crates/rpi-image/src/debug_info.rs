@@ -12,7 +12,7 @@ pub struct DebugInfo {
     /// Map from slots to source locations, for faults: (first output slot of the primitive, index into `locations`), in
     /// ascending order of slots.
     pub origins: Vec<(u32, u32)>,
-    /// All observable ports, in the order of the net. Empty unless the image was lowered for observation.
+    /// All observable ports, in the order of the nodes of the net. Empty unless the image was lowered for observation.
     pub probes: Vec<Probe>,
     /// Source location of the node of each step, as an index into `locations`; `u32::MAX` if there is none. Empty
     /// unless the image was lowered for observation.
@@ -58,12 +58,12 @@ pub struct TextRange {
     pub end: u32,
 }
 
-/// Observable port.
+/// Port of a node whose value can be read while the image runs, with its location in memory.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Probe {
     /// Node: an index into [`DebugInfo::locations`].
     pub location: u32,
-    /// Registered name of the port.
+    /// Name of the port as declared by the primitive.
     pub port: String,
     /// Location of the value. The presence is valid only while the fragment and all enclosing fragments are active.
     pub value: Signal,

@@ -23,7 +23,7 @@ pub struct PrimDesc {
     pub shape: ShapeRule,
     /// State kept from cycle to cycle.
     pub state: StateSize,
-    /// Handling by the core.
+    /// Way in which the core handles the primitive: as code, or as an interface to devices, inputs or the core itself.
     pub role: Role,
     /// Upper bound of the work in one cycle, in elementary operations (the addition of two reals is 1). Larger arrays
     /// and matrices multiply it by [`Type::work_factor`].
@@ -54,7 +54,7 @@ pub struct OutPort {
     pub presence: Presence,
 }
 
-/// Type of a port before array lengths and matrix shapes are known.
+/// Type that a primitive declares for a port, before array lengths and matrix shapes are known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PortType {
     /// Single value.
@@ -126,7 +126,7 @@ impl ShapeArgs<'_> {
 /// Behaviour of an in-port that is not connected.
 #[derive(Clone, Copy, Debug)]
 pub enum Fallback {
-    /// The net is rejected.
+    /// The port must be connected; otherwise the net is rejected.
     Required,
     /// The parameter with this name replaces the connection; the second field is the default of the parameter.
     Param(&'static str, ParamDefault),
@@ -142,13 +142,13 @@ pub enum Fallback {
 pub enum ParamDefault {
     /// Neutral value of the type ([`Value::neutral`]).
     Neutral,
-    /// Boolean.
+    /// Boolean default.
     Bool(bool),
-    /// Integer.
+    /// Integer default.
     Int(i64),
-    /// A real number.
+    /// Real default.
     Real(f64),
-    /// Text.
+    /// Text default.
     Str(&'static str),
     /// No default: the parameter must be set.
     Required,
@@ -197,13 +197,14 @@ pub enum Presence {
     /// Present exactly if every connected input is present. The code of the primitive never handles absence: it has
     /// only a `total` form, and a primitive with state does not run in a cycle in which an input is absent.
     Strict,
-    /// The code decides; always present if all connected inputs are present (Kleene `and`, conditional).
+    /// Always present if all connected inputs are present (Kleene `and`, conditional); otherwise the code of the
+    /// primitive decides.
     IfAll,
-    /// The code decides; always present if at least one input is present (`??`).
+    /// Always present if at least one input is present (`??`); otherwise the code of the primitive decides.
     IfAny,
-    /// The code decides; always present.
+    /// Always present, even if inputs are absent.
     Always,
-    /// The code decides; may be absent even if all inputs are present (`pre`, set-null).
+    /// May be absent even if all inputs are present (`pre`, set-null): the code of the primitive decides.
     Maybe,
 }
 
@@ -225,7 +226,7 @@ pub enum StateSize {
 pub struct SizeArgs<'a> {
     /// Values of the parameters, in the order of [`PrimDesc::params`].
     pub params: &'a [Value],
-    /// Period, s.
+    /// Period of the command, s.
     pub dt: f64,
 }
 
@@ -270,7 +271,7 @@ pub enum Role {
     Input,
     /// Publishes its input by key after the cycle.
     Export,
-    /// Outputs a flow that the core provides.
+    /// Outputs a flow that the core provides, such as the time or a cancel request.
     Flow(CommandFlow),
 }
 
@@ -305,7 +306,7 @@ pub enum DeviceResponse {
 /// Names of device ports used by a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DevicePortNames {
-    /// Fixed names.
+    /// Names that are the same in every use of the primitive.
     Fixed(&'static [&'static str]),
     /// Name held by the text parameter with this name.
     Param(&'static str),
@@ -320,7 +321,7 @@ pub enum CommandFlow {
     Takeover,
     /// Time since the first cycle of the command, s (real).
     Time,
-    /// Period, s (real).
+    /// Period of the command, s (real).
     Period,
     /// Logical time of the cycle ([`Scalar::Time`]).
     NetTime,
@@ -331,7 +332,7 @@ pub enum CommandFlow {
     Predecessor,
     /// Time since the first cycle of the command, in ticks (int).
     Elapsed,
-    /// Period in ticks (int).
+    /// Period of the command, in ticks (int).
     PeriodTicks,
 }
 

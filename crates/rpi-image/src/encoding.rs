@@ -39,7 +39,7 @@ impl core::fmt::Display for ReadError {
 
 impl core::error::Error for ReadError {}
 
-/// Cursor over the bytes of a file.
+/// Cursor over the bytes of an image file, from which values are read in order.
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
             .map_err(|_| ReadError::Truncated(at))
     }
 
-    /// Reads the number of items of at least `least` bytes each. Returns an error if the remaining bytes cannot hold
+    /// Reads a number of items, each of at least `least` bytes. Returns an error if the remaining bytes cannot hold
     /// them.
     fn count(&mut self, least: usize) -> Result<usize, ReadError> {
         let at = self.at;
@@ -93,7 +93,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Type with a binary layout.
+/// Type that has a binary form in an image file: how its values are written and read.
 pub(crate) trait Encoding: Sized {
     /// Minimum number of bytes of a value. It bounds the allocation that a length in a file can cause.
     const MIN_BYTES: usize;

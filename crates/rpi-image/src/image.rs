@@ -28,11 +28,11 @@ pub struct Image {
     pub period_ns: u64,
     /// Length of a tick, ns: the unit of values of type `time`. The period is a whole multiple of it.
     pub tick_ns: u64,
-    /// Ends of the memory regions.
+    /// Ends of the memory regions of the command.
     pub layout: Layout,
     /// Initial contents of slots that do not start as 0: (slot, bits), in ascending order of slots.
     pub init: Vec<(u32, u64)>,
-    /// Primitives used by [`Step::Run`].
+    /// Primitives that the steps of the image call.
     pub prims_used: Vec<PrimUse>,
     /// Operand words of all steps.
     pub code: Vec<u32>,
@@ -54,7 +54,7 @@ pub struct Image {
     pub exports: Vec<Export>,
     /// Flows provided by the core before evaluation.
     pub flows: Vec<CoreFlow>,
-    /// End of the command: named results or ports.
+    /// Named results or ports by which the command ends.
     pub end: CommandEnd,
     /// Source locations and observable ports. A cycle does not use them.
     pub debug: DebugInfo,
@@ -73,7 +73,7 @@ pub struct Layout {
     pub end: u32,
 }
 
-/// Primitive used by an image.
+/// Primitive that an image calls, with the declaration it was compiled for.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PrimUse {
     /// Registered name.
@@ -85,43 +85,43 @@ pub struct PrimUse {
 /// Variant of the code of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Form {
-    /// All ports are always present; the operands hold no presence words.
+    /// Code for ports that are always present; the operands hold no presence words.
     Total,
-    /// Each port has a presence word.
+    /// Code for ports that may be absent; each port has a presence word.
     Optional,
 }
 
 /// Instruction of an image: a call of primitives, a copy, a jump or a device access.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Step {
-    /// Runs one primitive on each group of operand words in `code[at..at + len]`.
+    /// Calls a primitive once for each group of operand words in the range of [`Image::code`].
     Run {
         /// Index into [`Image::prims_used`].
         prim: u16,
         /// Variant of the code.
         form: Form,
-        /// First operand word.
+        /// Index of the first operand word in [`Image::code`].
         start: u32,
         /// Number of operand words: a multiple of the words per group.
         len: u32,
     },
-    /// Copies single slots. `code[at..at + len]` holds pairs (source, destination).
+    /// Copies single slots. The operand words are pairs (source, destination).
     Copy {
-        /// First operand word.
+        /// Index of the first operand word in [`Image::code`].
         at: u32,
-        /// Number of operand words.
+        /// Number of operand words: twice the number of slots.
         len: u32,
     },
     /// Jumps to step `to` unless the Boolean slot `unless` is true.
     Skip {
-        /// Boolean slot.
+        /// Slot of the Boolean; the step jumps if it is false.
         unless: u32,
         /// Index of a later step in the same list.
         target: u32,
     },
     /// Resets the state of a fragment and of all fragments in it, unless the Boolean slot `unless` is true.
     Reset {
-        /// Boolean slot.
+        /// Slot of the Boolean; the step does nothing if it is true.
         unless: u32,
         /// Index into [`Image::fragments`].
         fragment: u32,
@@ -283,7 +283,7 @@ pub struct CoreFlow {
     pub value: Signal,
 }
 
-/// How a command ends: by named results in programs, by ports in imported nets.
+/// Way in which a command ends: by named results in programs, by ports in imported nets.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum CommandEnd {
     /// Named results, in source order.

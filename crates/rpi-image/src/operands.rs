@@ -4,23 +4,23 @@ use crate::desc::{ParamType, PortType, PrimDesc, StateSize};
 use crate::image::Form;
 use alloc::vec::Vec;
 
-/// Role of an operand in a group of words.
+/// Port, parameter or state that an operand stands for, in one call of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum OperandRole {
-    /// In-port with this index.
+    /// Operand for the in-port with this index.
     Input(usize),
-    /// Parameter with this index.
+    /// Operand for the parameter with this index.
     Param(usize),
-    /// Out-port with this index.
+    /// Operand for the out-port with this index.
     Output(usize),
-    /// State of the primitive.
+    /// Operand for the state of the primitive.
     State,
 }
 
-/// Words of one operand: the first slot, then sizes, then the presence.
+/// Operand of a primitive call in the code of an image. Its words are the first slot, then sizes, then the presence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Operand {
-    /// Role of the operand.
+    /// Port, parameter or state that the operand stands for.
     pub role: OperandRole,
     /// Number of words for the length or shape, after the first slot.
     pub size_words: usize,
@@ -29,14 +29,14 @@ pub struct Operand {
 }
 
 impl Operand {
-    /// Returns the number of words.
+    /// Returns the number of words of the operand.
     #[must_use]
     pub const fn words(self) -> usize {
         1 + self.size_words + self.has_presence as usize
     }
 }
 
-/// Returns the operands of one group in order: inputs, parameters, outputs, state.
+/// Returns the operands of one call of a primitive in order: inputs, parameters, outputs, state.
 #[must_use]
 pub fn operand_layout(desc: &PrimDesc, form: Form) -> Vec<Operand> {
     let presence = form == Form::Optional;
@@ -65,7 +65,7 @@ pub fn operand_layout(desc: &PrimDesc, form: Form) -> Vec<Operand> {
     inputs.chain(params).chain(outputs).chain(state).collect()
 }
 
-/// Returns the number of words of one group.
+/// Returns the number of operand words of one call of a primitive.
 #[must_use]
 pub fn group_words(fields: &[Operand]) -> usize {
     fields.iter().map(|f| f.words()).sum()

@@ -16,18 +16,18 @@ pub enum PlanNode<C> {
     Goto(Target),
     /// Entry of a loop: sets the count of this [`PlanNode::Repeat`] to 0 and continues there.
     EnterLoop(usize),
-    /// Loop.
+    /// Loop: repeats its body.
     Repeat {
         /// Number of iterations; `None` for an endless loop.
         count: Option<u64>,
-        /// First node of the body.
+        /// First node of the body of the loop.
         body: Target,
         /// Node after the last iteration.
         next: Target,
     },
     /// Parallel branches. The plan continues when all of them have reached their [`PlanNode::Join`].
     Parallel {
-        /// First node of each branch.
+        /// First node of each parallel branch.
         branches: Vec<Target>,
         /// Node after the branches.
         then: Target,
@@ -45,17 +45,17 @@ pub enum PlanNode<C> {
     Run {
         /// The command that runs in this step.
         command: C,
-        /// Successors of named results.
+        /// Next nodes for named results of the command.
         on_result: Vec<(String, Target)>,
-        /// Successor of every other `fail` result; `None` if the task then ends with the error of the command.
+        /// Next node for every other `fail` result; `None` if the task then ends with the error of the command.
         on_fail: Option<Target>,
-        /// Successor of every other result; `None` if `on` must name all of them.
+        /// Next node for every other result; `None` if `on_result` must name all of them.
         default: Option<Target>,
     },
 }
 
 impl<C> PlanNode<C> {
-    /// Returns the node with its command replaced by the result of `of`.
+    /// Returns the same node with its command replaced by `of(command)`; the targets are unchanged.
     #[must_use]
     pub fn map<D>(&self, of: impl FnOnce(&C) -> D) -> PlanNode<D> {
         match self {

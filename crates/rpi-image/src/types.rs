@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// Element type of fixed size.
+/// Element type of fixed size: scalars in the usual sense, and vectors, poses and the like.
 ///
 /// Memory consists of 64-bit slots. [`Scalar::slots`] is the number of slots per value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

@@ -108,7 +108,8 @@ impl Link {
     }
 }
 
-/// Kinematic chain: one row per joint, and fixed rows at the end (`tail`), usually a flange.
+/// Kinematic chain: one row of the Denavit-Hartenberg table per joint, and fixed rows at the end (`fixed_links`),
+/// usually a flange.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     /// Convention of the rows.
@@ -145,7 +146,7 @@ impl Chain {
         end.transform()
     }
 
-    /// Returns the frames of all links in the base frame, one per joint, in order, without `tail`.
+    /// Returns the frames of the links of all joints in the base frame, in order, without the fixed rows at the end.
     pub fn link_frames<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Transform> + 'a {
         self.frames(q).map(|frame| frame.transform())
     }

@@ -183,7 +183,7 @@ fn solve_six_axis(
     Ok(joints)
 }
 
-/// Returns the first `N` entries.
+/// Returns the first `N` entries of a slice.
 fn first_n<T: Copy, const N: usize>(all: &[T]) -> Result<[T; N], InverseKinematicsError> {
     all.first_chunk::<N>()
         .copied()

@@ -9,7 +9,7 @@ pub type Joints = [f64; 6];
 /// Up to eight solutions. Entries that do not exist are NaN.
 pub type Solutions = [Joints; 8];
 
-/// Solution that does not exist.
+/// Placeholder for a solution that does not exist: NaN for every joint.
 pub(crate) const MISSING: Joints = [f64::NAN; 6];
 
 /// Tolerance by which a cosine may exceed 1 due to rounding. It moves the flange by less than 1e-9 m.

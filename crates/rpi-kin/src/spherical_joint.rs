@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 /// distinguish the angles from rounding errors.
 pub(crate) const STRAIGHT_TOLERANCE: f64 = 1e-10;
 
-/// Rotation about z (turn), then about the new y (bend, not negative), with sines and cosines.
+/// Rotation of a spherical joint: about z (turn), then about the new y (bend, not negative), stored as sines and
+/// cosines.
 pub(crate) struct SphericalJoint {
     pub(crate) turn: f64,
     pub(crate) turn_sin_cos: SinCos,

@@ -45,21 +45,23 @@ pub struct Geometry {
 /// covers rounding (about 1e-16 m) and moves the wrist by less than 1e-9 m.
 const REACH_TOLERANCE: f64 = 1e-9;
 
-/// Pose of the flange relative to the shoulder: line to the wrist, and bend of the elbow.
+/// Triangle of shoulder, elbow and wrist for a pose of the flange: the line from shoulder to wrist, and the angles of
+/// the arm.
 #[derive(Clone, Copy, Debug)]
 pub struct ElbowTriangle {
     /// Orientation of the flange in the base frame, as a rotation matrix.
     pub flange_rotation: nalgebra::Matrix3<f64>,
     /// Unit vector from the shoulder to the wrist.
     pub line: Vector3<f64>,
-    /// Cosine and sine (not negative) of the bend of the elbow.
+    /// Cosine and sine of the bend of the elbow; the sine is not negative.
     pub elbow_bend: crate::angle::SinCos,
-    /// Cosine and sine (not negative) of the angle at the shoulder between the line to the wrist and the upper arm.
+    /// Cosine and sine of the angle at the shoulder between the line to the wrist and the upper arm; the sine is not
+    /// negative.
     pub shoulder_angle: crate::angle::SinCos,
 }
 
 impl Geometry {
-    /// Returns line, elbow bend and shoulder angle for a pose of the flange in the base frame.
+    /// Returns the triangle of shoulder, elbow and wrist for a pose of the flange in the base frame.
     ///
     /// # Errors
     /// [`InverseKinematicsError::OutOfReach`] if the wrist is too far from the shoulder or too near to it,

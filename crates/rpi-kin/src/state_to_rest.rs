@@ -35,17 +35,17 @@ pub struct Bounds {
 pub struct StateToRestProfile {
     start: AxisState,
     goal: f64,
-    /// Velocity between the two changes of speed.
+    /// Velocity between the change of speed at the start and the stop at the end.
     peak_velocity: f64,
     /// Time at the peak velocity, s.
     cruise_time: f64,
-    /// Change of speed from the start to the peak.
+    /// Phases of constant jerk from the start to the peak velocity.
     accelerating: [JerkPhase; 3],
-    /// Change of speed from the peak to rest.
+    /// Phases of constant jerk from the peak velocity to rest.
     stopping: [JerkPhase; 3],
 }
 
-/// Maximum number of steps of the search for the peak. At least every fourth step halves the interval.
+/// Maximum number of iterations of the search for the peak velocity. At least every fourth step halves the interval.
 const STEPS: u32 = 100;
 
 impl AxisState {
@@ -178,7 +178,7 @@ impl StateToRestProfile {
         [a, b, c, cruise, d, e, f]
     }
 
-    /// Returns the state at the start.
+    /// Returns the state of the axis at the start of the motion.
     #[must_use]
     pub fn start(&self) -> AxisState {
         self.start
@@ -195,13 +195,13 @@ impl StateToRestProfile {
         }
     }
 
-    /// Returns the duration in s.
+    /// Returns the duration of the motion in s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         duration(&self.accelerating) + self.cruise_time + duration(&self.stopping)
     }
 
-    /// Returns the goal position.
+    /// Returns the position at the end of the motion.
     #[must_use]
     pub fn goal(&self) -> f64 {
         self.goal
@@ -235,7 +235,7 @@ impl StateToRestProfile {
         advance(braking, &self.stopping, after_peak.max(0.0))
     }
 
-    /// Returns the profile as numbers, for storage in a state.
+    /// Returns the profile as an array of numbers, for storage in the state of a primitive.
     #[must_use]
     pub fn to_array(&self) -> [f64; Self::LEN] {
         let mut numbers = [0.0; Self::LEN];
@@ -292,7 +292,7 @@ impl StateToRestProfile {
         }
     }
 
-    /// Number of numbers of a profile.
+    /// Length of the array that stores a profile.
     pub const LEN: usize = HEAD + 12;
 }
 
@@ -355,7 +355,8 @@ impl Search {
         Some((self.peak(distance, low, high)?, 0.0))
     }
 
-    /// Returns the change of speed to a peak, and the stop from it.
+    /// Returns the change of speed from the start to a peak velocity, and the stop from there; `None` if a number is
+    /// not finite.
     fn speed_changes(&self, peak: f64) -> Option<(StopProfile, StopProfile)> {
         let to = |motion: VelocityState| {
             StopProfile::new(motion, self.bounds.acceleration, self.bounds.jerk)
@@ -371,15 +372,15 @@ impl Search {
         Some((first, last))
     }
 
-    /// Returns the distance covered with a peak and no time at it.
+    /// Returns the distance covered if the axis reaches a peak velocity and stops from it at once.
     fn distance(&self, peak: f64) -> Option<f64> {
         let (first, last) = self.speed_changes(peak)?;
         Some(first.distance() + peak * first.duration() + last.distance())
     }
 
-    /// Returns the peak between `low` and `high` for which the motion covers `distance`. Uses regula falsi with the
-    /// Illinois modification (halved weight of a retained end), and a bisection in every fourth step to guarantee
-    /// convergence.
+    /// Returns the peak velocity between `low` and `high` for which the motion covers `distance`. Uses regula falsi
+    /// with the Illinois modification (halved weight of a retained end), and a bisection in every fourth step to
+    /// guarantee convergence.
     fn peak(&self, distance: f64, mut low: f64, mut high: f64) -> Option<f64> {
         let off = |peak: f64| Some(self.distance(peak)? - distance);
         let (mut below, mut above) = (off(low)?, off(high)?);

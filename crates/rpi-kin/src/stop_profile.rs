@@ -118,7 +118,7 @@ impl StopProfile {
         &self.phases
     }
 
-    /// Returns the duration in s.
+    /// Returns the duration of the stop in s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.phases.iter().map(|part| part.duration).sum()

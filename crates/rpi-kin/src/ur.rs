@@ -68,8 +68,8 @@ impl Geometry {
         Ok(solutions)
     }
 
-    /// Returns the two angles of axis 1 for which the origin of frame 5 has the distance `d4` from the plane of the
-    /// arm.
+    /// Returns the two angles of axis 1 at which the origin of frame 5, `before_last`, has the distance `d4` from the
+    /// plane of the arm.
     fn first_axis(&self, before_last: &Vector3<f64>) -> [f64; 2] {
         let level = libm::sqrt(before_last.x * before_last.x + before_last.y * before_last.y);
         let sin = self.d4 / level;

@@ -154,7 +154,7 @@ fn parse_reals(tree: &LiteralTree<'_>, keys: &[&'static str; 3]) -> Result<SlotB
         .collect()
 }
 
-/// Parses a real. Digits that overflow to infinity are an error; infinity has the literal `inf`.
+/// Parses a real number. A number too large for a double is an error; infinity has the literal `inf`.
 fn parse_real(tree: &LiteralTree<'_>) -> Result<f64, LiteralError> {
     let value: f64 = tree.word("a number", |w| w.parse().ok())?;
     let is_meant = |word: &str| value.is_finite() || !word.contains(|c: char| c.is_ascii_digit());

@@ -5,7 +5,7 @@ use super::LiteralError;
 /// Maximal nesting depth. Deeper nesting than any type has is rejected, so that no text can overflow the stack.
 const MAX_DEPTH: usize = 8;
 
-/// Parsed text. Each variant starts with its byte offset.
+/// Syntax tree of a literal. Each variant starts with its byte offset in the text.
 pub(super) enum LiteralTree<'a> {
     Word(usize, &'a str),
     Object(usize, Vec<(&'a str, LiteralTree<'a>)>),
@@ -17,7 +17,7 @@ impl<'a> LiteralTree<'a> {
         matches!(self, LiteralTree::Word(_, "null"))
     }
 
-    /// Byte offset at which the element begins.
+    /// Byte offset in the text at which the literal begins.
     fn offset(&self) -> usize {
         match self {
             LiteralTree::Word(at, _) | LiteralTree::Object(at, _) | LiteralTree::Array(at, _) => {
@@ -26,7 +26,8 @@ impl<'a> LiteralTree<'a> {
         }
     }
 
-    /// Returns the value that `read` makes of a single word; an error if this is not a word or `read` returns `None`.
+    /// Returns the value that `read` makes of a literal of a single word; an error if the literal has several parts or
+    /// `read` returns `None`.
     pub(super) fn word<T>(
         &self,
         what: &str,
@@ -46,7 +47,7 @@ impl<'a> LiteralTree<'a> {
         }
     }
 
-    /// Returns the fields with these names. Exactly these fields must be present, in any order.
+    /// Returns the fields of a structured literal by these names. Exactly these fields must be present, in any order.
     pub(super) fn fields<const N: usize>(
         &self,
         names: [&str; N],
@@ -65,7 +66,7 @@ impl<'a> LiteralTree<'a> {
     }
 }
 
-/// Parses a whole text into its tree.
+/// Parses a text that consists of one literal.
 pub(super) fn parse(text: &str) -> Result<LiteralTree<'_>, LiteralError> {
     let mut reader = Parser { text, offset: 0 };
     let tree = reader.value(0)?;

@@ -60,8 +60,8 @@ fn object(names: [&str; 3], cells: &[u64]) -> String {
     format!("{{{}}}", fields.join(","))
 }
 
-/// Returns the Euler angles in rad about z, then y, then x of the turned frame for the slots of a rotation; zeros for
-/// too few slots.
+/// Returns the Euler angles (rad; about z, then y, then x of the turned frame) of a rotation given by its memory slots;
+/// zeros for too few slots.
 ///
 /// Angles computed from a quaternion are exact only up to rounding. The angles rounded to 15 digits, as people write
 /// them, are returned instead if they reproduce the rotation at least as well.
@@ -86,7 +86,7 @@ fn rotation(cells: &[u64]) -> String {
     object(["a", "b", "c"], &euler_angles(cells).map(f64::to_bits))
 }
 
-/// Returns the shortest text that parses to the same bits.
+/// Returns the shortest text that parses to the same bits of a real number.
 fn real(bits: u64) -> String {
     let value = f64::from_bits(bits);
     if value.is_nan() {

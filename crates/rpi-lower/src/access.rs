@@ -7,16 +7,16 @@ use rpi_image::operands::{OperandRole, operand_layout};
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// Access of an operation through one of its operand words.
+/// Way in which an operation uses one of its operand words: reads or writes a register, or takes it as a number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Access {
-    /// Reads the value of this register.
+    /// The operation reads the value of the register.
     Read,
-    /// Reads a presence, which decides what the operation does.
+    /// The operation reads the register as a presence, which decides what it does.
     ReadPresence,
-    /// Writes this register.
+    /// The operation writes the register.
     Write,
-    /// Keeps state in this register from cycle to cycle.
+    /// The operation keeps state in the register from cycle to cycle.
     State,
     /// The word is a number, not a register.
     Number,
@@ -25,12 +25,12 @@ pub(crate) enum Access {
 /// Cache of the accesses of every primitive and form that was requested.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AccessTable {
-    /// Two entries per primitive, one for each form.
+    /// Accesses by primitive, two entries each, one for each form; `None` if not requested yet.
     known: Vec<Option<Rc<[Access]>>>,
 }
 
 impl AccessTable {
-    /// Accesses of a primitive in a form, one per operand word. Computes them on the first request.
+    /// Returns the accesses of a primitive in a form, one per operand word. Computes them on the first request.
     pub(crate) fn get_or_compute(&mut self, prim: PrimId, form: Form) -> Rc<[Access]> {
         let at = usize::from(prim.0) * 2 + form as usize;
         if self.known.len() <= at {
@@ -39,7 +39,8 @@ impl AccessTable {
         Rc::clone(self.known[at].get_or_insert_with(|| accesses(prim, form).into()))
     }
 
-    /// Accesses of a primitive in a form, one per operand word; empty unless [`Shapes::of`] was called before.
+    /// Returns the accesses of a primitive in a form, one per operand word; empty unless
+    /// [`AccessTable::get_or_compute`] was called before.
     pub(crate) fn get(&self, prim: PrimId, form: Form) -> &[Access] {
         let at = usize::from(prim.0) * 2 + form as usize;
         self.known.get(at).and_then(|s| s.as_deref()).unwrap_or(&[])
@@ -62,17 +63,17 @@ fn accesses(prim: PrimId, form: Form) -> Vec<Access> {
     all
 }
 
-/// Accesses of one operation.
+/// Accesses of all operand words of an operation.
 #[derive(Clone, Copy)]
 pub(crate) enum OpAccesses<'a> {
-    /// One entry per word.
+    /// One access per operand word: a call of a primitive.
     Each(&'a [Access]),
-    /// The first words, this many, are read; the others are written.
+    /// The first words, this many, are read and the others are written: a copy or a device access.
     Split(usize),
 }
 
 impl OpAccesses<'_> {
-    /// Access through word `k`.
+    /// Access of the operand word with index `k`.
     pub(crate) fn access(self, k: usize) -> Access {
         match self {
             OpAccesses::Each(all) => all[k],
@@ -90,7 +91,7 @@ impl Access {
 }
 
 impl AccessTable {
-    /// Accesses of an operation.
+    /// Accesses of the operand words of an operation.
     pub(crate) fn op_accesses(&self, op: Op) -> OpAccesses<'_> {
         match op.kind {
             OpKind::Run(prim, form) => OpAccesses::Each(self.get(prim, form)),

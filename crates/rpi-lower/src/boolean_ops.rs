@@ -7,17 +7,18 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Value numbering of Boolean operations: maps (primitive, first, second) to the operations with these operands.
+/// Table of Boolean operations for value numbering: maps (primitive, first, second) to the operations with these
+/// operands.
 #[derive(Default)]
 pub(crate) struct BooleanOps {
     known: FxHashMap<(PrimId, Register, Register), Vec<AddedOp>>,
 }
 
-/// An operation that has been added.
+/// A Boolean operation that has been added to the flat net, with its result.
 struct AddedOp {
     /// Index of the operation.
     op: u32,
-    /// Scope in which it is computed.
+    /// Scope in which the operation is computed.
     scope: ScopeId,
     result: Register,
 }
@@ -129,7 +130,8 @@ impl AddedOp {
     }
 }
 
-/// Largest number of operations that are searched for an operand. Beyond it an operation is not moved.
+/// Largest number of operations searched for a writer of an operand. If more would be needed, the operation is not
+/// moved.
 const SEARCHED: u32 = 10_000;
 
 /// Returns whether one of the registers is written in `scope` before the operation `end`; `None` if `end` is not in the

@@ -37,7 +37,7 @@ pub(crate) enum OpKind {
     Call(u32, u32),
 }
 
-/// One operation.
+/// One operation of a flat net: a primitive call, a copy or a device access.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Op {
     pub(crate) kind: OpKind,
@@ -48,10 +48,10 @@ pub(crate) struct Op {
     pub(crate) node: u32,
 }
 
-/// An element of a scope.
+/// An element of a scope: an operation or a nested scope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Item {
-    /// Index into [`FlatNet::ops`].
+    /// Operation, as an index into [`FlatNet::ops`].
     Op(u32),
     Scope(ScopeId),
 }
@@ -62,10 +62,10 @@ pub(crate) struct Scope {
     pub(crate) parent: Option<ScopeId>,
     /// The scope is skipped unless this register is true. [`Register::TRUE`] for a scope that exists only for its reset.
     pub(crate) guard: Register,
-    /// Restores the initial state of a fragment at the start of the scope, unless the register is true.
+    /// Fragment whose initial state is restored at the start of the scope, unless the register is true.
     pub(crate) reset: Option<(Register, u32)>,
     pub(crate) items: Vec<Item>,
-    /// Values stored for the next cycle: (source, target).
+    /// Pairs of registers (source, target) copied at the end of the cycle, for values that are read in the next one.
     pub(crate) latches: Vec<(Register, Register)>,
 }
 
@@ -81,28 +81,28 @@ pub(crate) struct Tables {
     pub(crate) exports: Vec<Export>,
     pub(crate) flows: Vec<CoreFlow>,
     pub(crate) end: CommandEnd,
-    /// Every port of every node: node, port, value.
+    /// Every port of every node, as node number, port number and location of the value.
     pub(crate) probes: Vec<(u32, u8, Signal)>,
 }
 
-/// An actuator port. Its inputs and answers are words of the operation.
+/// An actuator port. Its inputs and responses are operand words of the operation that sets it.
 #[derive(Clone, Debug)]
 pub(crate) struct Actuator {
     pub(crate) port: DevicePort,
     pub(crate) answers: &'static [DeviceResponse],
 }
 
-/// A device function. Its arguments and results are words of the operation.
+/// A device function. Its arguments and results are operand words of the operation that calls it.
 #[derive(Clone, Debug)]
 pub(crate) struct Function {
     pub(crate) port: DevicePort,
-    /// The last word of the operation receives whether there was a result.
+    /// Whether a call may have no result. The last operand word then receives whether there was one.
     pub(crate) may_fail: bool,
     /// Bound of the work of a call, in elementary operations.
     pub(crate) work: u32,
 }
 
-/// A flat net.
+/// A net translated to operations on registers, in nested scopes without fragments and links.
 #[derive(Clone, Debug)]
 pub(crate) struct FlatNet {
     pub(crate) registers: Registers,
@@ -150,7 +150,7 @@ impl FlatNet {
         id
     }
 
-    /// Appends a scope to its parent.
+    /// Appends a scope to the items of its parent.
     pub(crate) fn close(&mut self, scope: ScopeId) {
         if let Some(parent) = self.scopes[scope.index()].parent {
             self.scopes[parent.index()].items.push(Item::Scope(scope));

@@ -45,12 +45,12 @@ pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<I
     emit::emit(net, &flat, options)
 }
 
-/// Names and descriptions of the passes, in order.
+/// Names and descriptions of the optimisation passes, in the order in which they run.
 pub fn passes() -> impl Iterator<Item = (&'static str, &'static str)> {
     passes::PASSES.iter().map(|p| (p.name, p.description))
 }
 
-/// Verifies the image of the net after a pass. Panics on a verification error.
+/// Verifies the image of the net after the optimisation pass named `pass`. Panics on a verification error.
 fn verify_pass(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>, pass: &str) {
     let catalogue = |name: &str| PrimId::from_name(name).map(PrimId::desc);
     let Ok(image) = emit::emit(net, flat, options) else {

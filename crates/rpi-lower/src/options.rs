@@ -16,7 +16,7 @@ pub struct LowerOptions<'a> {
     pub may_be_absent: &'a dyn Fn(PortRef) -> bool,
 }
 
-/// Observability of a running image.
+/// Set of values that can be observed while an image runs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Observe {
     /// Every port of every node, one step per node: for replay, tracing and debugging.
@@ -58,7 +58,7 @@ impl LowerOptions<'_> {
         LowerOptions { tick_ns, ..self }
     }
 
-    /// The clock in cycle 0, for folding constants.
+    /// The values of time flows in cycle 0, which constant folding uses.
     pub(crate) fn clock(&self) -> CycleTime {
         CycleTime {
             dt: self.dt(),

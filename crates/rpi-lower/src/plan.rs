@@ -3,7 +3,7 @@
 use rpi_net::FragmentTree;
 use rpi_net::passes::{Analysis, Presences, Schedule};
 
-/// Schedule and presences of a net.
+/// Results of the analyses that lowering needs: fragment tree, schedule and presences of a net.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     /// Fragments of the net as a tree.

@@ -25,7 +25,7 @@ impl Register {
 pub(crate) enum Region {
     Constant,
     External,
-    /// Reset together with this fragment.
+    /// State that is reset together with this fragment.
     State(FragmentId),
     Value,
 }
@@ -46,7 +46,7 @@ pub(crate) struct Registers {
 }
 
 impl Registers {
-    /// The registers of the two Booleans, with capacity for `room` registers.
+    /// The table with the registers of the two Boolean constants, and capacity for `room` registers.
     pub(crate) fn new(room: usize) -> Self {
         let mut slots = Registers {
             sizes: Vec::with_capacity(room),

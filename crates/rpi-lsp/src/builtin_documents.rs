@@ -19,7 +19,7 @@ const CACHE_VARIABLES: &[(&str, &str)] = &[
     ("HOME", ".cache/rpi"),
 ];
 
-/// Cache directory of this version of the tool.
+/// Directory of the copies for this version of the tool: read-only texts that an editor can open.
 static CACHE_DIR: LazyLock<PathBuf> = LazyLock::new(|| {
     let set = |(name, below): &(&str, &str)| {
         let folder = std::env::var_os(name).map(PathBuf::from);

@@ -11,7 +11,7 @@ use crate::line_index::Encoding;
 /// Kind of the code action that applies all sure fixes.
 pub(crate) const FIX_ALL: CodeActionKind = CodeActionKind::new("source.fixAll.rpi");
 
-/// Capabilities of the client.
+/// Features that the editor supports, which decide the form of responses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClientFeatures {
     /// Unit in which the client counts columns.
@@ -23,7 +23,7 @@ pub(crate) struct ClientFeatures {
 }
 
 impl ClientFeatures {
-    /// Reads the capabilities from the `initialize` request.
+    /// Reads the features of the editor from the `initialize` request.
     pub(crate) fn from_params(params: &InitializeParams) -> ClientFeatures {
         let all = &params.capabilities;
         let encodings = all

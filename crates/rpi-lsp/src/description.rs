@@ -7,11 +7,11 @@ use rpi_sema::query::{Def, DefKind, FlowType};
 /// Description of a definition for hover and completion.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Description {
-    /// Declaration in source syntax.
+    /// Declaration in the syntax of the program's language.
     pub(crate) code: String,
     /// Kind and presence, in a few words.
     pub(crate) kind: String,
-    /// Documentation.
+    /// Documentation of the definition, in Markdown.
     pub(crate) doc: String,
 }
 

@@ -60,7 +60,7 @@ fn to_lsp(
     }
 }
 
-/// Returns the message, followed by help texts and notes, one per line.
+/// Returns the message of a diagnostic, followed by its help texts and notes, one per line.
 fn message(diagnostic: &rpi_diag::Diagnostic) -> String {
     let help = diagnostic.help.iter().map(|text| format!("\nhelp: {text}"));
     let notes = diagnostic

@@ -87,7 +87,7 @@ pub(crate) fn handle_notification(
     }
 }
 
-/// Handles `initialized`: asks the client to watch source files on disk.
+/// Handles the notification `initialized`: asks the client to watch source files on disk.
 fn initialized(world: &mut Workspace, _: InitializedParams) -> Vec<Request> {
     if !world.client.watches_files {
         return Vec::new();

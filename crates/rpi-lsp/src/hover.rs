@@ -47,7 +47,7 @@ fn fault_text(seen: &Inspection, described: Span, offset: u32) -> String {
     }
 }
 
-/// Describes the name at the offset, if the program declares it.
+/// Describes the definition of the name at the offset, if the program declares it.
 fn describe_name(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let name = seen.index().reference_at(FileId(0), offset)?;
     let def = seen.index().def(name.def);

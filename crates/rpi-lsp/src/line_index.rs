@@ -5,9 +5,9 @@ use lsp_types::{Position, PositionEncodingKind};
 /// Position encoding: unit in which the client counts columns.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Encoding {
-    /// Bytes.
+    /// Columns count bytes.
     Utf8,
-    /// 16-bit code units: the default, which every client supports.
+    /// Columns count 16-bit code units: the default, which every client supports.
     Utf16,
 }
 

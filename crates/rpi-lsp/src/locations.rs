@@ -13,7 +13,8 @@ use crate::builtin_documents;
 use crate::line_index::{Encoding, LineIndex};
 use crate::workspace::Workspace;
 
-/// Converter for the files of one program. Line tables are computed on first use.
+/// Converter from byte ranges to positions in the protocol, for the files of one program. Line tables are computed on
+/// first use.
 pub(crate) struct LocationMap<'s> {
     analysis: &'s Inspection,
     encoding: Encoding,

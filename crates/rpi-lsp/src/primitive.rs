@@ -20,7 +20,7 @@ pub(crate) fn signature(desc: &PrimDesc) -> String {
     )
 }
 
-/// Returns the documentation, without the leading space that doc comments keep on each line.
+/// Returns the documentation of a primitive, without the leading space that doc comments keep on each line.
 pub(crate) fn doc(desc: &PrimDesc) -> String {
     let lines = desc.doc.trim().lines();
     let lines: Vec<&str> = lines

@@ -16,15 +16,16 @@ use crate::workspace::Workspace;
 
 /// Lifecycle phase of the server.
 enum Phase {
-    /// Before the `initialize` request.
+    /// State before the `initialize` request.
     Uninitialized,
-    /// Initialised.
+    /// State between `initialize` and `shutdown`, with the open documents.
     Running(Box<Workspace>),
-    /// After the `shutdown` request.
+    /// State after the `shutdown` request, in which only `exit` is accepted.
     ShutDown,
 }
 
-/// Runs the main loop until the client sends `exit` or disconnects. Returns an error without a prior `shutdown`.
+/// Runs the main loop until the client sends `exit` or disconnects. Returns an error if there was no `shutdown` request
+/// before.
 pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(), &'static str> {
     let mut server = Server {
         phase: Phase::Uninitialized,
@@ -148,8 +149,8 @@ impl Server {
     }
 }
 
-/// Runs a piece of work and catches panics, so that a bug costs one request and not the session. The panic message has
-/// been printed.
+/// Runs `work` and returns `None` if it panics, so that a bug costs one request and not the session. The panic message
+/// has been printed.
 fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(work)).ok()
 }

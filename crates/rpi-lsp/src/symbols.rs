@@ -56,7 +56,7 @@ pub(crate) fn symbols(
 
 struct Outline<'s> {
     places: LocationMap<'s>,
-    /// Definitions nested in each definition, or at top level.
+    /// For each definition, those nested directly in it; `None` is the top level.
     children: BTreeMap<Option<DefId>, Vec<(DefId, &'s Def)>>,
 }
 

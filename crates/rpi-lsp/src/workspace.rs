@@ -16,7 +16,7 @@ use crate::line_index::LineIndex;
 use crate::locations::LocationMap;
 use crate::{diagnostics, uri};
 
-/// Maximum pause of the user that triggers an analysis, however long an analysis takes.
+/// Longest pause in typing that the server waits for before it analyses a document.
 const MAX_PAUSE: Duration = Duration::from_millis(200);
 
 /// Maximum time from a change to its analysis if the user never pauses.
@@ -28,7 +28,7 @@ pub(crate) struct Document {
     pub(crate) uri: Uri,
     pub(crate) version: i32,
     pub(crate) text: String,
-    /// Last analysis.
+    /// Result of the last analysis; `None` before the first.
     analysis: Option<Rc<Inspection>>,
     /// Due time of the next analysis, and the time of the first change since the last one.
     due: Option<(Instant, Instant)>,
@@ -51,7 +51,7 @@ impl Document {
         }
     }
 
-    /// Schedules an analysis after a pause as long as the last analysis took, within the limits.
+    /// Schedules an analysis after a pause in typing as long as the last analysis took, within the limits.
     fn schedule(&mut self, now: Instant) {
         let since = self.due.map_or(now, |(_, since)| since);
         // The slower the analysis, the longer the pause: fast typing then never queues up analyses.
@@ -80,13 +80,13 @@ pub(crate) struct FileDiagnostics {
 pub(crate) struct Workspace {
     pub(crate) client: ClientFeatures,
     documents: BTreeMap<PathBuf, Document>,
-    /// Diagnostics to be published.
+    /// Diagnostics of a file that the client has not received yet.
     unpublished: Vec<FileDiagnostics>,
     /// Version and diagnostics last published for each file. Unchanged diagnostics are not published again.
     last_published: BTreeMap<PathBuf, (Option<i32>, Vec<Diagnostic>)>,
 }
 
-/// File system view: open documents as in the editor, other files from disk.
+/// File loader that returns open documents as in the editor, and other files from disk.
 struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
 
 impl FileLoader for Overlay<'_> {
@@ -161,7 +161,7 @@ impl Workspace {
         }
     }
 
-    /// Schedules the analysis of all documents, after files on disk were created, deleted or changed.
+    /// Schedules the analysis of all documents. Called after files on disk were created, deleted or changed.
     pub(crate) fn files_changed(&mut self) {
         let now = Instant::now();
         self.documents
@@ -179,7 +179,7 @@ impl Workspace {
         documents.map(|document| document.uri.clone()).collect()
     }
 
-    /// Returns the URI of a file: the client's URI if the file is open.
+    /// Returns the URI of a file: the one that the client uses, if the file is open.
     pub(crate) fn uri_of(&self, path: &Path) -> Option<Uri> {
         match self.documents.get(path) {
             Some(document) => Some(document.uri.clone()),

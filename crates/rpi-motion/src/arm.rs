@@ -3,7 +3,7 @@
 use crate::Joints;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
 
-/// An arm with a tool.
+/// Model of an arm with the tool that it holds and the limits of its axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Arm {
     model: &'static ArmModel,
@@ -144,7 +144,7 @@ impl JointState {
         }
     }
 
-    /// Returns whether all numbers are finite.
+    /// Returns whether all positions, velocities and accelerations are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let parts = [&self.position, &self.velocity, &self.acceleration];

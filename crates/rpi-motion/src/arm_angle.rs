@@ -13,7 +13,7 @@ use crate::held_axis::HeldAxis;
 /// Number of moves of the arm angle that one path may have.
 const MOVES: usize = 32;
 
-/// A smooth change of the arm angle on a stretch of the path.
+/// Smooth change of the arm angle of a redundant arm, on a stretch of the path.
 #[derive(Clone, Copy, Debug, Default)]
 struct Move {
     /// Path parameter at the start.

@@ -7,14 +7,15 @@ use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
 
-/// What a check of a path found.
+/// Result of checking a path: its end, its slowest place and the size of the check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathReport {
     /// Joints at the end of the path, rad.
     pub end: Joints,
-    /// Lowest velocity of the path parameter that a place allows, and the place.
+    /// Lowest velocity of the path parameter that the limits of the axes enforce, and the value of the path parameter
+    /// where they do.
     pub slowest: (f64, f64),
-    /// Number of nodes that were needed.
+    /// Number of places at which the derivatives of the joints were computed.
     pub nodes: usize,
 }
 
@@ -72,7 +73,8 @@ fn step_to(arm: &Arm, path: &JointPath, s: f64, from: &Joints) -> Result<Joints,
     }
 }
 
-/// Whether all axes end within their ranges, or no farther out than they start; the error names the first that does not.
+/// Checks that all axes end within their ranges, or no farther out than they start. The error names the first axis that
+/// does not.
 fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<(), PathError> {
     for (axis, limits) in arm.limits().iter().enumerate() {
         let range = limits.position;

@@ -9,7 +9,8 @@ use crate::{Arm, JointState};
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 use rpi_kin::{MAX_AXES, Range};
 
-/// An entry to try: shares of the limits for the residual, and of the arm's velocity and acceleration along the path.
+/// Parameters with which a takeover on to a path is planned: shares of the limits for the residual, and of the arm's
+/// velocity and acceleration along the path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
     pub limits: f64,
@@ -17,8 +18,8 @@ pub(crate) struct Attempt {
     pub acceleration: f64,
 }
 
-/// Entries in the order in which they are tried. Half of the limits was best in the median of random takeovers, 0.7
-/// where the arm comes fast.
+/// Parameters of takeovers in the order in which they are tried. A share of half the limits was best in the median of
+/// random takeovers, 0.7 where the arm comes fast.
 pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.5, 1.0, 1.0),
     attempt(0.7, 1.0, 1.0),
@@ -28,10 +29,10 @@ pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.95, 0.0, 0.0),
 ];
 
-/// Shares of acceleration and jerk with which the first brake of an entry is tried.
+/// Shares of acceleration and jerk that are tried for the first braking of a takeover.
 const BRAKE_SHARES: [f64; 3] = [0.7, 0.45, 0.25];
 
-/// Below this velocity of the path parameter, an entry is not better than to stand.
+/// Lowest useful velocity of the path parameter, 1/s: a slower takeover is not better than standing still.
 const SLOWEST: f64 = 1e-4;
 
 const fn attempt(limits: f64, velocity: f64, acceleration: f64) -> Attempt {
@@ -42,12 +43,12 @@ const fn attempt(limits: f64, velocity: f64, acceleration: f64) -> Attempt {
     }
 }
 
-/// A verified entry.
+/// Takeover on to a path that has been verified against the limits.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub residual: Residual,
     pub brake: HeldBrake,
-    /// Number of the share that the next plan begins with.
+    /// Index of the share of the limits with which the next plan begins.
     pub share: usize,
 }
 

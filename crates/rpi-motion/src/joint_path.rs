@@ -13,7 +13,7 @@ const CONFIGURATION_STEP: f64 = 0.1;
 const AHEAD: f64 = 0.1;
 const STEP: f64 = 0.01;
 
-/// Shortest stretch on which the arm angle moves, m.
+/// Shortest stretch of the path on which the arm angle may change, m.
 const SHORTEST_MOVE: f64 = 0.01;
 
 /// Bend of the shoulder (axis 2, rad) below which a path begins with axis 3 held instead of the arm angle, and above which
@@ -31,7 +31,7 @@ pub struct JointPath {
     pub path: Path,
     arm_angle: ArmAngle,
     is_redundant: bool,
-    /// The place that has been looked at last, and its joints.
+    /// Place (value of the path parameter) up to which the arm angle has been planned, and the joints there.
     seen: (f64, Joints),
 }
 
@@ -53,7 +53,7 @@ impl JointPath {
         }
     }
 
-    /// A path whose arm angle does not matter.
+    /// Creates a path whose arm angle is constant at 0, for arms or uses in which it does not matter.
     pub(crate) fn still(path: Path) -> Self {
         Self {
             path,

@@ -12,12 +12,12 @@ use crate::{Arm, JointState, Joints};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{MAX_AXES, Range};
 
-/// What may change while a motion is under way.
+/// Controls of a running motion: speed and pause, set anew in each cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controls {
     /// Share of the requested speed, from 0 to 1; 0 pauses.
     pub speed_share: f64,
-    /// Comes to rest on the path, and stays there until it is false again.
+    /// Whether the arm comes to rest on the path and stays there until this is false again.
     pub paused: bool,
 }
 
@@ -30,7 +30,7 @@ impl Default for Controls {
     }
 }
 
-/// Why a motion cannot begin or go on.
+/// Reason why a motion cannot begin or continue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionError {
     /// The path cannot be followed from some place on. The arm comes to rest before it.
@@ -71,7 +71,7 @@ pub struct SetPoint {
     pub done: bool,
 }
 
-/// Motion core of one arm.
+/// Motion core of one arm: it computes the set-points of a motion along a path, cycle by cycle.
 #[derive(Clone, Debug)]
 pub struct MotionCore {
     arm: Arm,
@@ -81,17 +81,18 @@ pub struct MotionCore {
     residual: Residual,
     held: HeldBrake,
     planner: Planner,
-    /// Ranges that the motion keeps.
+    /// Ranges of the axes that the motion does not leave.
     ranges: [Range; MAX_AXES],
     /// Number of the cycle of the motion, from 0; its set-point is that of the time `(cycle + 1) * period`.
     cycle: u64,
-    /// Entries still to be tried; [`ATTEMPTS`] as long as the path stands.
+    /// Number of planned takeovers that are still to be tried; all of them as long as the arm stands at the start of
+    /// the path.
     attempt: usize,
     /// Joints on the path in the last cycle: the hint of the next inverse.
     hint: Joints,
 }
 
-/// Nodes of the table: 1 MB an arm.
+/// Maximum number of nodes in the table of the path: 1 MB for each arm.
 const NODES: usize = 4096;
 
 /// Cycle in which better entries are tried first: enough of the path is known then.

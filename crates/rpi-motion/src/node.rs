@@ -20,9 +20,9 @@ pub struct Node {
     pub joints: Joints,
     /// First derivatives, rad per unit of the path parameter.
     pub first: Joints,
-    /// Second derivatives.
+    /// Second derivatives of the joints with respect to the path parameter.
     pub second: Joints,
-    /// Third derivatives.
+    /// Third derivatives of the joints with respect to the path parameter.
     pub third: Joints,
     /// Curvature of the way of the tool.
     pub curvature: Curvature,
@@ -33,11 +33,11 @@ pub struct Node {
 /// Greatest velocity, acceleration and jerk of the path parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct MostAllowed {
-    /// Velocity.
+    /// Greatest velocity of the path parameter.
     pub velocity: f64,
-    /// Acceleration.
+    /// Greatest acceleration of the path parameter.
     pub acceleration: f64,
-    /// Jerk.
+    /// Greatest jerk of the path parameter.
     pub jerk: f64,
 }
 
@@ -63,8 +63,9 @@ impl MostAllowed {
     }
 }
 
-/// What the limits of the axes allow at a node. The shares of acceleration (0.7) and jerk (0.6) that the speed may use
-/// up alone leave room for the acceleration and the jerk of the path parameter.
+/// Returns the velocity, acceleration and jerk of the path parameter that the limits of the axes allow at a node. The
+/// shares of acceleration (0.7) and jerk (0.6) that the speed may use up alone leave room for the acceleration and the
+/// jerk of the path parameter.
 pub(crate) fn axis_bounds(arm: &Arm, node: &Node) -> MostAllowed {
     let mut most = MostAllowed::default();
     for (axis, limits) in arm.limits().iter().enumerate() {
@@ -84,8 +85,9 @@ pub(crate) fn axis_bounds(arm: &Arm, node: &Node) -> MostAllowed {
     most
 }
 
-/// What the bounds of the tool allow at a place with this curvature. At a steady speed the acceleration is k v² and the
-/// jerk hypot(k', k²) v³; the verification looks at both together with those along the path.
+/// Returns the velocity, acceleration and jerk of the path parameter that the bounds of the tool allow at a place with
+/// this curvature. At a steady speed the acceleration is k v² and the jerk hypot(k', k²) v³; the verification looks at
+/// both together with those along the path.
 pub(crate) fn tool_bounds(requested: Bounds, curvature: Curvature) -> MostAllowed {
     /// Shares that a steady speed uses of its own bounds, and that remain along a curved path.
     const STEADY: f64 = 0.985;

@@ -15,11 +15,11 @@ use alloc::vec;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
 
-/// Ring of nodes of the present path.
+/// Table of the derivatives of the joints at places along the present path, as a ring buffer of nodes.
 #[derive(Clone, Debug)]
 pub struct NodeTable {
     ring: Box<[Node]>,
-    /// Number of the oldest node in the ring, and one behind the newest.
+    /// Number of the oldest node in the ring, followed by the number after the newest one.
     oldest: usize,
     next: usize,
     path: JointPath,
@@ -28,7 +28,7 @@ pub struct NodeTable {
     error: Option<PathError>,
 }
 
-/// Steps in which the arm angle is looked at when a path begins, and for each node.
+/// Number of steps by which the arm angle is planned ahead when a path begins, and again for each node.
 const FIRST_LOOK: usize = 10;
 const LOOK: usize = 1;
 
@@ -80,7 +80,7 @@ impl NodeTable {
         Ok(())
     }
 
-    /// Begins a path without length: the joints `at`.
+    /// Begins a path without length, on which the arm holds the joints `at`.
     pub fn begin_hold(&mut self, arm: &Arm, at: &Joints) {
         (self.oldest, self.next) = (0, 0);
         self.error = None;
@@ -89,13 +89,13 @@ impl NodeTable {
         self.emit(arm);
     }
 
-    /// Returns the path.
+    /// Returns the path of the table.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path.path
     }
 
-    /// Returns the requested bounds.
+    /// Returns the requested bounds of the tool along the path.
     #[must_use]
     pub fn requested(&self) -> Bounds {
         self.requested
@@ -160,7 +160,7 @@ impl NodeTable {
         self.path.joints_at(arm, s, hint)
     }
 
-    /// Writes the node at the centre of the window.
+    /// Appends the node at the centre of the window to the table.
     fn emit(&mut self, arm: &Arm) {
         let Window {
             joints: q,
@@ -193,8 +193,8 @@ impl NodeTable {
         self.next += 1;
     }
 
-    /// Returns the nodes around a place and its share of the way between them. `cursor` is the number of a node near
-    /// to it, and becomes that of the node before it.
+    /// Returns the nodes before and after a place on the path, and its share of the way between them. `cursor` is the
+    /// number of a node near to it, and becomes that of the node before it.
     #[must_use]
     pub fn around(&self, s: f64, cursor: &mut usize) -> (&Node, &Node, f64) {
         let last = self.next.saturating_sub(2).max(self.oldest);

@@ -2,12 +2,12 @@
 
 use rpi_kin::InverseKinematicsError;
 
-/// Why a path cannot be followed at a place.
+/// Error: the path cannot be followed at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathError {
-    /// The place: path parameter, m (rad on a joint line).
+    /// Place of the error: path parameter, m (rad on a joint line).
     pub s: f64,
-    /// The reason.
+    /// Reason of the error.
     pub kind: PathErrorKind,
 }
 
@@ -16,14 +16,14 @@ pub struct PathError {
 pub enum PathErrorKind {
     /// The inverse kinematics has no solution.
     NoInverse(InverseKinematicsError),
-    /// The arm would have to change its configuration; the axis makes a jump.
+    /// The arm would have to change its configuration: an axis would jump.
     ConfigurationChange {
-        /// The axis, from 0.
+        /// Axis that would jump, counted from 0.
         axis: usize,
     },
-    /// The path ends with the axis outside its range.
+    /// The path ends with an axis outside its range.
     OutOfRange {
-        /// The axis, from 0.
+        /// Axis outside its range, counted from 0.
         axis: usize,
     },
     /// The path is too near to a singularity, or the range of the elbow makes a kink: the derivatives of the joints

@@ -7,7 +7,7 @@ use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 
-/// Shares of acceleration and jerk that are tried, from fast to slow.
+/// Shares of the greatest acceleration and jerk with which plans are tried, from fast to slow.
 pub(crate) const SHARES: [f64; 5] = [1.0, 0.7, 0.45, 0.25, 0.1];
 
 /// Share of the bounds of a piece that its brake uses where the path is curved: there, the jerk of the tool across the
@@ -17,7 +17,7 @@ const BRAKE_ON_CURVE: f64 = 0.6;
 /// Share of the lowest speed ahead that is tried where the speed itself is too high.
 const SLOWER: f64 = 0.4;
 
-/// Speed of a candidate: the greatest of the nearer half of the stretch ahead, of all of it, or a part of that.
+/// Rule for the target speed of a candidate plan.
 #[derive(Clone, Copy, Debug)]
 enum Speed {
     Near,
@@ -25,13 +25,13 @@ enum Speed {
     BelowFar,
 }
 
-/// A candidate for the next piece.
+/// Candidate plan for the next stretch of time: how fast it may be, and how it brakes.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
-    /// By how many steps of [`SHARES`] it is slower than the first one.
+    /// Number of steps in [`SHARES`] by which the candidate is slower than the first one.
     slower_by: usize,
     speed: Speed,
-    /// Share of the bounds of the piece that its brake uses.
+    /// Share of the bounds of the plan that its braking uses.
     brake: f64,
 }
 
@@ -43,7 +43,7 @@ const fn candidate(slower_by: usize, speed: Speed, brake: f64) -> Candidate {
     }
 }
 
-/// Candidates in the order in which they are tried.
+/// Candidate plans in the order in which they are tried.
 const CANDIDATES: [Candidate; 16] = [
     candidate(0, Speed::Near, 1.0),
     candidate(0, Speed::Far, 1.0),
@@ -63,24 +63,25 @@ const CANDIDATES: [Candidate; 16] = [
     candidate(4, Speed::Near, 1.0),
 ];
 
-/// What a plan may ask for.
+/// Limits of a plan that depend on the command: speed and use of the bounds of the tool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
-    /// Maximum velocity of the path parameter.
+    /// Maximum velocity of the path parameter, in its unit per second.
     pub speed: f64,
-    /// Share of the bounds of the tool that the path parameter may use, as long as the residual uses the rest.
+    /// Share of the bounds of the tool that the path parameter may use while a residual uses the rest.
     pub tool_share: f64,
 }
 
-/// Planner of the time law. It remembers the share that held last, so that the next plan begins near to it.
+/// Planner of the time law. It remembers the share of [`SHARES`] that was accepted last, so that the next plan begins
+/// near to it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Planner {
     pub last_share: usize,
 }
 
 impl Planner {
-    /// Returns the fastest law from `now` on that is verified, or `None` if the budget of checks is used up. Then the
-    /// law in force must be kept. `held_end` is where that one ends.
+    /// Returns the fastest time law from `now` on that is verified, or `None` if the budget of checks is used up; the
+    /// law in force must then be kept. `held_end` is the path parameter at which the law in force comes to rest.
     pub(crate) fn plan(
         &mut self,
         verifier: &Verifier<'_>,
@@ -157,10 +158,11 @@ pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> 
     }
 }
 
-/// Whether the law can come down to the speed of each place ahead before it is there. A stop alone would end there in
-/// time, too, but too late to pass at that speed: its acceleration must have decayed when the place begins.
+/// Returns whether the time law can slow down to the speed of each place ahead before it is there. A stop alone would
+/// end there in time, too, but too late to pass at that speed: its acceleration must have decayed when the place
+/// begins.
 fn slows_down_in_time(table: &NodeTable, law: &HeldBrake, bounds: Bounds, ahead: f64) -> bool {
-    /// Ratio of the speeds of two places that are looked at: the slowest places count, not each node.
+    /// Ratio of the speeds of two successive places that are checked: only markedly slower places count, not each node.
     const STEP: f64 = 0.8;
     let turn = law.turn;
     let mut level = turn.velocity;

@@ -4,14 +4,14 @@ use crate::Joints;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::{AxisState, Bounds, StateToRestProfile};
 
-/// Lowest and highest value of velocity, acceleration and jerk in an interval of time.
+/// Ranges of velocity, acceleration and jerk in an interval of time: lowest and highest value of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extent {
-    /// Velocities, rad/s.
+    /// Lowest and highest velocity, rad/s.
     pub velocity: (f64, f64),
-    /// Accelerations, rad/s².
+    /// Lowest and highest acceleration, rad/s².
     pub acceleration: (f64, f64),
-    /// Jerks, rad/s³.
+    /// Lowest and highest jerk, rad/s³.
     pub jerk: (f64, f64),
 }
 
@@ -133,7 +133,8 @@ fn turning_points(state: AxisState, jerk: f64) -> [f64; 2] {
     [(-a - root) / jerk, (-a + root) / jerk]
 }
 
-/// Whether a difference is only the rounding of an inverse: it moves nothing that a limit could see.
+/// Returns whether a difference between arm and path is only rounding of the inverse kinematics, too small to matter
+/// for any limit.
 fn is_rounding(difference: &AxisState) -> bool {
     difference.position.abs() < 1e-13
         && difference.velocity.abs() < 1e-12
@@ -144,7 +145,7 @@ fn ordered(a: f64, b: f64) -> (f64, f64) {
     if a < b { (a, b) } else { (b, a) }
 }
 
-/// Residual of all axes.
+/// Residual of all axes: the difference between the arm and the path after a takeover, which decays to 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Residual {
     axes: [AxisResidual; MAX_AXES],

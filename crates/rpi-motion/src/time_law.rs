@@ -3,8 +3,8 @@
 use rpi_kin::state_to_rest::{AxisState, StateToRestProfile};
 use rpi_kin::stop_profile::{JerkPhase, StopProfile, VelocityState};
 
-/// Duration of a planned piece, s. It is planned anew every [`REPLAN_PERIOD`]; the rest is a reserve, so that a plan
-/// that fails does not slow the motion at once.
+/// Duration for which a plan is followed before its stop begins, s. It is planned anew every [`REPLAN_PERIOD`]; the
+/// rest is a reserve, so that a plan that fails does not slow the motion at once.
 pub const PIECE: f64 = 16e-3;
 
 /// Time between two plans, s.
@@ -17,7 +17,7 @@ pub struct PathState {
     pub s: f64,
     /// Velocity of the path parameter.
     pub velocity: f64,
-    /// Acceleration of the path parameter.
+    /// Second derivative of the path parameter by time.
     pub acceleration: f64,
 }
 
@@ -49,25 +49,26 @@ impl From<PathState> for AxisState {
     }
 }
 
-/// A way to rest on the path: up to [`PIECE`] seconds of a plan, then a stop.
+/// Time law that ends at rest on the path: up to [`PIECE`] seconds of a plan, then a stop. It can be followed to its
+/// end if no further plan succeeds.
 #[derive(Clone, Copy, Debug)]
 pub struct HeldBrake {
     /// Time of the motion at which it starts, s.
     pub start_time: f64,
     /// State at the start.
     pub start: PathState,
-    /// Planned piece; `None` if the stop begins at once.
+    /// Plan that is followed first; `None` if the stop begins at once.
     pub piece: Option<StateToRestProfile>,
-    /// Duration of the piece, s; 0 without one.
+    /// Duration for which the plan is followed, s; 0 without one.
     pub piece_time: f64,
-    /// State at the end of the piece, where the stop begins.
+    /// State of the path parameter where the stop begins.
     pub turn: PathState,
-    /// The stop.
+    /// Stop at the end of the time law.
     pub stop: StopProfile,
 }
 
 impl HeldBrake {
-    /// Standing at the start of the path.
+    /// Creates the law that stands at the place `s`.
     #[must_use]
     pub fn standing(s: f64, start_time: f64) -> Self {
         let at = PathState {
@@ -84,7 +85,8 @@ impl HeldBrake {
         }
     }
 
-    /// A stop at once, with maximum magnitudes of acceleration and jerk. `None` if a number is not finite.
+    /// Creates the law that stops at once, with maximum magnitudes of acceleration and jerk. `None` if a number is not
+    /// finite.
     #[must_use]
     pub fn stopping(
         from: PathState,
@@ -103,8 +105,8 @@ impl HeldBrake {
         })
     }
 
-    /// The first [`PIECE`] seconds of `plan`, then a stop with maximum magnitudes of acceleration and jerk. `None` if
-    /// the plan goes backwards there, or a number is not finite.
+    /// Creates the law that follows `plan` for [`PIECE`] seconds and then stops with maximum magnitudes of acceleration
+    /// and jerk. `None` if the plan goes backwards there, or a number is not finite.
     #[must_use]
     pub fn following(
         plan: StateToRestProfile,

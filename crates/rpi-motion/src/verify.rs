@@ -18,45 +18,45 @@ use crate::{Arm, Joints};
 use rpi_kin::stop_profile::JerkPhase;
 use rpi_kin::{AxisLimits, MAX_AXES, Range};
 
-/// Longest step between samples, s.
+/// Longest time between two samples of a verification, s.
 const LONGEST_STEP: f64 = 5e-3;
 
-/// Number of steps of a brake whose path is resolved by the widest spacing, beside two for each phase.
+/// Number of samples of a time law where the path has the widest spacing of nodes, besides two for each phase.
 const COARSE_SAMPLES: f64 = 56.0;
 
-/// Samples that the verifications of one cycle take together, at most.
+/// Maximum number of samples that the verifications of one cycle take together.
 pub const SAMPLES_PER_CYCLE: usize = 600;
 
-/// Distance from the end of an axis' range that is kept, rad.
+/// Distance from the end of an axis' range that motions keep, rad.
 const RANGE_MARGIN: f64 = 1e-4;
 
 /// Tolerance for the end of a law beyond the known path, in its unit.
 const END_TOLERANCE: f64 = 1e-12;
 
-/// What a brake is verified against.
+/// Checker of time laws: the arm, the path, the residual and the ranges that a law is verified against.
 #[derive(Clone, Copy, Debug)]
 pub struct Verifier<'a> {
     /// The arm with its limits.
     pub arm: &'a Arm,
-    /// The path.
+    /// Nodes of the path.
     pub table: &'a NodeTable,
-    /// The residual.
+    /// Residual of the takeover, which is added to the path.
     pub residual: &'a Residual,
     /// Ranges of the axes: see [`allowed_ranges`].
     pub ranges: &'a [Range; MAX_AXES],
 }
 
-/// Progress of a verification.
+/// Progress of a verification: the place on the path and the samples left.
 struct Walk {
     state: PathState,
     time: f64,
-    /// Number of a node near to the state.
+    /// Number of a node near to the current place.
     cursor: usize,
-    /// Samples that may still be taken.
+    /// Number of samples that may still be taken.
     left: usize,
 }
 
-/// Velocity, acceleration, and jerk of one axis by the motion along the path.
+/// Velocity, acceleration and jerk of one axis due to the motion along the path, without the residual.
 #[derive(Clone, Copy, Debug, Default)]
 struct Terms {
     position: f64,
@@ -206,7 +206,7 @@ impl Verifier<'_> {
         })
     }
 
-    /// Whether the axis could stop within its range from here.
+    /// Returns whether the axis could stop within its range from the state `at`.
     fn range_is_kept(&self, axis: usize, at: &Terms, time: f64, limits: &AxisLimits) -> bool {
         let rest = self.residual.state_at(axis, time);
         let position = at.position + rest.position;
@@ -219,7 +219,7 @@ impl Verifier<'_> {
         position - below >= range.lower && position + above <= range.upper
     }
 
-    /// Whether the residual may go on alone once the path parameter rests.
+    /// Returns whether the residual keeps the limits after the path parameter has come to rest.
     fn rest_is_within(&self, walk: &mut Walk) -> bool {
         if walk.time >= self.residual.end() {
             return true;
@@ -237,7 +237,7 @@ impl Verifier<'_> {
 /// Whether the velocity becomes negative in a phase that begins with this state: at its end, or where the acceleration
 /// changes its sign.
 fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
-    /// Rounding of the velocity at rest.
+    /// Tolerance for the velocity at rest: below it, a negative velocity counts as rounding.
     const ROUNDING: f64 = 1e-12;
     let turning = -start.acceleration / phase.jerk;
     let inside = turning > 0.0 && turning < phase.duration;

@@ -8,14 +8,15 @@ use crate::{Arm, Joints};
 /// Greatest difference between the inverse half-way between two nodes and the cubic through four nodes, rad.
 const RESOLUTION: f64 = 1e-8;
 
-/// Spacing of nodes on a path of the tool, m: widest, and finest before the path is refused.
+/// Widest spacing of nodes on a path of the tool, m, followed by the finest, below which the path is rejected.
 const WIDEST: f64 = 2e-3;
 const FINEST: f64 = WIDEST / 512.0;
 
 /// Nodes that must be much better resolved than needed before the spacing is doubled.
 const CALM_NODES: u32 = 16;
 
-/// Joints at the offsets -2 to 3 around the next node.
+/// Joints at six successive places of a path, at the offsets -2 to 3 (in spacings) from the next node. Finite
+/// differences over them give the derivatives of the node.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Window {
     pub(crate) joints: [Joints; 6],
@@ -24,11 +25,11 @@ pub(crate) struct Window {
     pub(crate) centre: f64,
     widest: f64,
     finest: f64,
-    /// Nodes since the path was much better resolved than needed.
+    /// Number of nodes in a row for which the path was much better resolved than needed.
     calm: u32,
     /// False while the joints could not be computed at this spacing.
     is_filled: bool,
-    /// What made the present stretch finer, if it was more than bending.
+    /// Error that made the present stretch finer; `None` if only the bending of the path did.
     cause: Option<PathError>,
 }
 
@@ -50,7 +51,7 @@ impl Window {
         Ok(window)
     }
 
-    /// The window of a path without length.
+    /// Creates the window of a path without length: all joints are equal.
     pub(crate) fn still(at: &Joints) -> Self {
         Self {
             joints: [*at; 6],

@@ -16,7 +16,8 @@ pub enum ClaimKind {
     Assume,
     /// `guarantee`, or `ensure` of a mode: ensured by the body as long as the caller's assumptions hold.
     Guarantee,
-    /// Completeness of modes: the caller always satisfies some mode of the contract.
+    /// Claim that the modes of a contract are complete: in every cycle the caller satisfies the `require` of at least
+    /// one mode.
     ModeCompleteness,
 }
 
@@ -28,7 +29,7 @@ impl ClaimKind {
     }
 }
 
-/// Claim that a net publishes.
+/// Claim (assertion or contract clause) that a net publishes, so that tests and model checkers can observe it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Claim {
     /// Key of the Boolean export of the claim. A claim that always holds has no such export.

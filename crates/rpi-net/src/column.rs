@@ -3,7 +3,7 @@
 use crate::column_error::ColumnError;
 use rpi_image::{Scalar, Type};
 
-/// Name and value format of one column of a sample table.
+/// Column of a sample table: the name and the value format of one scalar part of a flow.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Column {
     /// Flow name with the path to the leaf: `x`, `x.field`, `x[2].field`.

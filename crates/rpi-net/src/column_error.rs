@@ -2,25 +2,25 @@
 
 use std::fmt;
 
-/// Text that is not a value of its column.
+/// Error: the text of a field is not a value of its column.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum ColumnError {
-    /// The text is not a value of a scalar type.
+    /// The text is not a value of the scalar type that the column expects.
     UnexpectedText {
         /// Text of the field.
         text: String,
         /// Expected form, such as `an integer of 64 bits`.
         expected: String,
     },
-    /// The text is a literal without a value.
+    /// The text is the literal `null`, which stands for an absent value and cannot be in a field.
     Null,
-    /// The text is not a literal of the type.
+    /// The text is not a literal of the type of the column.
     InvalidLiteral {
         /// Text of the field.
         text: String,
         /// Name of the type.
         type_name: &'static str,
-        /// Error of the literal.
+        /// Error message of the parser of literals.
         reason: String,
     },
 }

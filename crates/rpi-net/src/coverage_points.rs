@@ -14,10 +14,10 @@ pub struct CoveragePoints {
     pub state_transitions: Vec<StateTransitions>,
 }
 
-/// Decision of an `if`.
+/// Decision in a program text: an `if`, whose branches a test should both take.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Decision {
-    /// Boolean that decides.
+    /// Boolean condition of the decision.
     pub condition: Input,
     /// Fragment in which the condition is evaluated.
     pub fragment: FragmentId,

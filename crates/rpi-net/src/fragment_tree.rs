@@ -141,7 +141,7 @@ impl FragmentTree {
         a
     }
 
-    /// Fragments from `inner` outwards, excluding `outer`, which encloses it.
+    /// Fragments from `inner` outwards up to but not including `outer`, which encloses `inner`.
     pub fn between(
         &self,
         inner: FragmentId,

@@ -41,7 +41,7 @@ pub struct PortRef {
 /// Source of an in-port.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Input {
-    /// Not connected: allowed where the descriptor says [`rpi_image::Fallback::AbsentValue`].
+    /// No source. Allowed for an in-port whose declaration has [`rpi_image::Fallback::AbsentValue`].
     Unconnected,
     /// Constant: a parameter that replaces an unconnected port, or a literal operand.
     Const(Box<Value>),

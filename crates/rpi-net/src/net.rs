@@ -9,7 +9,7 @@ use rpi_prims::PrimId;
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
-/// Source of a node, for messages, traces and the debugger.
+/// Place in a program from which a node comes, for messages, traces and the debugger.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Origin {
     /// Location in a source text; [`Span::NONE`] if there is none.
@@ -122,11 +122,11 @@ pub enum AbsentPolicy {
 /// Cycles in which the state of a fragment is reset.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Restart {
-    /// Never: the fragment resumes with its last state.
+    /// The state is never reset: the fragment resumes with its last state.
     Never,
-    /// In each cycle in which the fragment becomes active after an inactive cycle.
+    /// The state is reset in each cycle in which the fragment becomes active after an inactive cycle.
     OnActivation,
-    /// In each active cycle in which the Boolean is true.
+    /// The state is reset in each active cycle in which this Boolean is true.
     Every(PortRef),
 }
 
@@ -225,7 +225,7 @@ pub struct Net {
 }
 
 impl Net {
-    /// Returns an empty net with the given name and a root fragment.
+    /// Creates an empty net with the given name and a root fragment.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         let root = Fragment {
@@ -283,7 +283,7 @@ impl Net {
         (0..u32::try_from(self.nodes.len()).unwrap_or(u32::MAX)).map(NodeId)
     }
 
-    /// Returns all fragment indices, parents before children.
+    /// Returns all fragment indices; each parent comes before its children.
     pub fn fragment_ids(&self) -> impl DoubleEndedIterator<Item = FragmentId> + use<> {
         (0..u32::try_from(self.fragments.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }

@@ -21,7 +21,7 @@ pub fn infer_shapes(net: &mut Net) -> Vec<Diagnostic> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum InferenceState {
     Unvisited,
-    /// The shapes of the node's sources are being inferred.
+    /// The types of the node's sources are being inferred; reaching the node again means that it depends on itself.
     InProgress,
     Done,
 }

@@ -3,14 +3,14 @@
 use core::cmp::Ordering;
 use rpi_device::DeviceBank;
 
-/// Clocks of one cycle, equal for all primitives.
+/// Times of one cycle, equal for all primitives of a command: period, tick, logical time and system time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CycleTime {
-    /// Period, s.
+    /// Period of the command, s.
     pub dt: f64,
     /// Length of a tick, ns: the unit of values of type `time`.
     pub tick_ns: u64,
-    /// Period in ticks.
+    /// Period of the command, in ticks.
     pub period_ticks: u64,
     /// Number of the cycle of the command, from 0.
     pub cycle_index: u64,
@@ -117,11 +117,11 @@ pub struct Fault {
 pub struct Context<'a> {
     /// All memory slots of the command.
     pub slots: &'a mut [u64],
-    /// Clocks of the cycle.
+    /// Times of the cycle: period, tick, logical time and system time.
     pub time: CycleTime,
-    /// Devices of the robot cell.
+    /// Devices of the robot cell, for primitives that access them.
     pub devices: &'a mut dyn DeviceBank,
-    /// First fault of the cycle.
+    /// First fault of the cycle so far.
     pub fault: Option<Fault>,
 }
 

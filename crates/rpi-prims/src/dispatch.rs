@@ -3,7 +3,7 @@
 use crate::context::Context;
 use crate::operand::{Operand, PortTuple, PrimState};
 
-/// Runs pure code on present values. This is the hot path.
+/// Runs the code of a primitive without state on values that are present. This is the hot path.
 #[inline(always)]
 pub(crate) fn pure<I: Operand, O: Operand>(
     cx: &mut Context<'_>,
@@ -17,7 +17,8 @@ pub(crate) fn pure<I: Operand, O: Operand>(
     }
 }
 
-/// Runs code with state, parameters, clocks or faults. The order of words is inputs, parameters, outputs, state.
+/// Runs the code of a primitive with state, parameters, times or faults. The order of operand words is inputs,
+/// parameters, outputs, state.
 #[inline(always)]
 pub(crate) fn with_context<I: Operand, P: Operand, O: Operand, S: PrimState>(
     cx: &mut Context<'_>,
@@ -36,7 +37,7 @@ pub(crate) fn with_context<I: Operand, P: Operand, O: Operand, S: PrimState>(
     }
 }
 
-/// Runs code with options as arguments and results on ports that are always present. See [`full`].
+/// Runs the code of a primitive whose inputs may be absent, on ports that are always present. See [`full`].
 #[inline(always)]
 pub(crate) fn full_present<I: PortTuple, P: Operand, O: PortTuple, S: PrimState>(
     cx: &mut Context<'_>,
@@ -48,7 +49,8 @@ pub(crate) fn full_present<I: PortTuple, P: Operand, O: PortTuple, S: PrimState>
     });
 }
 
-/// Runs pure code with options as arguments and results on ports that are always present. See [`pure`].
+/// Runs the code of a primitive without state whose inputs may be absent, on ports that are always present. See
+/// [`pure`].
 #[inline(always)]
 pub(crate) fn pure_present<I: PortTuple, O: PortTuple>(
     cx: &mut Context<'_>,
@@ -58,7 +60,7 @@ pub(crate) fn pure_present<I: PortTuple, O: PortTuple>(
     pure::<I, O>(cx, words, |i| O::unwrap_or_neutral(code(i.into_options())));
 }
 
-/// Runs code that writes its array outputs itself.
+/// Runs the code of a primitive that writes its array outputs itself.
 #[inline(always)]
 pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
     cx: &mut Context<'_>,
@@ -73,7 +75,7 @@ pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
     }
 }
 
-/// Runs code that writes its array outputs itself and returns the single values among the outputs.
+/// Runs the code of a primitive that writes its array outputs itself and returns the single values among its outputs.
 #[inline(always)]
 pub(crate) fn mixed<I: Operand, P: Operand, O: Operand>(
     cx: &mut Context<'_>,
@@ -88,7 +90,7 @@ pub(crate) fn mixed<I: Operand, P: Operand, O: Operand>(
     }
 }
 
-/// Runs code that writes one array output and returns whether it is present. See [`bulk`].
+/// Runs the code of a primitive that writes one array output and returns whether the output is present. See [`bulk`].
 #[inline(always)]
 pub(crate) fn bulk_maybe<I: Operand, P: Operand, O: Operand>(
     cx: &mut Context<'_>,

@@ -44,7 +44,7 @@ pub fn fold(
     })
 }
 
-/// Runs a primitive with the given clocks. Returns the fault that it raises.
+/// Runs the code of a primitive at the given times. Returns the fault that it raises.
 fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: CycleTime) -> Option<FaultCode> {
     let mut cx = Context {
         slots: cells,
@@ -56,7 +56,7 @@ fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: CycleTime) -> Optio
     cx.fault.map(|fault| fault.code)
 }
 
-/// Two sets of clocks that differ in every field.
+/// Two cycle times that differ in every field, to detect results that depend on the time.
 const TIMES: [CycleTime; 2] = [
     CycleTime {
         dt: 0.001,
@@ -77,7 +77,7 @@ const TIMES: [CycleTime; 2] = [
     },
 ];
 
-/// Slots and operand words of one call.
+/// Memory slots and operand words for one call of a primitive.
 #[derive(Default)]
 struct Memory {
     cells: Vec<u64>,
@@ -85,7 +85,7 @@ struct Memory {
 }
 
 impl Memory {
-    /// Appends an operand. A text has no slots and no operand word.
+    /// Appends an operand with the content `cells` to the call. A text has no slots and no operand word.
     fn operand(&mut self, ty: Option<Type>, cells: &[u64]) {
         let Some(ty) = ty else {
             return;

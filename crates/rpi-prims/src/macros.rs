@@ -30,8 +30,8 @@
 //! `interface!` declares a primitive without code, which the core implements: devices, keys, delays, constants. A
 //! `role` replaces the code. An out-port may have its own presence after its type (`outValue: f64 maybe`).
 
-/// Declares a primitive with code as a constant of type [`crate::registry::Prim`]. See the module documentation for the
-/// syntax.
+/// Declares a primitive with code as a constant of type [`crate::registry::Prim`]. The head of `macros.rs` describes
+/// the syntax.
 macro_rules! primitive {
     (
         $(#[doc = $doc:expr])+
@@ -77,7 +77,8 @@ macro_rules! primitive {
     };
 }
 
-/// Declares a primitive that the core implements according to its role.
+/// Declares a primitive without code as a constant of type [`crate::registry::Prim`]: the core implements it according
+/// to its role.
 macro_rules! interface {
     (
         $(#[doc = $doc:expr])+

@@ -54,7 +54,7 @@ impl Summand for Quaternion<f64> {
     }
 }
 
-/// Window over the last values of a flow and their sum. All slots zero is the empty window.
+/// Window over the last values of a flow, with their sum, stored in memory slots. All slots zero is the empty window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window<T> {
     at: usize,
@@ -64,8 +64,7 @@ pub(crate) struct Window<T> {
 
 impl<T: Summand> Window<T> {
     const ENTRY: usize = T::CELLS as usize;
-    /// Number of slots before the entries: position of the next entry, number of entries, running sum, sum of this
-    /// turn.
+    /// Number of slots of a window before its entries.
     const HEAD: usize = 2 + 2 * Self::ENTRY;
 
     /// Returns the number of slots of a window over `entries` values.
@@ -74,7 +73,7 @@ impl<T: Summand> Window<T> {
         entries.max(1).saturating_mul(T::CELLS).saturating_add(head)
     }
 
-    /// Creates the window that fills a state.
+    /// Creates the handle to the window that fills the slots of a state.
     pub(crate) fn from_region(region: StateRange) -> Self {
         Window {
             at: region.start,

@@ -20,7 +20,7 @@ pub trait Operand: Sized {
 
 /// Single port that is always present.
 pub trait Port: Operand + Copy {
-    /// Declared type.
+    /// Declared type of the port.
     const TYPE: PortType;
     /// Returns the value used if the code of a primitive outputs no value although its output must be present.
     fn neutral() -> Self;
@@ -28,7 +28,7 @@ pub trait Port: Operand + Copy {
 
 /// Parameter of a primitive.
 pub trait Parameter: Operand {
-    /// Declared type.
+    /// Declared type of the parameter.
     const TYPE: ParamType;
 }
 
@@ -76,7 +76,7 @@ macro_rules! single_values {
 
 single_values!(bool, i64, f64, Time, Vector, Rotation, Pose, Twist, Wrench);
 
-/// An array operand is passed as a handle; the code writes array outputs itself.
+/// An array operand is passed to the code as a handle; the code writes array outputs itself.
 impl<T: FlowType> Operand for Array<T> {
     const WORDS: usize = 2;
     #[inline(always)]

@@ -13,10 +13,10 @@ use rpi_image::{PrimDesc, SizeArgs};
 /// parameters have no word. State is one word (fixed size) or two (first slot, length).
 pub type RunFn = fn(&mut Context<'_>, &[u32]);
 
-/// Entry of the registry: declaration and code of a primitive.
+/// Entry of the registry of primitives: declaration and code of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Prim {
-    /// Declaration.
+    /// Declaration of the primitive.
     pub desc: PrimDesc,
     /// Code for inputs and outputs that are all present.
     pub total: Option<RunFn>,

@@ -26,7 +26,7 @@ impl<T: FlowType> RingBuffer<T> {
         entries.max(1).saturating_mul(entry).saturating_add(2)
     }
 
-    /// Creates the buffer that fills a state.
+    /// Creates the handle to the buffer that fills the slots of a state.
     pub(crate) fn from_region(region: StateRange) -> Self {
         RingBuffer {
             at: region.start,

@@ -62,7 +62,7 @@ pub(crate) fn condition(
     }
 }
 
-/// Returns whether a block with an active parent is active.
+/// Returns whether a block is active, given that its parent is active.
 fn is_activated(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,

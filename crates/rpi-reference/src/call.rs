@@ -7,7 +7,7 @@ use crate::instance::{EvalContext, Instance, InstanceId};
 use crate::value::{EvalError, Leaf};
 use crate::{flow, leaf};
 
-/// Returns a leaf of the result of a call.
+/// Returns one leaf of the result of a call.
 pub(crate) fn result<'p>(
     interpreter: &mut Interpreter<'p>,
     here: EvalContext,
@@ -124,7 +124,7 @@ fn instance<'p>(
     instance
 }
 
-/// Returns a leaf of the out-ports of an instance, numbered consecutively.
+/// Returns one leaf of the out-ports of an instance. The leaves of all out-ports are numbered consecutively.
 fn output(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,

@@ -16,10 +16,10 @@ use rpi_sema::typed::{
 
 pub(crate) use calls::call_of;
 
-/// Origin of the condition of a sampling.
+/// Flow whose value decides in which cycles a sampled expression has a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum ClockCondition {
-    /// Flow of the unit.
+    /// Flow of the same unit.
     Flow(FlowId),
     /// Condition inside a call that has no name in the caller: the call, and the condition in the callee.
     InCall(ExprId, Box<ClockCondition>),
@@ -45,17 +45,17 @@ pub(crate) struct Clocks {
     blocks: Vec<BlockId>,
 }
 
-/// Computation of the clocks of one unit.
+/// State of the computation of the clocks of one unit.
 struct ClockSolver<'p> {
     unit: &'p Unit,
     units: &'p [Unit],
     /// Clocks of the called units.
     callees: &'p [Option<Rc<Clocks>>],
     clocks: Clocks,
-    /// Whether the clocks that follow from flows with declared clocks are complete.
+    /// Whether the clocks of all flows that follow from declared clocks have been computed.
     is_settled: bool,
-    /// Whether the base clock is assigned to operators and calls that have their own first cycle but no clock from
-    /// operands.
+    /// Whether the base clock has been assigned to operators and calls that have a first cycle of their own but get no
+    /// clock from operands.
     has_starts: bool,
 }
 
@@ -153,7 +153,7 @@ impl<'p> ClockSolver<'p> {
         self.clocks.flows[id.0 as usize].contains(&None)
     }
 
-    /// Returns whether the value of a flow is sampled, somewhere in its definition, by a flow that has no clock yet.
+    /// Returns whether the definition of a flow contains a sampling by a flow that has no clock yet.
     fn waits(&self, id: FlowId) -> bool {
         let (mut met, mut flows) = (vec![false; self.unit.flows.len()], vec![id]);
         while let Some(id) = flows.pop() {
@@ -237,7 +237,7 @@ impl<'p> ClockSolver<'p> {
         ClockCondition::Flow(flow)
     }
 
-    /// Returns the clock of a leaf of an expression whose operands have clocks.
+    /// Returns the clock of a leaf of an expression, given that the clocks of its operands are known.
     fn leaf(&mut self, id: ExprId, k: usize) -> Clock {
         let expr = self.unit.expr(id);
         match &expr.kind {
@@ -279,7 +279,7 @@ impl<'p> ClockSolver<'p> {
         false
     }
 
-    /// Calls `read` with the leaves of the operands from which a leaf is computed.
+    /// Calls `read` with the expression and leaf index of each operand leaf from which a leaf is computed.
     fn reads(
         &self,
         kind: &TypedKind,

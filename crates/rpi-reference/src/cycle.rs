@@ -16,7 +16,7 @@ use crate::time::Period;
 use crate::value::{EvalError, Leaf};
 use crate::{block, call, flow, leaf, sampling};
 
-/// Interpreter of a program, with its state.
+/// Interpreter that defines the semantics of programs: it runs a program cycle by cycle, and keeps its state.
 pub struct Interpreter<'p> {
     pub(crate) units: &'p [Unit],
     /// Clocks of each unit.
@@ -34,19 +34,20 @@ pub struct Interpreter<'p> {
 
 /// Update of the memory for the next cycle.
 pub(crate) enum MemoryUpdate {
-    /// Leaf of a delayed expression; it is evaluated at the end of the cycle.
+    /// Stores the value of the leaf of an expression, the second one, for a delay, the first one. It is evaluated at
+    /// the end of the cycle.
     Delayed(ExprId, usize, ExprId),
-    /// Leaf with a known value.
+    /// Stores this value for the leaf of an expression that keeps state.
     Leaf(ExprId, usize, Leaf),
-    /// Leaf of a flow shared by states; it is evaluated at the end of the cycle.
+    /// Stores the leaf of a flow shared by states, for `last`. It is evaluated at the end of the cycle.
     Last(FlowId, usize),
-    /// Leaf of a flow shared by states, with a known value.
+    /// Stores this value for the leaf of a flow shared by states.
     LastLeaf(FlowId, usize, Leaf),
-    /// Leaf of `a -> b` or `first` that has had its first cycle.
+    /// Records that a leaf of `a -> b` or `first` has had its first cycle.
     Begun(ExprId, usize),
-    /// Whether a block was active.
+    /// Records whether a block was active.
     Active(BlockId, bool),
-    /// State of an automaton, and the states that must still restart.
+    /// Stores the state of an automaton for the next cycle, and the states that must still restart.
     State(usize, State, BTreeSet<u32>),
 }
 
@@ -103,7 +104,8 @@ impl<'p> Interpreter<'p> {
         Ok(output)
     }
 
-    /// Begins a cycle of an instance.
+    /// Prepares an instance for the current cycle: clears the values of the last one. `chosen` is whether the enclosing
+    /// `if`s need the call.
     pub(crate) fn enter(&mut self, instance: InstanceId, chosen: bool) {
         self.instances[instance].current = CycleValues {
             chosen,
@@ -141,7 +143,7 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Checks that the values defined by an equation lie in the subranges of the flows.
+    /// Checks that the values of an equation lie in the subranges of the flows that it defines.
     fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), EvalError> {
         for target in &equation.targets {
             if let typed::TargetPlace::Flow { flow, at } = target.place {
@@ -153,7 +155,7 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Checks that the inputs lie in the subranges of the in-ports.
+    /// Checks that the inputs of an instance lie in the subranges of its in-ports.
     fn ports(&mut self, instance: InstanceId) -> Result<(), EvalError> {
         let unit = self.instances[instance].unit;
         let from_outside = self.instances[instance].caller.is_none();
@@ -245,8 +247,7 @@ impl<'p> Interpreter<'p> {
         }
     }
 
-    /// Returns whether the operand of this number is part of the instance: a branch excluded by static parameters is
-    /// not (M5.4).
+    /// Returns whether an operand is part of the instance at all: a branch excluded by static parameters is not (M5.4).
     fn is_text(&mut self, here: EvalContext, id: ExprId, number: usize) -> Result<bool, EvalError> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
@@ -259,7 +260,7 @@ impl<'p> Interpreter<'p> {
         })
     }
 
-    /// Returns the context in which the operand of this number is evaluated for a leaf. An operand is chosen if the
+    /// Returns the context in which an operand of an expression is evaluated for a leaf. An operand is chosen if the
     /// operator needs its value (M6.7).
     pub(crate) fn operand(
         &mut self,
@@ -393,7 +394,7 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Returns a leaf of an in-port of the whole program.
+    /// Returns a leaf of an in-port of the unit that the interpreter runs.
     pub(crate) fn input(&self, port: usize, k: usize) -> Leaf {
         let unit = self.instances[0].unit;
         let from_outside = |id: &&FlowId| unit.flow(**id).role != FlowRole::Param;

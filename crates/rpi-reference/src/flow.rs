@@ -7,7 +7,8 @@ use crate::instance::InstanceId;
 use crate::value::{EvalError, Leaf, Value};
 use crate::{block, leaf};
 
-/// Returns a leaf of a flow. A value outside of a declared subrange faults where the flow is defined (M2.4).
+/// Returns a leaf of a flow in the current cycle. A value outside of a declared subrange faults where the flow is
+/// defined (M2.4).
 pub(crate) fn evaluate(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -76,8 +77,8 @@ fn argument(
     }
 }
 
-/// Returns a flow shared by states: that of the active state, or the default if that state does not define it
-/// (M14.5).
+/// Returns a leaf of a flow shared by states: as defined by the active state, or the default if that state does not
+/// define the flow (M14.5).
 fn shared_flow(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,

@@ -18,7 +18,7 @@ pub(crate) struct Instance<'p> {
     pub(crate) id: UnitId,
     /// Context of the call and its arguments; `None` for the whole program.
     pub(crate) caller: Option<(EvalContext, &'p [Option<ExprId>])>,
-    /// Values that delays outside of the body keep. The condition of a named fragment reads them.
+    /// Memory of the delays outside of the body. The condition of a named fragment reads them.
     pub(crate) around: Memory,
     /// Memory of each block.
     pub(crate) blocks: Vec<Memory>,
@@ -35,7 +35,7 @@ pub(crate) struct Memory {
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
     /// Leaves of `a -> b` and `first` that have had their first cycle (M5.1).
     pub(crate) started: BTreeSet<LeafId>,
-    /// Instance of each call.
+    /// Instance of the callee of each call.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,
     /// Inner blocks that were active in the previous cycle of this block.
     pub(crate) was_active: BTreeSet<BlockId>,
@@ -45,14 +45,14 @@ pub(crate) struct Memory {
     pub(crate) pending_restarts: BTreeMap<usize, BTreeSet<u32>>,
 }
 
-/// State of an automaton in a cycle, and whether it restarts.
+/// State of an automaton in a cycle, by index, and whether the state restarts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct State {
     pub(crate) index: u32,
     pub(crate) restarts: bool,
 }
 
-/// Values of an instance in the current cycle; empty when the cycle begins.
+/// Values of an instance that have been computed in the current cycle; empty when the cycle begins.
 #[derive(Clone, Default)]
 pub(crate) struct CycleValues {
     /// Whether the enclosing `if`s chose the call.
@@ -65,7 +65,7 @@ pub(crate) struct CycleValues {
     pub(crate) active: BTreeMap<BlockId, bool>,
     /// Automata whose state is known.
     pub(crate) states: BTreeMap<(BlockId, usize), State>,
-    /// Calls that were reached, with the instance if the call runs.
+    /// Calls that were reached in the cycle, with the instance if the call runs.
     pub(crate) entered: BTreeMap<ExprId, Option<InstanceId>>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct EvalContext {
     pub(crate) instance: InstanceId,
     /// Block whose memory is used; `None` outside of the body.
     pub(crate) block: Option<BlockId>,
-    /// False in a branch that no `if` chose, where faults do not count (M6.6).
+    /// Whether the enclosing `if`s need the value. Faults in a branch that is not needed do not count (M6.6).
     pub(crate) chosen: bool,
 }
 
@@ -119,8 +119,8 @@ impl<'p> Instance<'p> {
 }
 
 impl EvalContext {
-    /// Returns the context for an operand of a stateful operator. Its state is updated in all cycles, whatever an `if`
-    /// chooses, so its faults count.
+    /// Returns the context for an operand of an operator with state: the operand is needed in all cycles, whatever an
+    /// `if` chooses, so its faults count.
     pub(crate) fn unguarded(self) -> EvalContext {
         EvalContext {
             chosen: true,

@@ -9,7 +9,7 @@ use crate::instance::{EvalContext, LeafId};
 use crate::value::{EvalError, Leaf, Value};
 use crate::{call, flow, operator, sampling};
 
-/// Returns a leaf of an expression. It is evaluated once per cycle.
+/// Returns a leaf of an expression in the current cycle. It is evaluated once per cycle.
 pub(crate) fn evaluate(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -105,7 +105,7 @@ fn constant(interpreter: &Interpreter<'_>, constant: &Constant, ty: &Ty, k: usiz
     interpreter.period.internal_leaf(leaf, ty, k)
 }
 
-/// Returns a leaf of a struct, tuple or array, whose leaves are numbered consecutively.
+/// Returns a leaf of a struct, tuple or array literal, whose leaves are numbered consecutively.
 fn array_or_struct(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -123,7 +123,7 @@ fn array_or_struct(
     Err(EvalError::Unsupported("a missing part".to_owned()))
 }
 
-/// Returns a leaf of an element with a computed index.
+/// Returns a leaf of `base[index]`, an array element with a computed index.
 fn select(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -145,7 +145,7 @@ fn select(
     }
 }
 
-/// Evaluates an operator that works on leaves.
+/// Evaluates an operator that is applied to each leaf of its operands separately.
 fn each(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -219,8 +219,8 @@ fn last(
     }
 }
 
-/// Returns the latest present value, or `init` before the first one (M4.3). A present value is kept; `init` is
-/// evaluated again when needed.
+/// Evaluates `hold(x, init)` for a leaf: the latest present value of x, or `init` before the first one (M4.3). A
+/// present value is kept; `init` is evaluated again when needed.
 pub(crate) fn held(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -242,7 +242,7 @@ pub(crate) fn held(
     }
 }
 
-/// Returns whether this is the first cycle at this leaf, and records that it has passed.
+/// Returns whether a leaf of `a -> b` or `first` is evaluated in its first cycle, and records that this has passed.
 pub(crate) fn first(interpreter: &mut Interpreter<'_>, here: EvalContext, place: LeafId) -> bool {
     interpreter
         .updates
@@ -250,8 +250,8 @@ pub(crate) fn first(interpreter: &mut Interpreter<'_>, here: EvalContext, place:
     is_first(interpreter, here, place)
 }
 
-/// Returns the same as [`Self::first`] without recording: a leaf that does not tick in this cycle has not had its
-/// first one.
+/// Returns whether a leaf of `a -> b` or `first` is evaluated in its first cycle. A leaf whose clock does not tick in
+/// this cycle has not had its first one.
 pub(crate) fn is_first(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -367,7 +367,7 @@ fn current(
     Ok(leaf)
 }
 
-/// Checks a leaf of a struct built here against the subrange of its field (M2.4).
+/// Checks that a leaf of a struct literal lies in the subrange of its field (M2.4).
 fn in_field(
     here: EvalContext,
     leaf: Leaf,

@@ -18,7 +18,8 @@ pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf,
     }
 }
 
-/// Applies an operator of Kleene's three-valued logic (M4.4): if one operand decides, the other may be absent.
+/// Applies an operator of Kleene's three-valued logic (M4.4): if one operand decides, the other may be absent. `None`
+/// for other operators.
 fn logic(name: &str, operands: &[Leaf]) -> Option<Leaf> {
     let truth = |leaf: &Leaf| match leaf {
         Some(Bool(truth)) => Some(*truth),
@@ -52,7 +53,7 @@ fn negated(value: Value) -> Value {
     }
 }
 
-/// Applies an operator that always has a result.
+/// Applies an operator that has a result for all operands; `None` for other operators.
 fn total(name: &str, operands: &[Value]) -> Option<Value> {
     Some(match (name, operands) {
         ("Core::BooleanNot", &[Bool(a)]) => Bool(!a),
@@ -76,7 +77,7 @@ fn total(name: &str, operands: &[Value]) -> Option<Value> {
     })
 }
 
-/// Applies an operator that faults if there is no result (M2.2).
+/// Applies an operator that faults where it has no result, such as a division (M2.2).
 fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, EvalError> {
     let (result, fault) = match (name, operands) {
         ("Core::IntAdd", &[Int(a), Int(b)]) => (a.checked_add(b), "overflow"),

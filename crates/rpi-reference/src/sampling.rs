@@ -45,18 +45,19 @@ pub(crate) fn clocks<'s>(interpreter: &'s Interpreter<'_>, here: EvalContext) ->
     &interpreter.clocks[interpreter.instances[here.instance].id.0 as usize]
 }
 
-/// Returns whether the condition of a sampling has its value.
+/// Returns whether the condition of a sampling step has the value that the step requires; `None` if the condition is
+/// absent.
 pub(crate) fn is_on(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
     on: &Sampling,
 ) -> Result<Option<bool>, EvalError> {
-    let leaf = decider(interpreter, here.instance, &on.by)?;
+    let leaf = condition_value(interpreter, here.instance, &on.by)?;
     Ok(leaf.map(|leaf| leaf::equals_value(leaf, on.value)))
 }
 
 /// Returns the value of a clock condition: a flow, or a condition inside a call, possibly of another block.
-fn decider(
+fn condition_value(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
     by: &ClockCondition,
@@ -74,7 +75,7 @@ fn decider(
         return Ok(None);
     }
     match call::active_instance(interpreter, interpreter.inside(instance, block), id, call)? {
-        Some(behind) => decider(interpreter, behind, inner),
+        Some(behind) => condition_value(interpreter, behind, inner),
         None => Ok(None),
     }
 }

@@ -21,7 +21,7 @@ impl Period {
         ticks as f64 * tick_ns / 1e9
     }
 
-    /// Returns the smallest number of ticks that last at least the given seconds.
+    /// Returns the smallest number of ticks that last at least the given seconds; `None` if it does not fit in 64 bits.
     fn whole_ticks(&self, seconds: f64) -> Option<i64> {
         let about = (seconds / self.seconds).floor();
         // Beyond this limit the number of ticks does not fit into 64 bits.
@@ -33,7 +33,7 @@ impl Period {
         (about - 2..=about + 2).find(|ticks| self.seconds_of(*ticks) >= seconds)
     }
 
-    /// Converts an input or a constant to the internal representation.
+    /// Converts an input or a constant to the representation that the interpreter computes with: times in ticks.
     pub(crate) fn internal_leaf(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Real(seconds)), true) => self.whole_ticks(seconds).map(Value::Int),
@@ -41,7 +41,7 @@ impl Period {
         }
     }
 
-    /// Converts an internal value to the representation of outputs.
+    /// Converts a value of the interpreter to the representation of outputs: times in nanoseconds.
     pub(crate) fn to_external(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds_of(ticks))),

@@ -2,7 +2,7 @@
 
 use rpi_image::Value as Constant;
 
-/// Value of one leaf. The value of an enum is its index.
+/// Value of one leaf in a cycle. The value of an enum is its index.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Value {
     /// Boolean.
@@ -23,7 +23,7 @@ pub enum EvalError {
     Fault(&'static str),
     /// Dependency of a flow on itself within the cycle, which the checker rejects (M5.4).
     DependencyCycle,
-    /// Construct that this interpreter does not support.
+    /// Construct that this interpreter does not support; the text names it.
     Unsupported(String),
 }
 

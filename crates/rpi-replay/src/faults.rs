@@ -33,11 +33,15 @@ impl ReportedFault {
             format!("for `{name}`")
         });
         let message = format!("{place}: {}", fault_text(origin.code));
+        let diagnostic = Diagnostic::new(Code::RPI9011, message);
+        let diagnostic = diagnostic.primary(span.unwrap_or(Span::NONE), label);
         ReportedFault {
             cause: origin.code,
             place,
-            diagnostic: Diagnostic::new(Code::RPI9011, message)
-                .primary(span.unwrap_or(Span::NONE), label),
+            diagnostic: match fault_help(origin.code) {
+                Some(help) => diagnostic.help(help),
+                None => diagnostic,
+            },
         }
     }
 
@@ -52,20 +56,41 @@ impl ReportedFault {
         self.diagnostic.message = format!("{}: {sentence}", self.place);
         self.diagnostic.labels = violation.labels;
         self.diagnostic.notes = violation.notes;
+        self.diagnostic.help = violation.help;
     }
 
-    /// Returns the diagnostic that reports the fault.
+    /// Returns the diagnostic of the fault.
     pub(crate) fn into_diagnostic(self) -> Diagnostic {
         self.diagnostic
     }
 }
 
-/// Reports for the commands of a run that ended with a fault, by the index of the command in the outcome.
+/// Returns how a program avoids a fault of its own; `None` for the faults of devices.
+fn fault_help(code: FaultCode) -> Option<&'static str> {
+    match code {
+        FaultCode::IndexOutOfRange => {
+            Some("limit the index first: `a[min(max(k, 0), n - 1)]` for an array of `n` elements")
+        }
+        FaultCode::OutsideSubrange => Some(
+            "limit the value first, for example by `min` and `max`, or declare a wider subrange",
+        ),
+        FaultCode::DivisionByZero => {
+            Some("test the divisor first: `if b <> 0 then a div b else 0`")
+        }
+        FaultCode::IntegerOverflow => Some("limit the operands first, or compute with reals"),
+        FaultCode::LossyConversion => {
+            Some("limit the real number first, and test for NaN by `x = x`")
+        }
+        _ => None,
+    }
+}
+
+/// Reported faults of the commands of a run, by the index of the command in the outcome.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Faults(pub(crate) BTreeMap<usize, ReportedFault>);
 
 impl Faults {
-    /// Reports the faults of a run.
+    /// Creates the reports of the faults that ended commands of a run.
     #[must_use]
     pub fn from_outcome(outcome: &Outcome) -> Faults {
         let commands = outcome.commands.iter().enumerate();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::plot::{Chart, ExecutionSpan, Line, Plot, SpacePath};
 use rpi_runtime::run::{Channel, Outcome, RunEnd, Sink, Source};
 
-/// Sink that collects the paths of the arms and the states of the digital outputs.
+/// Sink of samples that collects the paths of the arms and the states of the digital outputs, for a picture of the run.
 #[derive(Default)]
 pub struct MotionSink {
     channels: Vec<Channel>,
@@ -117,7 +117,8 @@ impl MotionSink {
         )
     }
 
-    /// Returns the digital outputs with one offset per line, so that no line hides another.
+    /// Returns the digital outputs of a device as lines of a chart, each with its own vertical offset so that no line
+    /// hides another.
     fn switches(&self, device: &str, dt: f64) -> Vec<Line> {
         let mut lines = self.lines(SWITCH, device, ("output", |cell| cell as f64), dt);
         for (k, line) in lines.iter_mut().enumerate() {

@@ -11,7 +11,7 @@ use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeMap;
 
-/// Returns for each unit whether it is sound.
+/// Returns for each unit whether it has no error, nor any unit that it needs, so that it can be compiled.
 #[must_use]
 pub fn sound_units(program: &Program<'_>, units: &[Unit], diagnostics: &[Diagnostic]) -> Vec<bool> {
     let errors = diagnostics
@@ -63,7 +63,7 @@ fn has_error(unit: &Unit) -> bool {
         || flows.any(|flow| flow.ty.has_unknown())
 }
 
-/// Marks every unit that needs an unsound unit as unsound, transitively.
+/// Marks every unit that needs a unit with errors as having errors, too.
 fn propagate_unsound(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
     let mut users: Vec<Vec<usize>> = vec![Vec::new(); units.len()];
     for (user, unit) in units.iter().enumerate() {
@@ -80,7 +80,7 @@ fn propagate_unsound(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
     sound
 }
 
-/// Units that a unit calls or runs.
+/// Returns the units that a unit calls or runs.
 fn dependencies(unit: &Unit) -> impl Iterator<Item = UnitId> + '_ {
     let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
         TypedKind::Call(call) => Some(call.unit),

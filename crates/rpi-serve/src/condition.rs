@@ -10,18 +10,18 @@
 
 use std::fmt;
 
-/// Syntax tree of a condition.
+/// Syntax tree of the condition of a rule, as clients write it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Expr {
-    /// Always true.
+    /// The condition that is always true.
     True,
-    /// Always false.
+    /// The condition that is always false.
     False,
-    /// Negation.
+    /// Negation of a condition.
     Not(Box<Expr>),
-    /// Conjunction.
+    /// Conjunction of two conditions.
     And(Box<Expr>, Box<Expr>),
-    /// Disjunction.
+    /// Disjunction of two conditions.
     Or(Box<Expr>, Box<Expr>),
     /// A fact about the command with this name.
     Fact(String, FactExpr),
@@ -44,12 +44,12 @@ pub(crate) enum FactExpr {
     Error(i64),
 }
 
-/// Error of a text that is not a condition.
+/// Error: a text is not a condition.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ConditionError {
-    /// Something else was expected at this byte offset.
+    /// The text differs from the expected syntax at this byte offset.
     Expected {
-        /// Description of the expected text.
+        /// Description of the expected syntax.
         what: &'static str,
         offset: usize,
     },

@@ -31,7 +31,7 @@ pub(crate) struct CycleThread {
 
 impl CycleThread {
     /// Requests the real-time settings from the system, publishes the results in `granted` and runs the ticks. With the
-    /// system-call fence up, this function never returns.
+    /// system call filter installed, this function never returns.
     pub(crate) fn run(
         mut self,
         real_time: Option<RealTime>,

@@ -6,7 +6,7 @@
 
 use crate::peer::Peer;
 
-/// All clients of one peer may together hold this many times the free amount.
+/// Factor of the share of a peer: all clients of one peer may together hold this many times the free amount.
 const PEER_FACTOR: usize = 3;
 
 /// Client connection: its number and network origin.
@@ -27,18 +27,18 @@ impl Client {
     }
 }
 
-/// Owner of a held resource.
+/// Client or peer that a held resource counts for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Holder {
-    /// A connected client.
+    /// The resource counts for this connected client.
     Connected(Client),
-    /// A disconnected client. The resource still counts for its peer.
+    /// The client has disconnected. The resource still counts for its peer.
     Disconnected(Client),
-    /// No client in particular.
+    /// The resource counts for no client in particular.
     Unowned,
 }
 
-/// Amount of a resource in use, as seen by a client that requests more.
+/// Amount of a limited resource in use, as seen by a client that requests more.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Usage {
     all: usize,
@@ -49,7 +49,7 @@ pub(crate) struct Usage {
 /// Reason for rejecting a request for more of a resource.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum QuotaError {
-    /// Not enough is left.
+    /// Not enough of the resource is left for anyone.
     Exhausted,
     /// The share of the client would be exceeded.
     ClientShare,
@@ -81,7 +81,7 @@ impl Usage {
         taken
     }
 
-    /// Usage of a resource that is shared by peer only, not by client.
+    /// Returns the usage of a resource that is shared by peer only, not by client.
     pub(crate) fn for_peer(all: usize, of_peer: usize) -> Usage {
         Usage {
             all,

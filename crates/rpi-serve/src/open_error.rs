@@ -5,7 +5,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Error of the server's certificate and key.
+/// Error: the server's certificate or key cannot be used.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum IdentityError {
     /// A certificate or key file cannot be read or used.
@@ -30,16 +30,16 @@ impl fmt::Display for IdentityError {
 
 impl std::error::Error for IdentityError {}
 
-/// Error of opening a server.
+/// Error: a server cannot be opened.
 #[derive(Debug)]
 pub enum OpenError {
     /// The server would be reachable from other machines without protection.
     Unprotected {
         /// Configured listening address.
         address: SocketAddr,
-        /// No token is configured: every client would be accepted.
+        /// Whether no token is configured, so that every client would be accepted.
         no_token: bool,
-        /// TLS is not configured: the traffic could be read and changed on its way.
+        /// Whether TLS is not configured, so that the traffic could be read and changed on its way.
         no_tls: bool,
     },
     /// The certificate or the key cannot be used.

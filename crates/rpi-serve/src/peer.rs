@@ -3,7 +3,8 @@
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
 
-/// Network origin of a client. All connections from this machine count as one peer.
+/// Network origin of a client, by which shares of resources are assigned. All connections from this machine count as
+/// one peer.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Peer {
     /// This machine: loopback or Unix socket.

@@ -7,7 +7,7 @@ use rpi_driver::{AnalysedNet, Task, TaskPlan};
 use rpi_image::Image;
 use rpi_runtime::run::{ExecutablePlan, PlanError};
 
-/// A task, ready to be loaded.
+/// Images and plan of a task, ready to be loaded by a server.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TaskBundle {
     /// Images of the commands.
@@ -19,7 +19,7 @@ pub struct TaskBundle {
     pub plan: ExecutablePlan,
 }
 
-/// Error of a task that cannot be run.
+/// Error: a task cannot be run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum TaskBundleError {
     /// The task has no plan.
@@ -29,7 +29,7 @@ pub enum TaskBundleError {
         /// Description of the error.
         reason: String,
     },
-    /// There is no net of this command, because it has open parameters.
+    /// There is no net of this command, because it has parameters without a value.
     NotRunnable(String),
     /// The net of a command cannot be lowered; the text has the reason.
     Lowering(String),

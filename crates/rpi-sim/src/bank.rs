@@ -160,8 +160,8 @@ impl SimBank {
         })
     }
 
-    /// Passes all new reports to `each`, with the name of the device. Returns the number of reports lost for lack of
-    /// space. Does not allocate.
+    /// Passes all new reports of all devices to `each`, with the name of the device. Returns the number of reports lost
+    /// for lack of space. Does not allocate.
     pub fn reports(&mut self, mut each: impl FnMut(&str, Report)) -> u64 {
         let mut lost = 0;
         for NamedDevice { name, device } in self.devices.iter_mut().flatten() {

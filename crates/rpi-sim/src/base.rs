@@ -19,7 +19,7 @@ pub(crate) struct Base {
     spec: BaseSpec,
     tick: f64,
     time: f64,
-    /// Ticks between set-points, and ticks until the next one is due.
+    /// Number of ticks between set-points, followed by the number of ticks until the next one is due.
     set_point_ticks: u32,
     ticks_left: u32,
     /// Pose in the cell: x, y (m), heading (rad).
@@ -113,7 +113,8 @@ impl Base {
         velocity.iter().any(|part| part.abs() > REST_VELOCITY)
     }
 
-    /// Velocity of a set-point. Returns the violated limit otherwise: code, value, limit.
+    /// Returns the velocities that a set-point requests. If it is rejected, returns the error code, the value and the
+    /// limit.
     fn check_set_point(&self, value: &[u64]) -> Result<[f64; 2], (ErrorCode, f64, f64)> {
         let part = |at: usize| value.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
         let wanted = [part(0), part(5)];

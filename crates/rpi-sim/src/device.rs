@@ -6,7 +6,7 @@ use core::ops::Range;
 use rpi_device::{Discontinuity, PortKind, PortQuery, Rejection, ResolveError};
 use rpi_image::{Scalar, Type};
 
-/// A port of one device: a row of the device's port table, and an index within the row.
+/// Port of one device, by its row in the port table of the device and an index within the row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PortIndex {
     pub(crate) row: u16,
@@ -23,14 +23,14 @@ pub(crate) trait Device: Send {
     fn resources_of(&self, slot: PortIndex) -> Range<u32>;
     /// See [`rpi_device::DeviceBank::read`].
     fn read(&self, slot: PortIndex, value: &mut [u64]) -> bool;
-    /// See [`rpi_device::DeviceBank::check`].
+    /// See [`rpi_device::DeviceBank::check_set_point`].
     fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection;
-    /// See [`rpi_device::DeviceBank::jump`].
+    /// See [`rpi_device::DeviceBank::discontinuity`].
     fn jump(&self, slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
         let _ = (slot, value);
         None
     }
-    /// See [`rpi_device::DeviceBank::error`].
+    /// See [`rpi_device::DeviceBank::error_code`].
     fn error(&self, slot: PortIndex) -> i64;
     /// See [`rpi_device::DeviceBank::write`].
     fn write(&mut self, slot: PortIndex, value: &[u64]);
@@ -39,7 +39,7 @@ pub(crate) trait Device: Send {
         let _ = (slot, arguments, result);
         false
     }
-    /// See [`rpi_device::DeviceBank::moving`].
+    /// See [`rpi_device::DeviceBank::is_moving`].
     fn moving(&self, resource: u32) -> bool {
         let _ = resource;
         false
@@ -48,7 +48,7 @@ pub(crate) trait Device: Send {
     fn stop(&mut self, resource: u32) {
         let _ = resource;
     }
-    /// See [`rpi_device::DeviceBank::begin`].
+    /// See [`rpi_device::DeviceBank::begin_command`].
     fn begin(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);
     }
@@ -85,10 +85,10 @@ pub struct Report {
     pub limit: f64,
 }
 
-/// Type of a port as a function of the size of the device.
+/// Type of a port, which may depend on the number of axes or terminals of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PortValue {
-    /// One value.
+    /// One value of this type.
     One(Scalar),
     /// A real for each axis.
     PerAxis,
@@ -122,7 +122,7 @@ impl PortValue {
     }
 }
 
-/// Common columns of all port tables.
+/// Name, kind and type of a port: the columns that all port tables have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PortSpec {
     pub(crate) name: &'static str,
@@ -205,7 +205,7 @@ pub(crate) fn is_in_row(
     })
 }
 
-/// Writes values to consecutive memory slots. Values beyond the end are dropped.
+/// Writer of values to consecutive memory slots. Values beyond the end are dropped.
 pub(crate) struct SlotWriter<'a> {
     cells: &'a mut [u64],
     at: usize,
@@ -263,7 +263,7 @@ pub(crate) fn split_numbered_name(port: &str) -> Option<(&'static str, u32)> {
     Some((name, number.checked_sub(1)?))
 }
 
-/// A row of the port table of a small device: a sensor, or the single actuator.
+/// Row of the port table of a small device, which has sensors and a single actuator.
 pub(crate) struct PortRow<D: 'static> {
     pub(crate) spec: PortSpec,
     /// Reads a sensor; `None` for the actuator.
@@ -315,7 +315,7 @@ impl<D> PortRow<D> {
     }
 }
 
-/// Reads a port of a small device; false if it is not a sensor.
+/// Reads a port of a small device into `value`; false if the port is not a sensor.
 pub(crate) fn read_port<D>(
     table: &[PortRow<D>],
     device: &D,

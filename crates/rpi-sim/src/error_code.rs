@@ -11,7 +11,7 @@ pub struct ErrorCode(pub i64);
 pub struct ErrorCodeInfo {
     /// The error code.
     pub code: ErrorCode,
-    /// Short name for display.
+    /// Short name of the code for display.
     pub name: &'static str,
     /// Explanation of the code.
     pub description: &'static str,
@@ -136,7 +136,7 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
     line(
         ErrorCode::DISCONTINUITY,
         "discontinuity",
-        "the first set-point does not join where the arm stands",
+        "the first set-point of a command is too far from the present position of the arm",
     ),
     line(
         ErrorCode::OUT_OF_REACH,
@@ -176,7 +176,7 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
     line(
         ErrorCode::BRAKING,
         "braking",
-        "the arm brakes as a whole: another of its joints was stopped or left alone",
+        "the whole arm brakes, because another of its joints was stopped or got no set-point",
     ),
     line(
         ErrorCode::PATH_OUT_OF_REACH,

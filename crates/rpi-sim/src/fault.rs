@@ -2,7 +2,7 @@
 
 use nalgebra::Vector6;
 
-/// A fault with its interval of time.
+/// Fault to be simulated, with the time in which it is active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScheduledFault {
     /// Start time, in s of the cell's time.
@@ -13,7 +13,7 @@ pub struct ScheduledFault {
     pub kind: FaultKind,
 }
 
-/// Kind of a fault.
+/// Kind of a simulated fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
     /// One axis (from 0) fails: it rejects set-points and the arm brakes.
@@ -22,7 +22,7 @@ pub enum FaultKind {
     EmergencyStop,
     /// The device delivers no samples: its sensors are absent.
     LostSamples,
-    /// Set-points do not reach the device.
+    /// Set-points do not reach the device: they are lost.
     LostSetPoints,
     /// Samples are delayed by this many seconds.
     Latency(f64),

@@ -15,7 +15,7 @@ use rpi_image::Scalar;
 pub(crate) struct Gripper {
     spec: GripperSpec,
     tick: f64,
-    /// Present and target opening, in m.
+    /// Present opening of the fingers, followed by the opening that they move to, in m.
     width: f64,
     target: f64,
     /// Velocity of the opening in m/s, negative while closing.

@@ -6,13 +6,13 @@ use core::ops::Range;
 use rpi_device::{PortKind, PortQuery, Rejection, ResolveError};
 use rpi_image::Scalar;
 
-/// A terminal block: a digital bank, then an analogue bank.
+/// Terminal block of a simulated cell: digital inputs and outputs, then analogue ones.
 #[derive(Clone, Debug)]
 pub(crate) struct IoDevice {
     banks: [TerminalBank; 2],
 }
 
-/// Inputs and outputs of one type, one memory slot each.
+/// Inputs and outputs of one type in a terminal block, one memory slot each.
 #[derive(Clone, Debug)]
 struct TerminalBank {
     initial_inputs: Vec<u64>,
@@ -22,7 +22,7 @@ struct TerminalBank {
     repeat: f64,
 }
 
-/// A row of the port table.
+/// Row of the port table of a terminal block: name, type and terminals of a port.
 struct PortRow {
     spec: PortSpec,
     bank: usize,

@@ -20,13 +20,13 @@ impl Noise {
         mixed ^ (mixed >> 31)
     }
 
-    /// Uniformly distributed in (0, 1].
+    /// Returns a random number that is uniformly distributed in (0, 1].
     fn uniform(&mut self) -> f64 {
         ((self.next_bits() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Normally distributed with mean 0 and this standard deviation (Box and Muller 1958). With deviation 0 the
-    /// generator does not advance.
+    /// Returns a random number that is normally distributed with mean 0 and this standard deviation (Box and Muller
+    /// 1958). With deviation 0 the generator does not advance.
     pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
         if deviation == 0.0 {
             return 0.0;

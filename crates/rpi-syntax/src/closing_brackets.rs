@@ -52,7 +52,7 @@ fn is_triple_closing(lexemes: &[Lexeme], at: usize) -> bool {
     next.is_some_and(|next| next.token == Token::Gt && next.start == lexemes[at].end)
 }
 
-/// Turns `>> >` into `> >>`.
+/// Turns the tokens `>>` and `>` at `at` into `>` and `>>`, where the first `>` closes a list of types.
 fn shift_closing(lexemes: &mut [Lexeme], at: usize) {
     let middle = lexemes[at].start + 1;
     (lexemes[at].token, lexemes[at].end) = (Token::Gt, middle);

@@ -29,7 +29,7 @@ pub struct Comment {
     pub span: Span,
 }
 
-/// Comments of a file.
+/// Comments of a source file in text order.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comments {
     /// Comments in text order.

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// Maximum number of errors per file with recovery. Beyond it, only the first error of each declaration is reported.
 const MAX_RECOVERIES: usize = 10_000;
 
-/// Text being parsed, with the diagnostics found so far.
+/// Text that is being parsed, with the diagnostics found so far.
 pub(crate) struct ParseContext<'t> {
     pub(crate) file: FileId,
     pub(crate) text: &'t str,
@@ -27,7 +27,7 @@ pub(crate) struct ParseContext<'t> {
     replaced_text: &'t BTreeMap<(u32, u32), String>,
     has_docs: bool,
     diagnostics: RefCell<Vec<Diagnostic>>,
-    /// Number of errors that may still be recovered from.
+    /// Number of further syntax errors in the file after which parsing continues.
     recoveries_left: Cell<usize>,
     /// Statements of other languages that have been reported. Foreign operators inside them are not reported again.
     foreign_statements: RefCell<Vec<Span>>,

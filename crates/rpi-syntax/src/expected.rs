@@ -28,7 +28,7 @@ pub(crate) fn token_from_grammar_name(name: &str) -> Option<Token> {
     }
 }
 
-/// Set of tokens with a common term.
+/// Set of tokens that a message about expected tokens replaces by one term.
 struct TokenGroup {
     term: &'static str,
     /// The group applies if all of these tokens are expected.
@@ -39,7 +39,8 @@ struct TokenGroup {
 
 use Token::*;
 
-/// Groups, larger sets first: the first tokens of an expression include those of a name.
+/// Token sets that messages replace by a term, larger sets first: the first tokens of an expression include those of a
+/// name.
 const GROUPS: &[TokenGroup] = &[
     TokenGroup {
         term: "an argument",

@@ -8,20 +8,20 @@
 use crate::lexer::Lexeme;
 use crate::token::Token;
 
-/// Open construct on the stack of the [`Marker`].
+/// Construct that is open at a token, on the stack of the [`BlockMarker`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum OpenConstruct {
-    /// Body after `let`: a list of statements.
+    /// The body after a `let`: a list of statements.
     Body,
-    /// Condition of a block. `waiting` counts the `if` of expressions in it that still need their `then`.
+    /// The condition of a block. `waiting` counts the `if` of expressions in it that still need their `then`.
     Condition { opener: Token, waiting: u32 },
-    /// Branches of a block.
+    /// The branches of a block.
     Branches(Token),
-    /// Header of a `frame`, up to its `let`.
+    /// The header of a `frame`, up to its `let`.
     FrameHead,
-    /// `match` expression.
+    /// A `match` expression.
     Match,
-    /// Bracket.
+    /// A bracket.
     Bracket,
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn mark_blocks(text: &str, lexemes: &mut [Lexeme]) {
     }
 }
 
-/// State of the pass over the tokens.
+/// State of the pass that replaces the keywords of Kind 2 blocks.
 struct BlockMarker<'t> {
     text: &'t str,
     /// Open constructs, innermost last.

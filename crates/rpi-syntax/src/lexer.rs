@@ -17,7 +17,7 @@ use logos::Logos;
 use rpi_diag::{Diagnostic, FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Token with its byte range in the text.
+/// Token with its byte range in the source text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Lexeme {
     pub(crate) token: Token,
@@ -25,7 +25,7 @@ pub(crate) struct Lexeme {
     pub(crate) end: u32,
 }
 
-/// Result of the lexer.
+/// Tokens, comments and errors that the lexer returns.
 pub(crate) struct LexOutput {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
@@ -39,12 +39,13 @@ pub(crate) struct LexOutput {
 /// Maximum length of a text in bytes. Offsets have 32 bits.
 const MAX_LEN: usize = u32::MAX as usize / 2;
 
-/// Lexes a text.
+/// Splits a text into tokens and comments.
 pub(crate) fn lex(file: FileId, text: &str, mode: Dialect) -> LexOutput {
     lex_skipping(file, text, mode, &BTreeSet::new())
 }
 
-/// Lexes a text. Comments that begin at a `skipped` offset stay comments, even if they contain a contract or property.
+/// Splits a text into tokens and comments. Comments that begin at a `skipped` offset stay comments, even if they
+/// contain a contract or property.
 pub(crate) fn lex_skipping(
     file: FileId,
     text: &str,
@@ -86,7 +87,7 @@ struct Lexer<'t> {
     skipped_claims: &'t BTreeSet<u32>,
     output: LexOutput,
     guessed_names: GuessedNames<'t>,
-    /// Span of adjacent unknown characters, which are reported together.
+    /// Span of adjacent unknown characters so far, which are reported together.
     unknown: Option<Span>,
 }
 

@@ -112,14 +112,14 @@ pub(crate) fn unterminated_string(span: Span) -> Diagnostic {
         .fix(Fix::maybe("insert `\"`").insert_after(span, "\""))
 }
 
-/// Classification of a word directly after a number.
+/// Classification of a word that directly follows a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SuffixKind {
-    /// Keyword.
+    /// The word is a keyword.
     Keyword,
-    /// Name that the text declares or defines.
+    /// The word is a name that the text declares or defines.
     Name,
-    /// Unit of measure.
+    /// The word is a unit of measure.
     Unit,
 }
 
@@ -196,7 +196,16 @@ pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<D
         false => (number.real_value().is_finite(), "a 64-bit real"),
     };
     let message = || format!("`{text}` is too large for {kind}");
-    (!holds).then(|| Diagnostic::new(Code::RPI0008, message()).primary(span, "out of range"))
+    let limits = match number.is_int() {
+        true if is_machine => "the largest unsigned integer is 18446744073709551615",
+        true => "the largest integer is 9223372036854775807; write a real for a larger number",
+        false => "the largest real is about 1.8e308",
+    };
+    (!holds).then(|| {
+        Diagnostic::new(Code::RPI0008, message())
+            .primary(span, "out of range")
+            .help(limits)
+    })
 }
 
 /// Reports a comment marker of another language, `mark` bytes long (RPI0013). `is_sure` is set if the marker cannot be

@@ -66,7 +66,7 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// Returns the mode of a file by its extension: Lustre for `.lus`, else RPI.
+    /// Returns the dialect of a file by its extension: Lustre for `.lus`, else RPI.
     pub fn from_path(path: &str) -> Dialect {
         match path.ends_with(".lus") {
             true => Dialect::Lustre,
@@ -75,10 +75,10 @@ impl Dialect {
     }
 }
 
-/// Result of [`parse`].
+/// Result of parsing a file: the syntax tree, the comments and the diagnostics. See [`parse`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parse {
-    /// Syntax tree. Parts of the text with errors are `Broken` nodes.
+    /// Syntax tree. Parts of the text with errors are error nodes.
     pub file: ast::File,
     /// Comments of the text.
     pub comments: Comments,

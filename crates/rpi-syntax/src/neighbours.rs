@@ -3,7 +3,7 @@
 use crate::lexer::Lexeme;
 use crate::token::{Keyword, KeywordContext, Token};
 
-/// Tokens around a word. Keywords before it are resolved; those after it are not.
+/// Tokens around a word that may be a keyword or a name. Keywords before it are resolved; those after it are not.
 pub(crate) struct Neighbours {
     third_before: Option<Token>,
     second_before: Option<Token>,

@@ -9,10 +9,10 @@ use crate::token::Token;
 use rpi_diag::{Code, Diagnostic};
 
 /// Maximum accepted nesting depth. Every walk over a tree may recurse this deep: see
-/// [`with_stack`](crate::with_stack).
+/// [`with_stack`](crate::with_large_stack).
 pub(crate) const MAX_DEPTH: u32 = 5_000;
 
-/// Open bracket or body.
+/// Bracket or body that is open during the check of the nesting depth.
 #[derive(Clone, Copy, Default)]
 struct OpenLevel {
     /// Number of operators in the current element.
@@ -36,7 +36,7 @@ impl OpenLevel {
     }
 }
 
-/// Returns a diagnostic (RPI0011) if the declaration is nested too deeply.
+/// Returns a diagnostic (RPI0011) if the declaration is nested too deeply; `None` otherwise.
 pub(crate) fn too_deep(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option<Diagnostic> {
     // Each level takes at least one token, so a short declaration cannot be too deep.
     if lexemes.len() <= MAX_DEPTH as usize {

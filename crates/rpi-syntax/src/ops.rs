@@ -155,17 +155,17 @@ impl BinaryOp {
         )
     }
 
-    /// Spelling in source text.
+    /// Returns the spelling of the operator in source text.
     pub fn spelling(self) -> &'static str {
         self.info().spelling
     }
 
-    /// Precedence level.
+    /// Returns the precedence level of the operator.
     pub fn precedence(self) -> Precedence {
         self.info().precedence
     }
 
-    /// Associativity.
+    /// Returns the associativity of the operator.
     pub fn associativity(self) -> Associativity {
         self.info().associativity
     }
@@ -177,12 +177,12 @@ impl BinaryOp {
 }
 
 impl UnaryOp {
-    /// Spelling in source text.
+    /// Returns the spelling of the operator in source text.
     pub fn spelling(self) -> &'static str {
         self.info().spelling
     }
 
-    /// Precedence level.
+    /// Returns the precedence level of the operator.
     pub fn precedence(self) -> Precedence {
         self.info().precedence
     }

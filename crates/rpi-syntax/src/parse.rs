@@ -9,7 +9,8 @@ use crate::{Dialect, Parse, nesting, recover, stray_tokens, with_large_stack};
 use rpi_diag::{Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeSet;
 
-/// Parses a whole file. Never fails and never panics: every text has a tree.
+/// Parses a whole file. Never fails and never panics: every text has a tree. Never fails and never panics: every text
+/// has a tree.
 ///
 /// Text with a syntax error becomes a `Broken` node with the names that it seems to define. There is one diagnostic for
 /// each independent error.
@@ -115,7 +116,7 @@ fn is_explained(places: &[Span], error: &LexicalError) -> bool {
     place.is_some_and(|place| at.end <= place.end)
 }
 
-/// Parts of the text that form no complete token: unknown characters, unterminated comments and strings.
+/// Parts of the text that form no complete token: unknown characters, and comments and strings without an end.
 struct LexicalGaps<'t> {
     text: &'t str,
     /// Spans of the gaps, in text order.

@@ -43,13 +43,13 @@ impl Term {
     }
 }
 
-/// Expression under construction, whose end has not been reached.
+/// Expression under construction from operands and operators, whose end has not been reached.
 pub(crate) struct Chain {
     pending: Vec<PendingOperator>,
     last_operand: Expr,
 }
 
-/// Operator whose right operand is incomplete.
+/// Operator whose right operand is not complete yet.
 enum PendingOperator {
     Binary { lhs: Expr, op: BinaryOp, span: Span },
     Prefix(Prefix, u32),

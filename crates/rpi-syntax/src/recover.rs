@@ -80,7 +80,7 @@ fn parse_strict(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Result<Item, Synta
     })
 }
 
-/// Converts an error of the parser generator into a [`Fault`] with a token index.
+/// Converts an error of the generated parser into a [`SyntaxError`] with a token index.
 fn syntax_error(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> SyntaxError {
     let index = |start: u32, token: Token| {
         let from = lexemes.partition_point(|lexeme| lexeme.start < start);
@@ -110,10 +110,10 @@ const MAX_ERRORS: usize = 200;
 /// Maximum number of tokens that are parsed again after repairs, summed over one declaration.
 const MAX_REPARSED_TOKENS: usize = 1_000_000;
 
-/// Error recovery of one declaration.
+/// State of the error recovery in one declaration.
 struct Recovery<'c, 't, 'f> {
     cx: &'c ParseContext<'t>,
-    /// Tokens as written.
+    /// Tokens of the declaration as written.
     source_lexemes: &'c [Lexeme],
     /// Tokens after the repairs so far.
     lexemes: Vec<Lexeme>,
@@ -270,7 +270,7 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         }
     }
 
-    /// Inserts the closing keywords of the bodies that are open at the end of the declaration.
+    /// Inserts the closing keywords of the bodies that are still open at the end of the declaration.
     fn close_bodies(&mut self) -> bool {
         let structure = TokenTree::new(&self.lexemes);
         let cut = structure.incomplete_phrase_start();

@@ -15,20 +15,20 @@ use std::ops::Range;
 pub(crate) struct Chunk {
     /// Range of token indices.
     pub(crate) range: Range<usize>,
-    /// Classification of the first token.
+    /// Classification of the first token of the chunk.
     pub(crate) kind: ChunkKind,
 }
 
 /// Classification of the first token of a [`Chunk`].
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum ChunkKind {
-    /// Keyword of a declaration.
+    /// The token is the keyword of a declaration.
     Declaration,
-    /// Name in place of such a keyword, and the keyword that it resembles.
+    /// The token is a name in place of such a keyword; with the keyword that it resembles, if any.
     Misspelt(Option<Token>),
-    /// Package or model of Lustre V6. The chunk extends to the end of the file.
+    /// The token begins a package or model of Lustre V6. The chunk extends to the end of the file.
     Package,
-    /// Any other token.
+    /// The token is any other one, which begins no declaration.
     Stray,
 }
 

@@ -210,7 +210,7 @@ fn top_level_help(word: &str) -> Option<&'static str> {
     found.map(|(_, help)| *help)
 }
 
-/// Returns an error item that declares the name of a C `typedef` or function, so that its uses cause no errors.
+/// Returns an error node that declares the name of a C `typedef` or function, so that its uses cause no errors.
 pub(crate) fn c_declaration(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option<Item> {
     use Token::{BoolType, Ident, IntType, LParen, RealType, Semi};
     let token = |at: usize| lexemes.get(at).map(|lexeme| lexeme.token);

@@ -31,7 +31,7 @@ impl SyntaxError {
     }
 }
 
-/// Syntax error with the tokens around it and their nesting.
+/// Context of a syntax error: the tokens of the declaration and their nesting.
 pub(crate) struct ErrorContext<'f, 't> {
     pub(crate) cx: &'f ParseContext<'t>,
     pub(crate) lexemes: &'f [Lexeme],
@@ -197,9 +197,28 @@ impl ErrorContext<'_, '_> {
         };
         let diagnostic = Diagnostic::new(Code::RPI0001, message)
             .primary(self.span_or_end(self.error.index), found);
-        match expected::help_text(here.map(|lexeme| lexeme.token)) {
+        let here = here.map(|lexeme| lexeme.token);
+        match expected::help_text(here).or_else(|| self.operand_help(here)) {
             Some(hint) => diagnostic.help(hint),
             None => diagnostic,
+        }
+    }
+
+    /// Returns the advice for an operand or operator that is missing before the rejected token.
+    fn operand_help(&self, here: Option<Token>) -> Option<&'static str> {
+        let expects = |token| self.error.expected.contains(&token);
+        let begins_operand = matches!(here, Some(Token::Ident | Token::Int | Token::Real));
+        match () {
+            () if expects(Token::Plus) && expects(Token::RParen) && begins_operand => {
+                Some("write `,` between two arguments, or an operator between two operands")
+            }
+            () if expects(Token::Plus) && begins_operand => {
+                Some("write an operator between two operands")
+            }
+            () if expects(Token::Not) && expects(Token::LParen) => {
+                Some("write a value here, such as a number or the name of a flow")
+            }
+            () => None,
         }
     }
 

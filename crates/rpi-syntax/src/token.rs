@@ -14,32 +14,32 @@ use std::sync::OnceLock;
 /// A contextual keyword is always a name after `.` and before `=`, `:`, `,` and `)`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum KeywordContext {
-    /// Everywhere: the word is reserved and cannot be a name.
+    /// The word is a keyword everywhere: it is reserved and cannot be a name.
     Reserved,
-    /// At the start of a declaration, and directly before a name.
+    /// The word is a keyword at the start of a declaration, and directly before a name.
     Declaration,
-    /// At the start of a statement or state, and directly before a name.
+    /// The word is a keyword at the start of a statement or state, and directly before a name.
     Statement,
-    /// Directly before a name, number or string, as a name is never followed by one.
+    /// The word is a keyword directly before a name, number or string, as a name is never followed by one.
     BeforeName,
-    /// Where an operator is possible: after a name, a literal or a closing bracket.
+    /// The word is a keyword where an operator is possible: after a name, a literal or a closing bracket.
     AfterOperand,
-    /// Before a name, or where an operator is possible.
+    /// The word is a keyword before a name, or where an operator is possible.
     BeforeNameOrAfterOperand,
-    /// Where an operator is possible, or at the start of a statement.
+    /// The word is a keyword where an operator is possible, or at the start of a statement.
     AfterOperandOrStatement,
-    /// After `|`, `unless` or `until`.
+    /// The word is a keyword after `|`, `unless` or `until`.
     TransitionAlternative,
-    /// Before a name, if an operator is possible or `|` precedes.
+    /// The word is a keyword before a name, if an operator is possible or `|` precedes.
     Branch,
-    /// Before a bracket with variable declarations: `(x: int`, `{ x: int`.
+    /// The word is a keyword before a bracket with variable declarations: `(x: int`, `{ x: int`.
     Binder,
-    /// Before the operand of a conversion, unless a type is expected.
+    /// The word is a keyword before the operand of a conversion, unless a type is expected.
     Conversion,
-    /// Before an operand, if no operand precedes; in Lustre everywhere.
+    /// The word is a keyword before an operand, if no operand precedes; in Lustre everywhere.
     Prefix,
-    /// Before a name, before another operand if no operand precedes, and before a value in parentheses followed by
-    /// cases.
+    /// The word is a keyword before a name, before another operand if no operand precedes, and before a value in
+    /// parentheses followed by cases.
     MatchExpr,
 }
 
@@ -61,7 +61,7 @@ pub struct Keyword {
 }
 
 impl Keyword {
-    /// Returns whether the word is a keyword in files of this mode.
+    /// Returns whether the word is a keyword in files of this dialect.
     pub fn is_in(&self, mode: Dialect) -> bool {
         match mode {
             Dialect::Rpi => self.in_rpi,
@@ -69,7 +69,7 @@ impl Keyword {
         }
     }
 
-    /// Returns whether the word can never be a name in files of this mode.
+    /// Returns whether the word can never be a name in files of this dialect.
     pub fn is_reserved_in(&self, mode: Dialect) -> bool {
         let reserved = match self.context {
             KeywordContext::Reserved => true,
@@ -97,20 +97,20 @@ macro_rules! tokens {
             #[regex(r"[0-9]+")]
             #[regex(r"0[xX][0-9a-fA-F]+")]
             Int,
-            /// `0..` of `0..3`, which is not a real number; the lexer splits it.
+            /// Number and range operator in one, `0..` of `0..3`, which is not a real number; the lexer splits it.
             #[regex(r"[0-9]+\.\.")]
             IntDotDot,
             #[regex(r"([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+")]
             #[regex(r"0[xX][0-9a-fA-F]+(\.[0-9a-fA-F]*)?[pP][+-]?[0-9]+")]
             #[regex(r"0[xX][0-9a-fA-F]+\.[0-9a-fA-F]+")]
             Real,
-            /// `250mm`: a number directly followed by a word; or a number of another language: `1.5e-3f`, `1_000.5`,
-            /// `1'000`.
+            /// Number directly followed by a word, such as `250mm`; or a number of another language: `1.5e-3f`,
+            /// `1_000.5`, `1'000`.
             #[regex(r"[0-9]+(\.[0-9]*)?([eE][+-][0-9]+)?[A-Za-z_][A-Za-z0-9_]*", priority = 1)]
             #[regex(r"[0-9]+(_[0-9]+)+\.[0-9][0-9_]*", priority = 1)]
             #[regex(r"[0-9]+('[0-9][0-9][0-9])+", priority = 1)]
             NumberWord,
-            /// `16#FF`, `T#500ms`: literal of IEC 61131-3.
+            /// Literal of IEC 61131-3: `16#FF`, `T#500ms`.
             #[regex(r"[0-9]+#[0-9A-Za-z][0-9A-Za-z_]*")]
             #[regex(r"[A-Za-z_][A-Za-z0-9_]*#[+-]?[0-9A-Za-z][0-9A-Za-z_]*([.#][0-9A-Za-z_]+)?")]
             IecLiteral,
@@ -120,46 +120,46 @@ macro_rules! tokens {
             OpenStr,
             #[regex(r"--[^\n]*", allow_greedy = true)]
             LineComment,
-            /// `//`: the lexer decides whether a comment begins here.
+            /// Two slashes, `//`; the lexer decides whether a comment begins here.
             #[token("//")]
             SlashComment,
             #[token("(*", |lexer| skip_block_comment(lexer, "*)"))]
             #[token("/*", |lexer| skip_block_comment(lexer, "*/"))]
             BlockComment,
-            /// Unterminated block comment.
+            /// Block comment without an end.
             OpenComment,
             /// String that names a claim: `assume "sensor range" x < 5.0`.
             Label,
-            /// Operator of another language; the lexer replaces it by the RPI operator, see [`crate::habits::SIGNS`].
+            /// Operator of another language; the lexer replaces it by the RPI operator.
             #[regex(r"==>?|===|!==?|~=|:=|~")]
             Foreign,
-            /// `'(`: start of a tuple of Kind 2.
+            /// Start of a tuple of Kind 2: `'(`.
             #[token("'(")]
             TickParen,
-            /// `if` as a statement. This and the next tokens are set by [`crate::blocks`] for the blocks of equations
-            /// of Kind 2.
+            /// The word `if` at the start of a block of equations (Kind 2). This and the next tokens replace keywords
+            /// in such blocks.
             IfBlock,
-            /// `when c then ... end` as a statement.
+            /// The word `when` at the start of a block of equations (Kind 2): `when c then ... end`.
             WhenBlock,
-            /// `cond | c: ... end`.
+            /// The word `cond` at the start of a block of equations (Kind 2): `cond | c: ... end`.
             CondBlock,
-            /// `frame (x) ... let ... tel`.
+            /// The word `frame` at the start of a block of equations (Kind 2): `frame (x) ... let ... tel`.
             FrameBlock,
-            /// `elsif` between the branches of a block.
+            /// The word `elsif` between the branches of a block of equations (Kind 2).
             ElsIf,
-            /// `else` and `otherwise` before the last branch of a block.
+            /// The word `else` or `otherwise` before the last branch of a block of equations (Kind 2).
             ElseBlock,
-            /// `fi`, or `end` of a block or `match`.
+            /// The word `fi`, or `end` of a block of equations or a `match` (Kind 2).
             EndBlock,
-            /// `|` before an alternative.
+            /// The sign `|` before an alternative of a block of equations or a `match` (Kind 2).
             Case,
-            /// `?` of `A?(x)`.
+            /// The sign `?` of a constructor test, `A?(x)` (Kind 2).
             Asks,
-            /// `:=` of `a[0 := x]`.
+            /// The sign `:=` of an update, `a[0 := x]` (Kind 2).
             Becomes,
-            /// `--%PROPERTY` of Kind 2.
+            /// The comment mark `--%PROPERTY` before a property (Kind 2).
             Property,
-            /// Replaces a phrase with an error that has been reported.
+            /// Token that replaces a phrase with an error that has been reported.
             Broken,
         }
 
@@ -344,7 +344,7 @@ impl Token {
     }
 }
 
-/// Returns whether a text is a valid plain name in files of this mode. Importers must check the names they create.
+/// Returns whether a text is a valid plain name in files of this dialect. Importers must check the names they create.
 ///
 /// Contextual keywords are valid names, but generated names should avoid them: see [`KEYWORDS`].
 pub fn is_name(text: &str, mode: Dialect) -> bool {

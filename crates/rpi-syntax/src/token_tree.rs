@@ -7,7 +7,7 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use std::ops::Range;
 
-/// Nesting of the tokens of one declaration.
+/// Nesting of the brackets and blocks in the tokens of one declaration.
 pub(crate) struct TokenTree<'t> {
     lexemes: &'t [Lexeme],
     /// For each opening or closing token, the index of its partner.
@@ -82,7 +82,7 @@ impl<'t> TokenTree<'t> {
         start..self.phrase_end(start, at, parent)
     }
 
-    /// Returns the token, or the previous one if the token closes a list or lies past the last token.
+    /// Returns the token at this index, or the previous one if it closes a list or lies past the last token.
     fn element_token(&self, at: usize) -> usize {
         let opens = self
             .partners
@@ -136,7 +136,7 @@ impl<'t> TokenTree<'t> {
         self.partners.get(at).copied().flatten()
     }
 
-    /// Returns the innermost opening token around the token.
+    /// Returns the innermost opening token around the token, such as a bracket or `let`.
     pub(crate) fn parent(&self, at: usize) -> Option<usize> {
         self.parents.get(at).copied().flatten()
     }

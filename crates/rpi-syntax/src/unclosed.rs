@@ -10,7 +10,7 @@ use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix};
 use std::collections::BTreeMap;
 
-/// Nested body without `tel`.
+/// Body inside a declaration, such as that of a state, whose `tel` is missing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnclosedBody {
     /// Index of its `let`.
@@ -19,7 +19,7 @@ pub(crate) struct UnclosedBody {
     pub(crate) next_index: usize,
 }
 
-/// Returns the first nested body that continues where it cannot.
+/// Returns the first inner body that continues where it cannot, so that its `tel` must be missing.
 pub(crate) fn find_unclosed_body(found: &ErrorContext<'_, '_>) -> Option<UnclosedBody> {
     // Indentation of the statements that own a body, by the index of its `let`.
     let mut indents = BTreeMap::new();

@@ -3,7 +3,7 @@
 //! Only the shape of units is known here (`mm/s^2`), not their names.
 
 /// Returns the number of bytes after a word that belong to the same unit: `^2/s` of `m^2/s + x`. A factor follows
-/// without a space and has at most [`LONGEST`] letters.
+/// without a space and has at most [`MAX_UNIT_LETTERS`] letters.
 pub(crate) fn unit_rest_len(text: &str) -> usize {
     let mut end = exponent_len(text);
     loop {

@@ -7,7 +7,8 @@ use std::sync::OnceLock;
 
 pub use assert_no_alloc::AllocDisabler;
 
-/// System allocator with the trap and a counter: `allocated()` returns the number of allocated bytes.
+/// Global allocator for tests: the system allocator with a trap for allocations and a counter. `allocated()` returns
+/// the number of allocated bytes.
 pub type TrappedAllocator = cap::Cap<AllocDisabler>;
 
 /// Installs the allocator that [`no_alloc`] checks, as the static `MEMORY`. Use it once per test binary, at the top

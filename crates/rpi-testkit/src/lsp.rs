@@ -27,7 +27,7 @@ impl LspClient {
         }
     }
 
-    /// Writes bytes unchanged.
+    /// Sends bytes to the server unchanged.
     pub fn write_raw(&mut self, bytes: &[u8]) {
         self.output.write_all(bytes).expect("the server reads");
         self.output.flush().expect("the server reads");

@@ -2,8 +2,8 @@
 
 use std::process::{Command, Output};
 
-/// Runs this test program again as a new process with a single test, with the environment variable `variable` set to
-/// `case`.
+/// Runs this test program again as a new process that executes the one test `test`, with the environment variable
+/// `variable` set to `case`.
 ///
 /// # Panics
 ///

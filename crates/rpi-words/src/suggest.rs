@@ -13,7 +13,7 @@ pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
     best.map(|(_, candidate)| candidate.to_owned())
 }
 
-/// Name to compare candidates with, and the distance tables, which all comparisons reuse.
+/// Name to which candidates are compared, with the distance tables that all comparisons reuse.
 struct NameMatcher {
     name: Vec<char>,
     /// Largest accepted distance.
@@ -60,7 +60,8 @@ impl NameMatcher {
             .filter(|far| *far <= self.limit)
     }
 
-    /// Fills the row with the distances of the first `i` characters from each prefix of the other name.
+    /// Fills the current row of the distance table with the distances of the first `i` characters from each prefix of
+    /// the other name.
     fn fill(&mut self, i: usize) {
         let (a, b) = (&self.name, &self.other);
         let [row, last, two_ago] = &mut self.rows;

@@ -5,13 +5,13 @@ use std::process::ExitCode;
 /// Exit status.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
-    /// Success.
+    /// The tool has succeeded.
     Success,
     /// A command ended with an error, or a trace differs.
     CommandError,
     /// A file, an option or a program is invalid.
     BadInput,
-    /// A fault occurred while running.
+    /// A fault occurred while a command ran.
     Fault,
     /// The tool was interrupted by a signal.
     Interrupted {

@@ -13,7 +13,7 @@ use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::target;
 
-/// Measures the latency and prints the verdict.
+/// Carries out `rpi latency`: measures the wake-up latency and prints the shortest period that the machine can meet.
 pub(crate) fn latency(args: &LatencyArgs) -> CommandResult {
     let load = args.program.as_ref().map(|_| load(args)).transpose()?;
     let count = (args.time / args.period).max(1);

@@ -17,7 +17,7 @@ use crate::random::InputGenerator;
 use crate::random_inputs::InputSearch;
 use crate::target::PERIOD;
 
-/// Compiles the node and runs it row by row.
+/// Carries out `rpi run` for a single node: compiles it and runs it on the rows of a table of inputs.
 pub(crate) fn run(args: &RunArgs) -> CommandResult {
     check_options(args)?;
     let input = rpi_driver::read(&args.program)?;
@@ -97,7 +97,7 @@ fn output(program: &Path, args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Err
     Ok(Box::new(BufWriter::new(file)))
 }
 
-/// A running node with the destination of its outputs.
+/// A node that is run, with the destination of its outputs.
 struct NodeSession {
     run: NodeRun,
     shown: Vec<Column>,

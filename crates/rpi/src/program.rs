@@ -53,7 +53,7 @@ pub(crate) fn select_command<'a>(
     }
 }
 
-/// Error of the choice of a command in a program.
+/// Error: no command of a program can be chosen.
 #[derive(Clone, Debug)]
 pub(crate) enum SelectionError {
     /// The program has no command.

@@ -3,7 +3,7 @@
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::Column;
 
-/// Pseudo-random number generator (Marsaglia, Xorshift RNGs, 2003).
+/// Generator of random inputs: a Xorshift pseudo-random number generator (Marsaglia, Xorshift RNGs, 2003).
 pub(crate) struct InputGenerator(u64);
 
 impl InputGenerator {

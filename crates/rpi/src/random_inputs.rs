@@ -11,15 +11,15 @@ use rpi_replay::node_runner::{ColumnValues, NodeLoadError, NodeRun};
 
 use crate::random::InputGenerator;
 
-/// Maximum number of rows tried for one cycle.
+/// Maximum number of random rows that are tried for one cycle.
 const MAX_TRIES: u32 = 200;
 
-/// Error of a search for rows of inputs.
+/// Error: no rows of inputs can be found.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum InputSearchError {
     /// The node cannot be loaded.
     Load(NodeLoadError),
-    /// None of the tried rows satisfies the assumptions.
+    /// None of the rows tried for a cycle satisfies the assumptions of the node.
     Exhausted {
         /// Cycle without a row, from 0.
         cycle: usize,
@@ -40,7 +40,7 @@ impl fmt::Display for InputSearchError {
 
 impl std::error::Error for InputSearchError {}
 
-/// Search for rows of inputs that satisfy the assumptions.
+/// Search for random rows of inputs that satisfy the assumptions of a node.
 pub(crate) struct InputSearch {
     image: Image,
     inputs: Vec<Column>,

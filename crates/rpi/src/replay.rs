@@ -12,7 +12,7 @@ use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::run::is_mcap;
 
-/// Replays and prints the report.
+/// Carries out `rpi replay`: replays a recording, or a net against a trace, and prints the report.
 pub(crate) fn replay(args: &ReplayArgs) -> CommandResult {
     if is_mcap(&args.net) {
         return match args.trace.is_empty() && args.command.is_none() {

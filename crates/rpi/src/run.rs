@@ -29,7 +29,7 @@ use crate::program;
 use crate::target;
 use rpi_serve::TaskBundle;
 
-/// Runs, records and prints the summary.
+/// Carries out `rpi run`: runs commands, records the run and prints the summary.
 pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let compiled = compile(args)?;
     let bundle = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     Ok(exit(&outcome, &interrupt))
 }
 
-/// Draws the motion into the file.
+/// Writes the plot of the motion to the file.
 fn draw(
     args: &RunArgs,
     motion: &MotionSink,
@@ -176,7 +176,7 @@ fn execute(
 const BUDGET_HELP: &str = "reduce its work per cycle, use a longer --period, measure the machine (`rpic machine`, --machine FILE), \
     or raise --cycle-share PERCENT (`off` for no limit); see `rpic explain RPI7003`";
 
-/// Returns the share of a tick for commands; `None` on simulated time, where a cycle may take any time.
+/// Returns the time budget of commands in a tick; `None` on simulated time, where a cycle may take any time.
 fn share<'a>(
     args: &RunArgs,
     bundle: &'a TaskBundle,
@@ -238,7 +238,7 @@ fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
     }
 }
 
-/// Progress line on the terminal.
+/// Line on the terminal that shows the progress of a run.
 #[derive(Default)]
 struct ProgressLine {
     shown: bool,

@@ -16,7 +16,8 @@ use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
 use crate::run::is_mcap;
 
-/// Runs the server until it is interrupted; then stops everything and closes once the devices are at rest.
+/// Carries out `rpi serve`: runs the server until it is interrupted; then stops everything and closes once the devices
+/// are at rest.
 pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let cell = args.cell.as_deref().map(cell_file::read).transpose()?;
     let (cell, text) = cell.unwrap_or_default();
@@ -91,7 +92,7 @@ fn tls(args: &ServeArgs) -> Option<TlsFiles> {
     Some(TlsFiles { certificates, key })
 }
 
-/// Adds the options that would let the server open to its error.
+/// Returns the text of an error of opening the server, with the options that would avoid it.
 fn with_hint(why: OpenError) -> String {
     let OpenError::Unprotected {
         no_token, no_tls, ..

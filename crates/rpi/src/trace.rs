@@ -17,7 +17,7 @@ use crate::program;
 use crate::run::is_mcap;
 use crate::target;
 
-/// Runs the subcommand.
+/// Carries out `rpi trace`: records a run as a trace, or selects rows of a recording.
 pub(crate) fn trace(args: &TraceArgs) -> CommandResult {
     if is_mcap(&args.source) {
         let file = args.source.display();

@@ -11,7 +11,7 @@ use crate::args::CheckArgs;
 use crate::fix::fix_file;
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Checks each file. The exit status is that of the worst one.
+/// Carries out `rpic check`: checks each file. The exit status is that of the worst one.
 pub(crate) fn check(args: &CheckArgs) -> CommandResult {
     let mut report = DiagnosticSet::default();
     let mut all_read = true;
@@ -59,7 +59,7 @@ pub(crate) fn compile(
     )?)
 }
 
-/// Diagnostics of several files, without duplicates from files that several programs use.
+/// Set of the diagnostics of several files, without duplicates from files that several programs use.
 #[derive(Default)]
 pub(crate) struct DiagnosticSet {
     pub(crate) diagnostics: Vec<Diagnostic>,

@@ -11,7 +11,7 @@ use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, print_diagnostics};
 use crate::outcome::{CommandResult, Exit, write_result};
 
-/// Writes an image, or prints an intermediate form.
+/// Carries out `rpic compile`: writes an image, or prints an intermediate form.
 pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
     let input = rpi_driver::read(&args.file)?;
     let text = match args.emit {
@@ -136,7 +136,7 @@ fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Anal
     }
 }
 
-/// Converts a net to a program.
+/// Carries out `rpic import`: converts a net to a program.
 pub(crate) fn import(args: &ImportArgs) -> CommandResult {
     let input = rpi_driver::read(&args.file)?;
     if input.kind != InputKind::Rpinet {
@@ -156,7 +156,7 @@ pub(crate) fn import(args: &ImportArgs) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// Draws a net.
+/// Carries out `rpic graph`: draws a net.
 pub(crate) fn graph(args: &GraphArgs) -> CommandResult {
     let compiled = rpi_driver::compile(&rpi_driver::read(&args.file)?)?;
     print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;

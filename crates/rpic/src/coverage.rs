@@ -7,7 +7,7 @@ use rpi_diag::{FileId, SourceMap, Span};
 use rpi_driver::CoveragePoints;
 use rpi_replay::testing::Coverage;
 
-/// Covered source locations. Several instances of a node share one location and count once.
+/// Source locations that the tests have covered. Several instances of a node share one location and count once.
 #[derive(Default)]
 pub(crate) struct CoverageTotals {
     called: BTreeSet<Span>,

@@ -17,7 +17,7 @@ use crate::outcome::{CommandResult, Exit};
 const LIBRARY: &str = "Fragments, nodes and device types that come with the language. `use filters;` brings in a module; \
                        `math` and `geometry` are always available.";
 
-/// Writes the pages and prints the path of the start page.
+/// Carries out `rpic doc`: writes the pages of the reference and prints the path of the start page.
 pub(crate) fn doc(args: &DocArgs) -> CommandResult {
     let (title, about, own) = match args.std {
         true => ("Standard library".to_owned(), LIBRARY.to_owned(), library()),

@@ -4,7 +4,7 @@ use rpi_diag::{Code, suggest};
 
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Prints the explanation page of a code.
+/// Carries out `rpic explain CODE`: prints the explanation page of a code.
 pub(crate) fn explain(name: &str) -> CommandResult {
     let upper = match name.bytes().all(|byte| byte.is_ascii_digit()) {
         true => format!("RPI{name:0>4}"),
@@ -19,7 +19,7 @@ pub(crate) fn explain(name: &str) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// Lists all codes with their titles.
+/// Carries out `rpic explain --list`: lists all codes with their titles.
 pub(crate) fn list() -> CommandResult {
     let lines = Code::ALL
         .iter()

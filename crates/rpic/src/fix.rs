@@ -12,7 +12,8 @@ use rpi_driver::Compiled;
 use crate::check::compile;
 use crate::outcome::file_equals;
 
-/// Largest number of rounds. Fixes that are still offered after that do not converge.
+/// Largest number of rounds of fixes, each followed by a compilation. Fixes that are still offered after that do not
+/// converge.
 const ROUNDS: usize = 10;
 
 type BoxError = Box<dyn std::error::Error>;
@@ -30,7 +31,7 @@ pub(crate) fn fix_file(path: &Path, with_summaries: bool) -> Result<Compiled, Bo
     Ok(compiled)
 }
 
-/// Applies the fixes that can be applied together. Returns false if there were none.
+/// Applies the fixes of a compilation that can be applied together. Returns false if there were none.
 fn apply_round(compiled: &Compiled) -> Result<bool, BoxError> {
     let sources = &compiled.sources;
     let on_disk = |fix: &&Fix| {

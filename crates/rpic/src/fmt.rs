@@ -11,7 +11,7 @@ use crate::args::FmtArgs;
 use crate::check::print_diagnostics;
 use crate::outcome::{CommandResult, Exit, file_equals, write_output};
 
-/// Formats each file, or standard input.
+/// Carries out `rpic fmt`: formats each file, or standard input.
 pub(crate) fn fmt(args: &FmtArgs) -> CommandResult {
     if args.stdin {
         return stdin(&args.stdin_name);

@@ -18,10 +18,10 @@ const CYCLES: usize = 500;
 /// Safety factor on the measured time.
 const MARGIN: f64 = 2.0;
 
-/// Period for which the program is compiled, in ns.
+/// Period for which the measured program is compiled, in ns.
 const PERIOD: u64 = 1_000_000;
 
-/// Measures, and writes `machine.toml` or prints its content.
+/// Carries out `rpic machine`: measures the time of an operation, and writes `machine.toml` or prints its content.
 pub(crate) fn machine(args: &MachineArgs) -> CommandResult {
     let input = Input {
         path: PathBuf::from("measured.rpi"),

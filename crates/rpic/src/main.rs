@@ -24,7 +24,8 @@ use clap::Parser;
 use mimalloc::MiMalloc;
 use outcome::{CommandResult, Exit};
 
-/// Allocator. Compilation allocates many small objects; with the system allocator a check takes a quarter longer.
+/// Global allocator of the tool. Compilation allocates many small objects; with the system allocator a check takes a
+/// quarter longer.
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Path inside of the project and text of each file; `NAME` stands for the name of the project.
+/// Files of a new project: path inside of the project and text; `NAME` stands for the name of the project.
 const FILES: &[(&str, &str)] = &[
     ("rpi.toml", include_str!("../template/rpi.toml")),
     ("main.rpi", include_str!("../template/main.rpi")),
@@ -18,7 +18,7 @@ const FILES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Creates the folder `path` with a project in it. A folder that exists must be empty.
+/// Carries out `rpic new`: creates the folder `path` with a project in it. A folder that exists must be empty.
 ///
 /// # Errors
 /// If the folder is not empty, its name cannot name a project, or a file cannot be written.
@@ -45,7 +45,8 @@ pub(crate) fn new(path: &Path) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// The last part of the path. It stands in quoted texts of TOML, so control characters, quotes and backslashes are errors.
+/// Returns the name of a new project: the last part of the path. The name is put in quoted texts of TOML, so control
+/// characters, quotes and backslashes are errors.
 fn project_name(path: &Path) -> Result<String, String> {
     let name = path.file_name().and_then(|name| name.to_str());
     let name = name.ok_or_else(|| format!("{} does not name a folder", path.display()))?;

@@ -13,7 +13,7 @@ use crate::check::{DiagnosticSet, print_diagnostics, print_text};
 use crate::coverage::CoverageTotals;
 use crate::outcome::{CommandResult, Exit};
 
-/// Runs the tests of each file. The exit status is 1 if a test fails.
+/// Carries out `rpic test`: runs the tests of each file. The exit status is 1 if a test fails.
 pub(crate) fn test(args: &TestArgs) -> CommandResult {
     let (mut exit, mut tally) = (Exit::Success, Tally::default());
     let mut out = TestOutput {
@@ -197,7 +197,7 @@ fn condition(claim: &Claim) -> TestCondition {
     }
 }
 
-/// Returns the diagnostics of a test.
+/// Returns the diagnostics of a test that failed.
 fn diagnostics(test: &Test, report: &TestReport) -> Vec<Diagnostic> {
     let mut diagnostics = report.violations.clone();
     for (expectation, holds) in own_assertions(test).zip(&report.verdicts) {

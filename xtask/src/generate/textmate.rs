@@ -65,7 +65,7 @@ fn literals() -> Value {
     ])
 }
 
-/// Pattern for a declaring keyword and the declared name.
+/// Creates the pattern for a declaring keyword and the declared name.
 fn declarations() -> Value {
     let words = alternatives(
         KEYWORDS

@@ -9,7 +9,7 @@ use super::options::{Expectation, Options};
 use super::tool::{ToolOutput, Tools};
 use super::trace::{Flow, Trace, UNDEFINED};
 
-/// Verdict on a program.
+/// Result of running a program of a corpus of Lustre programs.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Verdict {
     /// The program's file is missing, or its trace has an unknown format.
@@ -20,15 +20,15 @@ pub(crate) enum Verdict {
     Rejected(String),
     /// A tool crashed or timed out.
     Crashed(String),
-    /// The program faults while it runs.
+    /// The program's result differs from the expected one.
     Fault(String),
     /// The result differs from the expected one.
     Mismatch(String),
-    /// The result is as expected.
+    /// The program's result is as expected.
     Pass(String),
 }
 
-/// A program and its expected result.
+/// Program of a corpus, with its expected result.
 pub(crate) struct Case {
     pub(crate) name: String,
     path: PathBuf,
@@ -40,7 +40,7 @@ enum Expected {
     Rejection,
     Codes(Vec<String>),
     Run,
-    /// The reason for its exclusion, if it is excluded.
+    /// The contracts must hold, unless the program is excluded for this reason.
     Contracts(Option<String>),
 }
 
@@ -187,7 +187,7 @@ fn check_contracts(tools: &Tools, path: &str) -> Verdict {
 // Decided by the text because the exit status does not distinguish this case. Must match `rpi-driver/src/node.rs`.
 const NO_NODE: &str = "there is no node in it that can be run";
 
-/// An excluded program must fail, and only an excluded one may.
+/// Turns the verdict on an excluded program around: it must fail, and only an excluded one may.
 fn apply_exclusion(reason: Option<&str>, fate: Verdict) -> Verdict {
     match (reason, fate) {
         (Some(_), Verdict::Pass(_)) => Verdict::Mismatch("excluded, but it passes".to_owned()),
@@ -283,12 +283,12 @@ fn flattened_name(name: &str) -> String {
         .collect()
 }
 
-/// Group of the code at the start of a message; `None` if there is none.
+/// Returns the group of the code at the start of a message; `None` if there is none.
 fn group(message: &str) -> Option<CodeGroup> {
     Code::parse(message.get(..7)?).map(Code::group)
 }
 
-/// Verdict on a run that failed; `None` for a successful run.
+/// Returns the verdict on a run that failed; `None` for a successful run.
 fn failure(ended: &ToolOutput) -> Option<Verdict> {
     let why = first_error(&ended.err);
     match ended.status {
@@ -319,7 +319,7 @@ fn check_codes(codes: &[String], ended: &ToolOutput) -> Verdict {
     }
 }
 
-/// Code and message of an output line that reports an error.
+/// Returns code and message of an output line that reports an error; `None` for other lines.
 fn error_of_line(line: &str) -> Option<&str> {
     line.split_once(": error ").map(|(_, error)| error)
 }
@@ -333,7 +333,7 @@ fn check_rejection(ended: &ToolOutput) -> Verdict {
     }
 }
 
-/// Code, message and place of the first error.
+/// Returns code, message and place of the first error in the output of a tool.
 fn first_error(output: &str) -> String {
     let mut lines = output.lines().skip_while(|line| !line.contains("error"));
     let Some(line) = lines.next() else {

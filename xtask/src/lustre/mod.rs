@@ -27,7 +27,7 @@ use options::Options;
 use report::Report;
 use tool::Tools;
 
-/// Runs a corpus and prints the report.
+/// Carries out `cargo xtask lustre-corpus`: runs the programs of a corpus and prints the report.
 pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
     let options = Options::parse(args)?;
     let cases = cases::cases(&options)?;

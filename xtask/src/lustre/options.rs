@@ -2,22 +2,23 @@
 
 use std::path::PathBuf;
 
-/// Expected result of the programs.
+/// Expected result of the programs of a corpus.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Expectation {
-    /// Outputs as in this file of traces.
+    /// The outputs must be those in this file of traces.
     Match(PathBuf),
-    /// Rejection.
+    /// The programs must be rejected.
     Reject,
-    /// Rejection with the codes listed in this table, or acceptance for an empty list.
+    /// The programs must be rejected with the codes listed in this table, or accepted for an empty list.
     Codes(PathBuf),
-    /// A successful run.
+    /// The programs must run successfully.
     Run,
-    /// Acceptance and satisfied contracts, except for the programs in this list of exclusions with reasons.
+    /// The programs must be accepted and satisfy their contracts, except for those in this list of exclusions with
+    /// reasons.
     Contracts(PathBuf),
 }
 
-/// Options of the task.
+/// Options of `cargo xtask lustre-corpus`.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
     /// Directory of the programs.

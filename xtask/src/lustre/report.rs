@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::cases::Verdict;
 use super::options::Options;
 
-/// Verdicts on all programs.
+/// Report on a corpus: the verdicts on all programs, by group.
 pub(crate) struct Report {
     verdicts: Vec<(String, Verdict)>,
     /// The group of each program.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Time limit for a program.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// The built tools.
+/// The tools `rpi` and `rpic`, built for running a corpus.
 pub(crate) struct Tools {
     folder: PathBuf,
 }

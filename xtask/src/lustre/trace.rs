@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-/// A flow and its values as text, cycle by cycle.
+/// Values of a flow as text, cycle by cycle, with its name.
 pub(crate) struct Flow {
     pub(crate) name: String,
     pub(crate) values: Vec<String>,
@@ -26,13 +26,13 @@ impl Trace {
         }
     }
 
-    /// True if an undefined value was read.
+    /// Returns whether an undefined value was read.
     pub(crate) fn has_undefined(&self) -> bool {
         let values = self.outputs.iter().flat_map(|flow| &flow.values);
         values.into_iter().any(|value| value == UNDEFINED)
     }
 
-    /// The inputs as comma-separated values.
+    /// Returns the inputs as a table of comma-separated values.
     pub(crate) fn table(&self) -> String {
         let names: Vec<&str> = self.inputs.iter().map(|flow| flow.name.as_str()).collect();
         let mut text = names.join(",");
@@ -107,7 +107,7 @@ fn listed(flows: &Value) -> Option<Vec<Flow>> {
     flows.as_object()?.iter().map(flow).collect()
 }
 
-/// A value in the format of our tables; `{"num": 1, "den": 2}` is a real.
+/// Returns a JSON value as text in the format of our tables; `{"num": 1, "den": 2}` is a real.
 fn text(value: &Value) -> String {
     let part = |name: &str| value.get(name).and_then(number);
     match (value, part("num"), part("den")) {

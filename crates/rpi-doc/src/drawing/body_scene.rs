@@ -119,7 +119,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds the equations to which a block is desugared.
+    /// Adds the equations that replace a block after desugaring.
     fn meaning(&mut self, scene: SceneId, means: &Desugared) {
         for (equation, span) in &means.equations {
             self.equation(scene, equation, *span);

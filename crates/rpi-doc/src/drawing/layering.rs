@@ -19,8 +19,7 @@ pub(super) enum LayerConstraint {
 pub(super) struct Edge {
     pub(super) from: usize,
     pub(super) to: usize,
-    /// On input, whether the edge is ignored for the assignment of layers. On output, whether the edge points
-    /// backwards.
+    /// On input, whether the edge is ignored when layers are assigned. On output, whether the edge points backwards.
     pub(super) back: bool,
 }
 
@@ -36,7 +35,8 @@ pub(super) struct Layers {
 /// Number of sweeps that improve the order within the layers.
 const SWEEPS: usize = 12;
 
-/// Assigns boxes to layers. Edges that would close a cycle of the graph become backward edges.
+/// Assigns boxes to layers. `pins` constrains the layer of each box. Edges that would close a cycle of the graph become
+/// backward edges.
 pub(super) fn layers(pins: &[LayerConstraint], edges: &mut [Edge]) -> Layers {
     break_cycles(pins.len(), edges);
     let level = levels(pins, edges);
@@ -78,7 +78,7 @@ fn visit(vertex: usize, state: &mut [u8], edges: &mut [Edge]) {
     state[vertex] = 2;
 }
 
-/// Returns the layer of each box: to the right of everything that it reads. A box without sources is moved next to its
+/// Returns the layer of each box: to the right of all boxes that it reads. A box without sources is moved next to its
 /// first reader.
 fn levels(pins: &[LayerConstraint], edges: &[Edge]) -> Vec<usize> {
     let mut level = vec![0; pins.len()];
@@ -152,7 +152,7 @@ impl Layers {
         self.columns = best;
     }
 
-    /// Returns the segments of edges between adjacent layers.
+    /// Returns the pairs of vertices in adjacent layers that an edge connects.
     pub(super) fn links(&self) -> Vec<(usize, usize)> {
         let pairs = self.chains.iter().flat_map(|chain| chain.windows(2));
         pairs.map(|pair| (pair[0], pair[1])).collect()

@@ -5,20 +5,20 @@ use std::fmt::Write as _;
 use super::layering::{Edge, LayerConstraint, Layers, layers};
 use super::scene::{Drawing, End, Link, Role, SceneId, Shape};
 
-/// Widths of a character in a title, a detail and a label.
+/// Width of a character in the title of a box, in SVG units.
 const TITLE: f64 = 7.2;
 const DETAIL: f64 = 6.7;
 const LABEL: f64 = 6.2;
 /// Heights of a box with one line and with two lines of text.
 const ONE_LINE_HEIGHT: f64 = 24.0;
 const TWO_LINE_HEIGHT: f64 = 40.0;
-/// Space above a nested scene, and around it, in its box.
+/// Space above a nested scene within the box that contains it, in SVG units.
 pub(super) const HEAD: f64 = 42.0;
 pub(super) const PAD: f64 = 12.0;
 /// Vertical space between the boxes of a column, and horizontal space between columns.
 const ROW_GAP: f64 = 14.0;
 const COLUMN_GAP: f64 = 40.0;
-/// Space below a box for a line back to itself, and for each backward line.
+/// Space below a box for a line back to itself, and for each line drawn backwards, in SVG units.
 const LOOP: f64 = 14.0;
 const LANE_HEIGHT: f64 = 14.0;
 /// Number of sweeps that move boxes towards their neighbours.
@@ -46,9 +46,9 @@ pub(super) struct BoxLayout {
 /// Line of a drawing, with the coordinates of its points.
 #[derive(Clone, Default)]
 pub(super) struct LineLayout {
-    /// SVG path data.
+    /// Course of the line as SVG path data.
     pub(super) path: String,
-    /// Start of its label.
+    /// Coordinates at which the label of the line starts.
     pub(super) label: (f64, f64),
 }
 
@@ -190,7 +190,7 @@ impl Plan<'_> {
         self.tops.iter_mut().for_each(|y| *y -= top.min(f64::MAX));
     }
 
-    /// Returns the upper edge at which the lines of an item would be straight on average.
+    /// Returns the upper edge of an item at which its lines would be straight on average.
     fn wanted(&self, item: usize) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (chain, link) in self.layers.chains.iter().zip(self.links) {
@@ -329,7 +329,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Returns a line that leaves at the right, passes below the box and enters at the left.
+    /// Returns the line of a box to itself: it leaves at the right, passes below the box and enters at the left.
     fn around(&self, k: usize) -> LineLayout {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
@@ -345,7 +345,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Returns a line through a lane below all boxes.
+    /// Returns a backward line. It runs below all boxes at the height `lane`.
     fn backwards(&self, k: usize, lane: f64, number: u32) -> LineLayout {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));

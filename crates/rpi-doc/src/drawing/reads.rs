@@ -8,18 +8,18 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 /// Predeclared flows for which a line is drawn: those that others set while the command runs.
 const DRAWN_PREDECLARED: &[&str] = &["cancel", "takeover", "predecessor"];
 
-/// Source of a value.
+/// Source of a value that an expression reads: a flow, a device port or a predeclared flow.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Source {
-    /// Flow of the body.
+    /// Flow defined in the body of the declaration.
     Flow(DefId),
-    /// Port of a device.
+    /// Port of a device: the definition of the device and that of its port.
     Port(DefId, DefId),
-    /// Predeclared flow.
+    /// Predeclared flow, such as `cancel`, by its name.
     Predeclared(String),
 }
 
-/// Read of a value by an expression: its source, and whether the value may be old or absent.
+/// Use of a value by an expression: the flow or port that it reads, and whether the value may be old or absent.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Read {
     pub(super) key: Source,
@@ -29,7 +29,7 @@ pub(super) struct Read {
     pub(super) optional: bool,
 }
 
-/// Returns the reads of expressions in source order.
+/// Returns the uses of flows and ports in expressions, in source order.
 pub(super) fn reads<'e>(seen: &Inspection, exprs: impl IntoIterator<Item = &'e Expr>) -> Vec<Read> {
     let mut found = Vec::new();
     for expr in exprs {
@@ -71,7 +71,7 @@ fn collect_reads(seen: &Inspection, expr: &Expr, delayed: bool, found: &mut Vec<
     }
 }
 
-/// Static arguments may contain parameters of the command.
+/// Adds the parameters of the command that occur in the static arguments of a call to the list of uses.
 fn statics(seen: &Inspection, callee: &Callee, found: &mut Vec<Read>) {
     for argument in &callee.statics {
         match &argument.value {
@@ -109,7 +109,7 @@ fn predeclared(path: &Expr) -> Option<Source> {
         .then(|| Source::Predeclared(name.to_string()))
 }
 
-/// Returns the source denoted by a path: the innermost flow in it, or the port of a device.
+/// Returns the flow or device port that a path such as `F.way.done` denotes: the innermost flow in it, or the port.
 pub(super) fn key(seen: &Inspection, names: &[Reference]) -> Option<Source> {
     use DefKind::{Input, Local, Output, Param, Port, TakenOver};
     let kind = |name: &Reference| seen.index().def(name.def).kind;

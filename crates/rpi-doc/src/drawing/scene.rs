@@ -26,9 +26,9 @@ pub(super) struct Scene {
 /// Kind of a box, which decides its shape and colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
-    /// Flow that enters.
+    /// Flow that enters the declaration, such as an in-port.
     Input,
-    /// Flow that is read outside.
+    /// Flow of an inner block that is read outside of it.
     Output,
     /// Box of an equation that is not a call.
     Equation,
@@ -44,7 +44,7 @@ pub(super) enum Role {
     State,
     /// Step of a task.
     Step,
-    /// Start or end of a task.
+    /// Dot that marks the start or the end of a task.
     Dot,
 }
 
@@ -66,7 +66,7 @@ impl Role {
     }
 }
 
-/// Box of a drawing, without coordinates.
+/// Box of a drawing, before the layout gives it coordinates.
 pub(super) struct Shape {
     pub(super) role: Role,
     /// First line of text, emphasised.
@@ -77,7 +77,7 @@ pub(super) struct Shape {
     pub(super) tooltip: String,
     /// Link to further documentation.
     pub(super) href: Option<String>,
-    /// Nested scene.
+    /// Scene drawn inside the box, if it contains other boxes.
     pub(super) inner: Option<SceneId>,
 }
 

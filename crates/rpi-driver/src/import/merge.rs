@@ -20,13 +20,13 @@ use super::links;
 /// Net in which each actuator port has one writer: several writers of the imported net are merged into a selection.
 pub(super) struct MergedNet {
     pub(super) net: Net,
-    /// For each node the corresponding node of the original net; `None` for a new node.
+    /// For each node of the merged net the corresponding node of the original net; `None` for a new node.
     pub(super) original: Vec<Option<NodeId>>,
-    /// Nodes that only select the value for a merged writer.
+    /// Nodes added by the merge, which only select the value that a merged writer gets.
     pub(super) selectors: BTreeSet<NodeId>,
 }
 
-/// Writers of one port that may be active in the same cycle.
+/// Nodes that write the same actuator port and may be active in the same cycle.
 struct WriterGroup {
     resource: Resource,
     writers: Vec<NodeId>,

@@ -60,9 +60,9 @@ struct Writer<'n> {
     names: Names,
     /// Presence of flows, if the passes succeeded.
     presences: Option<Presences>,
-    /// Constant nodes that are written in place.
+    /// Constant nodes that become literals within the expressions that read them, without equations of their own.
     constants: BTreeSet<NodeId>,
-    /// Selecting nodes that are written in place.
+    /// Selecting nodes that become operands of the expressions that read them, without equations of their own.
     choices: &'n BTreeSet<NodeId>,
 }
 
@@ -142,7 +142,7 @@ impl<'n> Writer<'n> {
         format!("\nfragment {name} {when}\n{body}tel\n")
     }
 
-    /// Returns a flow as seen from a fragment, with `?? absent` if it may be absent.
+    /// Returns the expression for a flow as read from a fragment, with `?? absent` if the flow may be absent there.
     fn total(&self, port: PortRef, at: FragmentId, absent: &str) -> String {
         let flow = self.flow(port, at);
         let is_total = self.presences.as_ref().is_some_and(|presences| {
@@ -155,7 +155,7 @@ impl<'n> Writer<'n> {
         }
     }
 
-    /// Returns whether a node has no equation because it is written in place.
+    /// Returns whether a node has no equation because its expression is written where it is read.
     fn is_inlined(&self, id: NodeId) -> bool {
         self.constants.contains(&id) || self.choices.contains(&id)
     }

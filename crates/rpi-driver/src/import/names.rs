@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rpi_net::{FragmentId, Net, NodeId};
 use rpi_syntax::{Dialect, KEYWORDS, is_name};
 
-/// Predeclared names, and names that this importer declares.
+/// Names that imported flows must not get: predeclared names, and names that this importer declares.
 const TAKEN: &[&str] = &[
     "cancel",
     "dt",
@@ -19,7 +19,7 @@ const TAKEN: &[&str] = &[
     "_",
 ];
 
-/// Names of all items of a program.
+/// Names in the program of all nodes and fragments of a net.
 pub(super) struct Names {
     pub(super) command: String,
     fragments: Vec<String>,

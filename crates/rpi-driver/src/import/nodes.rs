@@ -25,7 +25,7 @@ impl Writer<'_> {
         format!("{name} = {value};{own}\n")
     }
 
-    /// Returns the expression of a node, as seen in its fragment.
+    /// Returns the expression that computes a node, as written in its fragment.
     fn value(&self, node: &Node) -> String {
         let operator = self.operands(node);
         let operator =

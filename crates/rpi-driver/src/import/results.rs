@@ -52,7 +52,8 @@ impl Writer<'_> {
         text
     }
 
-    /// Returns an expression for a flow in the root fragment, with the value `absent` where the flow is absent.
+    /// Returns the expression for a flow as read in the root fragment of a net, with the value `absent` where the flow
+    /// is absent.
     fn root(&self, input: &Input, absent: &str) -> String {
         match input {
             Input::Unconnected => absent.to_owned(),

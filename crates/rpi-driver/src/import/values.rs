@@ -2,7 +2,7 @@
 
 use rpi_image::{Scalar, Type, Value};
 
-/// Returns the expression of a constant.
+/// Returns the expression of a constant in an RPI program.
 pub(super) fn value(value: &Value) -> String {
     match value {
         Value::Str(text) => quoted(text),
@@ -45,7 +45,8 @@ fn scalar_value(scalar: Scalar, cells: &[u64]) -> String {
     }
 }
 
-/// Returns the call that makes a value of a linear and an angular vector.
+/// Returns the call that makes a value, such as a twist, of its linear and its angular vector. `make` is the name of
+/// the function.
 fn parts(make: &str, linear: &[u64], angular: &[u64]) -> String {
     let [linear, angular] = [linear, angular].map(|cells| scalar_value(Scalar::Vector, cells));
     format!("{make}({linear}, {angular})")

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use crate::program::AnalysedProgram;
 
-/// Command of a task, with the arguments of a call.
+/// Command with the argument values that a task calls it with. Each distinct list of values gives a net of its own.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Instance {
     /// Name of the net: `MoveTo(arm, home)`.
@@ -23,7 +23,7 @@ pub(crate) struct Instance {
     pub(crate) span: Span,
 }
 
-/// Value of a parameter, and its text in the names of nets.
+/// Value of a parameter of a command or task, and the text of that value in the names of nets.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct TaskArgument {
     pub(super) param: Name,
@@ -92,7 +92,7 @@ pub(super) fn step_arguments(
     Ok(all)
 }
 
-/// Returns the name at a location among the arguments of a step, if the argument is a single name.
+/// Returns the argument of a step that is at location `at`, if it is a single name.
 fn argument_name(run: &Run, at: Span) -> Option<&Name> {
     let values = run.args.iter().map(|arg| arg.value.unparen());
     let at_place = |value: &&Expr| value.span == at;
@@ -111,13 +111,14 @@ fn source_text(front: &AnalysedProgram<'_>, span: Span) -> String {
     words.join(" ")
 }
 
-/// Instances that the tasks needed so far.
+/// Instances of commands that the tasks compiled so far need.
 #[derive(Default)]
 pub(super) struct Instances {
     pub(super) all: Vec<Instance>,
-    /// For each text of an instance the names of the instances with this text, by unit and arguments.
+    /// Names of the instances, first by the text of the call, such as `MoveTo(arm, home)`, then by unit and argument
+    /// values.
     by_text: BTreeMap<String, BTreeMap<String, String>>,
-    /// Number of nodes of the plans so far.
+    /// Number of plan nodes of all tasks so far, for the size limit.
     pub(super) planned: usize,
 }
 

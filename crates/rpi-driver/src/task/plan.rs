@@ -71,11 +71,11 @@ struct Builder<'f> {
 /// Default targets of the steps of a task.
 #[derive(Clone)]
 struct Scope {
-    /// Target after the task.
+    /// Target that follows after the last step of the task.
     exit: Target,
-    /// Target of a `fail` without a branch.
+    /// Target after a `fail` result that no branch handles; `None` ends the task with the error.
     fail: Option<Target>,
-    /// Labelled steps and their nodes.
+    /// Label of each labelled step, with the plan node of the step.
     labels: Vec<(String, usize)>,
 }
 
@@ -98,7 +98,8 @@ impl<'f> Builder<'f> {
         self.steps(&task.steps, exit, scope)
     }
 
-    /// Adds the nodes of steps, the last of which leads to `behind`. Returns the first node.
+    /// Adds the plan nodes of consecutive steps; after the last one the plan continues at `behind`. Returns the first
+    /// node.
     fn steps(
         &mut self,
         steps: &[Step],
@@ -228,7 +229,7 @@ impl<'f> Builder<'f> {
         })
     }
 
-    /// Returns the number of repetitions.
+    /// Returns the number of repetitions that an expression in the program text denotes.
     fn times(&self, count: Span) -> Result<u64, PlanError> {
         let mut counts = self.unit.repeat_counts.iter();
         let (_, id) = counts

@@ -44,8 +44,8 @@ impl<'a> Verifier<'a> {
         });
     }
 
-    /// Returns whether the steps of a scope have run on every path to this step: all guards of the scope are known to
-    /// be true.
+    /// Returns whether the steps of a scope have certainly run when the current step runs: all guards of the scope are
+    /// known to be true.
     fn is_executed(&self, scope: u32) -> bool {
         let mut at = scope;
         while at != 0 {
@@ -72,7 +72,8 @@ impl<'a> Verifier<'a> {
         at == scope
     }
 
-    /// Checks a read of a control Boolean in the commit phase: a step of the evaluation phase must write it.
+    /// Checks a Boolean that decides about a jump or a reset in the commit phase: a step of the evaluation phase must
+    /// write it.
     pub(super) fn check_commit_control_read(&mut self, cell: u32) {
         self.check_read(SlotRange {
             start: cell,
@@ -88,7 +89,7 @@ impl<'a> Verifier<'a> {
         });
     }
 
-    /// Checks a write: no other step may write these slots.
+    /// Checks that a step may write these slots: they are not constants, and no other step writes them.
     pub(super) fn check_write(&mut self, c: SlotRange) {
         if c.start < self.image.layout.state {
             return self.check_state_write(c);
@@ -104,7 +105,8 @@ impl<'a> Verifier<'a> {
         }
     }
 
-    /// Checks the use of state slots: no other step may own them.
+    /// Checks that a primitive may keep its state in these slots: they lie in the state region, and no other step uses
+    /// them as state.
     pub(super) fn check_state_write(&mut self, c: SlotRange) {
         let first = self.image.layout.external;
         let range = c.start.checked_sub(first).map(|at| {

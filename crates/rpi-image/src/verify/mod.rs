@@ -83,12 +83,12 @@ const MAX_ERRORS: usize = 100;
 /// Scope of a slot that no step has written yet.
 const UNWRITTEN: u32 = u32::MAX;
 
-/// Range of steps that a skip jumps over.
+/// Steps that a skip jumps over, with the Boolean that guards them.
 #[derive(Clone, Copy)]
 struct Scope {
     outer: u32,
     guard: u32,
-    /// Whether no later step of the phase changes the guard.
+    /// Whether the Boolean of the guard has its final value: no later step of the phase changes it.
     is_final: bool,
 }
 
@@ -100,11 +100,11 @@ struct Verifier<'a> {
     /// Scope of the writer of each slot: 0 outside all skips. Constants, external slots and state slots have scope 0,
     /// as they are readable at any time.
     writer_scope: Vec<u32>,
-    /// Whether each state slot has an owner.
+    /// For each state slot, whether a step uses it as its state.
     owned: Vec<bool>,
     /// The root scope and the scopes of all skips so far.
     scopes: Vec<Scope>,
-    /// Index of the innermost open scope.
+    /// Index of the innermost scope around the current step.
     scope: u32,
     /// Number of open scopes with this guard, for each slot. The slot is known to be true here if it is not 0.
     open_guards: Vec<u32>,

@@ -12,7 +12,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// Input types and parameters of one group of words. Both are empty if no size depends on them.
+/// Input types and parameters of one call of a primitive. Both are empty if no size depends on them.
 struct GroupTypes {
     inputs: Vec<Option<Type>>,
     params: Vec<Value>,

@@ -7,7 +7,7 @@ use crate::operands::{Operand, group_words, operand_layout};
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// Used primitive with the operand layouts of its two forms.
+/// Primitive that an image uses, with the operand layouts of its two forms.
 pub(super) struct PrimLayout {
     pub desc: &'static PrimDesc,
     pub forms: [(Vec<Operand>, usize); 2],
@@ -198,7 +198,7 @@ impl Verifier<'_> {
     }
 }
 
-/// Actuator ports and device functions used so far. Each may be used only once.
+/// Actuator ports and device functions that steps have used so far. Each may be used only once.
 struct UsedPorts {
     actuators: Vec<bool>,
     functions: Vec<bool>,
@@ -212,7 +212,7 @@ impl UsedPorts {
         }
     }
 
-    /// Returns true for the first use of an index, false for further uses and for an index out of range.
+    /// Marks an index as used. Returns true for its first use, false for a further use and for an index out of range.
     fn mark_used(flags: &mut [bool], index: u32) -> bool {
         let flag = flags.get_mut(index as usize);
         flag.is_some_and(|f| !core::mem::replace(f, true))

@@ -123,7 +123,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Checks the flows read after evaluation. Valid only after [`Check::evaluation`].
+    /// Checks the flows that are read after the evaluation phase: exports and results. Valid only after
+    /// [`Verifier::evaluation`].
     pub(super) fn check_results(&mut self) {
         for (k, e) in self.image.exports.iter().enumerate() {
             self.location = ErrorLocation::Table("export", k);
@@ -154,7 +155,7 @@ impl Verifier<'_> {
         self.check_final_read(s);
     }
 
-    /// Checks a flow that is read at the end of the cycle.
+    /// Checks a flow that is read after the evaluation phase: a step must have written it.
     fn check_final_read(&mut self, s: Signal) {
         self.signal(s);
         self.check_control_read(s.present);

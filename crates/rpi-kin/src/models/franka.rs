@@ -7,7 +7,7 @@ use crate::chain::LinkTwist;
 use crate::model::{ArmModel, InverseKinematics};
 use crate::{AxisLimits, Chain, Convention, Link};
 
-/// Franka Panda, also called FER.
+/// Model of the Franka Panda arm, also called FER.
 pub static PANDA: ArmModel = ArmModel {
     id: "franka-panda",
     display_name: "Franka Panda (FER)",

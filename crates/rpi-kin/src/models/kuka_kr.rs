@@ -9,7 +9,7 @@ use crate::opw::Geometry;
 use crate::{AxisLimits, Chain, Convention, Link};
 use core::f64::consts::FRAC_PI_2;
 
-/// KR 6 R900 sixx (Agilus).
+/// Model of the six-axis arm KUKA KR 6 R900 sixx (Agilus).
 pub static KR_6_R900: ArmModel = ArmModel {
     id: "kuka-kr6-r900",
     display_name: "KUKA KR 6 R900 sixx",
@@ -19,7 +19,7 @@ pub static KR_6_R900: ArmModel = ArmModel {
     inverse: InverseKinematics::Opw(KR_6_R900_LENGTHS),
 };
 
-/// Six-axis arm KUKA KR 16-2.
+/// Model of the six-axis arm KUKA KR 16-2.
 pub static KR_16_2: ArmModel = ArmModel {
     id: "kuka-kr16-2",
     display_name: "KUKA KR 16-2",
@@ -35,7 +35,8 @@ const KR_16_2_LENGTHS: Geometry = geometry(0.260, 0.035, [0.675, 0.680, 0.670, 0
 static KR_6_R900_LINKS: [Link; 6] = links(&KR_6_R900_LENGTHS);
 static KR_16_2_LINKS: [Link; 6] = links(&KR_16_2_LENGTHS);
 
-/// Multiples of the velocity limit, in 1/s and 1/s²: full speed after 0.5 s, full acceleration after 0.1 s.
+/// Acceleration limit as a multiple of the velocity limit, in 1/s, followed by the jerk limit as a multiple in 1/s²:
+/// full speed is reached after 0.5 s, full acceleration after 0.1 s.
 const ACCELERATION_FACTOR: f64 = 2.0;
 const JERK_FACTOR: f64 = 20.0;
 
@@ -70,7 +71,8 @@ const fn chain(links: &'static [Link]) -> Chain {
     }
 }
 
-/// Returns the geometry. The zero of axis 2 is horizontal, a quarter turn from the canonical upright zero.
+/// Returns the geometry of a KR arm from its lengths in m. The zero of axis 2 is horizontal, a quarter turn from the
+/// canonical upright zero.
 const fn geometry(a1: f64, a2: f64, [c1, c2, c3, c4]: [f64; 4]) -> Geometry {
     Geometry {
         a1,

@@ -8,7 +8,7 @@ use crate::model::{ArmModel, InverseKinematics};
 use crate::srs::Geometry;
 use crate::{AxisLimits, Chain, Convention, Link};
 
-/// KUKA LBR iiwa 7 R800.
+/// Model of the seven-axis arm KUKA LBR iiwa 7 R800.
 pub static IIWA_7: ArmModel = ArmModel {
     id: "kuka-iiwa-7",
     display_name: "KUKA LBR iiwa 7 R800",
@@ -18,7 +18,7 @@ pub static IIWA_7: ArmModel = ArmModel {
     inverse: InverseKinematics::Srs(IIWA_7_LENGTHS.geometry()),
 };
 
-/// KUKA LBR iiwa 14 R820.
+/// Model of the seven-axis arm KUKA LBR iiwa 14 R820.
 pub static IIWA_14: ArmModel = ArmModel {
     id: "kuka-iiwa-14",
     display_name: "KUKA LBR iiwa 14 R820",
@@ -28,7 +28,7 @@ pub static IIWA_14: ArmModel = ArmModel {
     inverse: InverseKinematics::Srs(IIWA_14_LENGTHS.geometry()),
 };
 
-/// KUKA LWR 4+.
+/// Model of the seven-axis arm KUKA LWR 4+.
 pub static LWR_4_PLUS: ArmModel = ArmModel {
     id: "kuka-lwr4+",
     display_name: "KUKA LWR 4+",
@@ -64,7 +64,8 @@ static IIWA_7_LINKS: [Link; 7] = IIWA_7_LENGTHS.links();
 static IIWA_14_LINKS: [Link; 7] = IIWA_14_LENGTHS.links();
 static LWR_4_PLUS_LINKS: [Link; 7] = LWR_4_PLUS_LENGTHS.links();
 
-/// Multiples of the velocity limit, in 1/s and 1/s²: full speed after 1/3 s, full acceleration after 0.15 s.
+/// Acceleration limit as a multiple of the velocity limit, in 1/s, followed by the jerk limit as a multiple in 1/s²:
+/// full speed is reached after 1/3 s, full acceleration after 0.15 s.
 const ACCELERATION_FACTOR: f64 = 3.0;
 const JERK_FACTOR: f64 = 20.0;
 
@@ -102,7 +103,7 @@ const fn iiwa_limits(velocity: [f64; 7]) -> [AxisLimits; 7] {
 }
 
 /// Returns the limits of an axis of the LWR. Its acceleration is published as 4 rad/s² for every axis. Its jerk is not
-/// published; the multiple of the iiwa replaces it.
+/// published: it is derived from the velocity limit with the factor of the iiwa.
 const fn lwr_limits(bound: f64, velocity: f64) -> AxisLimits {
     let limits = AxisLimits::from_degrees(-bound, bound, velocity);
     limits.with_acceleration_and_jerk(4.0, JERK_FACTOR * limits.velocity)
@@ -116,7 +117,7 @@ const fn chain(links: &'static [Link]) -> Chain {
     }
 }
 
-/// Parameters that distinguish these arms.
+/// Lengths and sense of axis 2, by which the LBR arms differ.
 #[derive(Clone, Copy)]
 struct Lbr {
     /// Distances base to shoulder, shoulder to elbow, elbow to wrist and wrist to flange, in m.

@@ -5,7 +5,7 @@ use crate::model::{ArmModel, InverseKinematics};
 use crate::ur::Geometry;
 use crate::{AxisLimits, Chain, Convention, Link};
 
-/// Universal Robots UR5e.
+/// Model of the six-axis arm Universal Robots UR5e.
 pub static UR5E: ArmModel = ArmModel {
     id: "ur5e",
     display_name: "Universal Robots UR5e",

@@ -9,8 +9,8 @@ use crate::Range;
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// Maximum number of arm angles: two for each limit of six ranges. The bend of the elbow does not depend on the arm
-/// angle.
+/// Maximum number of arm angles at which a joint can be at a limit: two for each limit of six joints. The elbow joint
+/// does not depend on the arm angle.
 pub const MAX_LIMIT_ARM_ANGLES: usize = 24;
 
 /// Function `constant + cos * cos(psi) + sin * sin(psi)` of the arm angle psi.
@@ -40,7 +40,8 @@ impl Sinusoid {
     }
 }
 
-/// Vector that rotates with the elbow: components along the line, towards the elbow, and orthogonal to both.
+/// Vector fixed to the plane of the arm, which turns with the arm angle: components along the line from shoulder to
+/// wrist, towards the elbow, and orthogonal to both.
 #[derive(Clone, Copy)]
 struct ElbowPlaneVector {
     along: f64,
@@ -59,7 +60,8 @@ impl ElbowPlaneVector {
     }
 }
 
-/// Frame of a limb at a fixed angle from the line: z along the limb, y orthogonal to the plane of the arm.
+/// Frame of a limb at a fixed angle from the line from shoulder to wrist: z along the limb, y orthogonal to the plane
+/// of the arm.
 struct LimbFrame {
     x: ElbowPlaneVector,
     y: ElbowPlaneVector,
@@ -153,12 +155,13 @@ fn limits_sin_cos(range: Range) -> [SinCos; 2] {
     ]
 }
 
-/// Returns the arm angles at which the direction (cos, sin), of any length, is parallel or antiparallel to `end`.
+/// Returns the arm angles at which a joint that turns about the limb reaches the angle `end`: the direction (cos, sin),
+/// of any length, is then parallel or antiparallel to it.
 fn zeros_of_turn(sin: Sinusoid, cos: Sinusoid, end: SinCos) -> [f64; 2] {
     sin.scaled_sum(end.cos, cos, -end.sin).zeros()
 }
 
-/// Returns the arm angles at which a cosine equals that of `end`.
+/// Returns the arm angles at which a joint that bends has a cosine equal to that of the limit `end`.
 fn zeros_of_bend(cos: Sinusoid, end: SinCos) -> [f64; 2] {
     Sinusoid {
         constant: cos.constant - end.cos,

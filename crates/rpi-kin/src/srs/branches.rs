@@ -102,7 +102,7 @@ pub fn first_branch(reach: &ElbowTriangle, elbow: &Vector3<f64>, hint: &Joints) 
     [shoulder.turn, shoulder.bend, p3, p4, p5, p6, p7]
 }
 
-/// Returns the direction of the forearm.
+/// Returns the direction of the forearm in the base frame, a unit vector.
 fn forearm(reach: &ElbowTriangle, elbow: &Vector3<f64>) -> Vector3<f64> {
     let tilt = reach.shoulder_angle.difference(reach.elbow_bend);
     reach.line * tilt.cos + elbow * tilt.sin

@@ -90,7 +90,7 @@ impl ElbowPosition {
         })
     }
 
-    /// Returns the arm angle; 0 if the elbow points up.
+    /// Returns the arm angle of the elbow position; 0 if the elbow points up.
     #[must_use]
     pub fn arm_angle(&self) -> SinCos {
         self.circle

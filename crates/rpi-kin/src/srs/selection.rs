@@ -167,7 +167,7 @@ impl Geometry {
     }
 }
 
-/// Data of one search, in canonical angles.
+/// State of one search for joint values of a redundant arm, in canonical angles: pose, hint and ranges.
 struct Search<'a> {
     reach: &'a ElbowTriangle,
     circle: ElbowCircle,
@@ -213,12 +213,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Applies rule 1: keeps the arm angle.
+    /// Searches a solution with the arm angle of the hint, which is preferred (rule 1); `None` if it has none within
+    /// the ranges.
     fn keep_arm_angle(&self) -> Option<Solution> {
         self.fits(&self.nearest.joints).then_some(self.nearest)
     }
 
-    /// Applies rules 2 and 3: changes the arm angle.
+    /// Searches the solution with the smallest change of the arm angle (rules 2 and 3); `None` if there is none within
+    /// the ranges.
     fn change_arm_angle(&self) -> Option<Solution> {
         let near = core::array::from_fn(|axis| self.near_hint(axis));
         let own = [self.nearest.branch];

@@ -17,7 +17,7 @@ use std::rc::Rc;
 /// Strict primitives with at least this much work are skipped instead of run on stale values.
 const EXPENSIVE_WORK: u32 = 32;
 
-/// Operand layouts of primitives, computed once each.
+/// Cache of the operand layouts of primitives.
 #[derive(Default)]
 pub(super) struct OperandLayouts {
     by_form: FxHashMap<(PrimId, Form), Rc<[Operand]>>,
@@ -72,7 +72,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Closes the scope opened by [`Builder::open_guard`], if any.
+    /// Closes the scope that [`Builder::open_guard`] opened for a node; does nothing if it opened none.
     pub(super) fn close_guard(&mut self, id: NodeId, scope: ScopeId) {
         if scope != self.scope_of(id) {
             self.flat.close(scope);
@@ -121,7 +121,7 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// Adds the operation, with words as laid out by [`rpi_image::operands`].
+    /// Adds the operation that calls the primitive of a node, with words as laid out by [`rpi_image::operands`].
     fn run(
         &mut self,
         id: NodeId,
@@ -153,14 +153,14 @@ impl Builder<'_> {
     }
 }
 
-/// The out-ports of a node.
+/// The out-ports of a node, in the order of their declaration.
 pub(super) fn ports(id: NodeId, desc: &'static PrimDesc) -> impl Iterator<Item = PortRef> {
     (0..)
         .zip(desc.outputs)
         .map(move |(port, _)| PortRef { node: id, port })
 }
 
-/// The register of parameter `k`.
+/// The register of the constant that parameter `k` of a primitive has.
 fn param(registers: &mut Registers, desc: &PrimDesc, k: usize, value: &Value) -> (Flow, Type) {
     let flow = Flow::total(registers.value(value));
     let declared = match desc.params[k].ty {

@@ -10,7 +10,7 @@ use rpi_image::image::SensorPort;
 use rpi_image::{DeviceUse, Presence, Scalar, Type};
 use rpi_net::NodeId;
 
-/// Adds the ports of a sensor.
+/// Lowers a sensor node: adds the device ports that it reads.
 pub(super) fn sensor(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     for (k, port) in ports(id, builder.desc(id)).enumerate() {
         let flow = builder.external_flow(port);
@@ -21,7 +21,7 @@ pub(super) fn sensor(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     }
 }
 
-/// Lowers a set-point.
+/// Lowers an actuator node: adds the device port and the operation that sets it.
 pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     let links = builder.links(id);
     let Some((scope, present)) = builder.open_guard(id, &links, true) else {
@@ -46,7 +46,7 @@ pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
     builder.close_guard(id, scope);
 }
 
-/// Lowers a device function.
+/// Lowers a node that calls a device function: adds the function and the operation that calls it.
 pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     let links = builder.links(id);
     let Some((scope, present)) = builder.open_guard(id, &links, true) else {
@@ -97,7 +97,7 @@ fn restrict_presence(builder: &mut Builder<'_>, id: NodeId, outputs: &[Flow], al
     }
 }
 
-/// Words of connected inputs, then of outputs.
+/// Operand words of an operation: the registers of its connected inputs, then of its outputs.
 fn words(links: &[InputFlow], outputs: &[Flow]) -> Vec<u32> {
     let inputs = links.iter().filter(|l| !l.is_open).map(|l| l.flow);
     inputs

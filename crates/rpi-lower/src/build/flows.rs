@@ -5,7 +5,7 @@ use rpi_image::image::Signal;
 use rpi_image::{Type, Value};
 use rpi_net::{Net, PortRef};
 
-/// Value and presence of a flow.
+/// Registers of the value and the presence of a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Flow {
     pub(super) value: Register,
@@ -42,12 +42,12 @@ impl Flow {
 pub(super) struct InputFlow {
     pub(super) flow: Flow,
     pub(super) ty: Type,
-    /// The input is neither connected nor has a default.
+    /// Whether the input has neither a connection nor a default.
     pub(super) is_open: bool,
 }
 
 impl InputFlow {
-    /// A flow that is never present.
+    /// An input flow that is never present.
     pub(super) fn absent(registers: &mut Registers, ty: Type, is_open: bool) -> Self {
         let value = registers.value(&Value::neutral(ty));
         let present = Register::FALSE;
@@ -58,7 +58,7 @@ impl InputFlow {
         }
     }
 
-    /// A flow that an input is connected to.
+    /// The input flow for a connection to `flow`.
     pub(super) const fn connected(flow: Flow, ty: Type) -> Self {
         InputFlow {
             flow,

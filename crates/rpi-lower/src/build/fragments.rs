@@ -6,11 +6,11 @@ use crate::registers::{Region, Register};
 use rpi_image::image::{self, SlotRange};
 use rpi_net::{AbsentPolicy, Activation, FragmentId, Net, PortRef, Restart};
 
-/// Scopes and activations of the fragments that have been entered.
+/// Scope and activation register of each fragment that has been built so far.
 pub(super) struct FragmentScopes {
-    /// The scope of each fragment.
+    /// The scope in which each fragment runs.
     scopes: Vec<ScopeId>,
-    /// For each fragment, whether it is active if its parent is.
+    /// For each fragment, the register that is true if the fragment is active whenever its parent is.
     active: Vec<Register>,
     /// Number of entries into each fragment so far.
     entry_counts: Vec<u32>,
@@ -29,7 +29,7 @@ impl FragmentScopes {
         self.scopes[fragment.index()]
     }
 
-    /// Whether a fragment is active if its parent is.
+    /// The register that is true if a fragment is active whenever its parent is.
     pub(super) fn active(&self, fragment: FragmentId) -> Register {
         self.active[fragment.index()]
     }
@@ -149,7 +149,7 @@ impl Builder<'_> {
         self.logic.not(&mut self.flat, outer, requested)
     }
 
-    /// Adds the latches of all delays.
+    /// Adds the copies that store the inputs of all delays for the next cycle.
     pub(super) fn latches(&mut self) {
         for (id, kept) in std::mem::take(&mut self.delays) {
             let link = self.link(id, 0);

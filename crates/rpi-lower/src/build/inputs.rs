@@ -36,7 +36,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The flow of an out-port as seen from the fragment `reader`.
+    /// The flow of an out-port as read in the fragment `reader`: absent while the fragment of the port is inactive.
     pub(super) fn seen_from(&mut self, port: PortRef, reader: FragmentId) -> InputFlow {
         let ty = self.net.output_type(port);
         if self.plan.presences.own(port) == FlowPresence::Never {
@@ -63,7 +63,7 @@ impl Builder<'_> {
     }
 }
 
-/// Type of an open port; arrays are empty.
+/// Type assumed for a port that is not connected; arrays are empty.
 fn neutral_type(port: PortType) -> Type {
     match port {
         PortType::Scalar(s) => Type::Scalar(s),

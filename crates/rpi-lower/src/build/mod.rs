@@ -54,7 +54,7 @@ struct Builder<'a> {
     logic: BooleanOps,
     flows: FlowTable,
     fragments: FragmentScopes,
-    /// The flow `first` of each fragment that uses it.
+    /// For each fragment that uses it, the register of the flow `first`, which is true in the first active cycle.
     first_flows: BTreeMap<FragmentId, Register>,
     /// Delays, with the registers that keep value and presence.
     delays: Vec<(NodeId, Flow)>,
@@ -77,7 +77,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Builds the items of a fragment that run at its next entry, in schedule order.
+    /// Builds the nodes and nested fragments of a fragment that run at its next entry, in schedule order.
     fn items(&mut self, fragment: FragmentId) {
         let plan = self.plan;
         let entry = self.fragments.count_entry(fragment);
@@ -114,7 +114,7 @@ impl<'a> Builder<'a> {
         self.fragments.scope(self.net.node(id).fragment)
     }
 
-    /// New registers for an out-port.
+    /// New registers for the value and the presence of an out-port.
     fn output(&mut self, port: PortRef, present: Register) -> Flow {
         let ty = self.net.output_type(port);
         let value = self.flat.registers.add(Region::Value, ty.slots());

@@ -4,7 +4,7 @@ use super::Builder;
 use rpi_image::image::{CommandEnd, CommandEndKind, Export, NamedResult, Signal};
 use rpi_net::{FragmentId, Input, ResultKind, Termination};
 
-/// Adds results, root ports and exports, as they are at the end of the cycle.
+/// Adds results, root ports and exports to the tables, with the values at the end of the cycle.
 pub(super) fn exports_and_results(builder: &mut Builder<'_>) {
     let net = builder.net;
     for export in &net.exports {

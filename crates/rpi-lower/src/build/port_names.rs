@@ -35,7 +35,7 @@ fn param<'n>(node: &'n Node, name: &str) -> Option<&'n Value> {
     node.params.get(node.desc().param(name)?)
 }
 
-/// Value of an input before it is set; `None` if it is zero.
+/// Value that an input has before it is set; `None` if it is zero.
 pub(super) fn start_value(node: &Node) -> Option<Vec<u64>> {
     let value = param(node, "Value")?;
     let has_type = value.ty() == node.outputs.first().copied();

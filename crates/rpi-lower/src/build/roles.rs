@@ -81,7 +81,7 @@ impl Builder<'_> {
         self.copy_to_output(id, kept);
     }
 
-    /// Copies a value to a new register for the node's out-port, so that it can be observed and forced.
+    /// Copies a value to a new register for the out-port of a node, so that it can be observed and forced by itself.
     fn copy_to_output(&mut self, id: NodeId, value: Register) {
         let scope = self.scope_of(id);
         let port = PortRef { node: id, port: 0 };
@@ -129,7 +129,7 @@ impl Builder<'_> {
         self.flat.tables.exports.push(image::Export { key, value });
     }
 
-    /// External registers for an out-port, with a presence if it may be absent.
+    /// Registers for an out-port that the core sets between cycles, with a presence if the flow may be absent.
     pub(super) fn external_flow(&mut self, port: PortRef) -> Flow {
         let value = self
             .flat

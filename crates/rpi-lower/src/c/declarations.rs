@@ -138,7 +138,7 @@ pub(super) fn guarded_variables(variables: &Variables<'_>, out: &mut String) -> 
     Ok(())
 }
 
-/// Writes the assignments to the outputs.
+/// Writes the C assignments to the fields of the output struct.
 pub(super) fn outputs(variables: &Variables<'_>, out: &mut String) -> std::fmt::Result {
     for export in &variables.flat.tables.exports {
         let (name, s) = (identifier(&export.key), export.value);

@@ -6,19 +6,19 @@
 
 use rpi_image::image::Form;
 
-/// The C code of a primitive.
+/// Template of the C code of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CForm {
-    /// Registered name. A leading `*` matches any type (`*Conditional`).
+    /// Registered name of the primitive. A leading `*` matches any type (`*Conditional`).
     name: &'static str,
     form: Form,
     /// C types of the state's slots.
     pub(super) state: &'static [&'static str],
-    /// Statements before the assignments to the outputs.
+    /// C statements before the assignments to the outputs.
     pub(super) before: &'static str,
-    /// One expression for each output slot, or a single one for all of them.
+    /// C expressions: one for each output slot, or a single one for all of them.
     pub(super) cells: &'static [&'static str],
-    /// Presence of the output, for the optional form.
+    /// C expression for the presence of the output, for the optional form.
     pub(super) present: &'static str,
 }
 

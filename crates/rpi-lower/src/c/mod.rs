@@ -20,9 +20,10 @@ use crate::{build, passes};
 use rpi_diag::{Code, Diagnostic};
 use rpi_net::Net;
 
-/// Translates a net to C99.
+/// Translates a net to the text of a C99 file.
 ///
 /// # Errors
+///
 /// Returns one diagnostic for each primitive without a C form.
 pub fn emit_c(
     net: &Net,

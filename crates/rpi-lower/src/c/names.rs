@@ -35,7 +35,7 @@ impl VariableNames {
         VariableNames { names }
     }
 
-    /// The variable of memory slot `k` of a register.
+    /// The C variable of memory slot `k` of a register.
     pub(super) fn cell(&self, flat: &FlatNet, slot: Register, k: u32) -> String {
         let name = match self.names.get(&slot) {
             Some(name) => name.clone(),

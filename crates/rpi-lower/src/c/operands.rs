@@ -9,13 +9,13 @@ use rpi_image::image::Form;
 use rpi_image::operands::{OperandRole, operand_layout};
 use rpi_image::{PrimDesc, Scalar};
 
-/// Operands of one operation.
+/// C operands of one operation.
 pub(super) struct Operands {
-    /// Inputs, then parameters.
+    /// Inputs, then parameters: register, type and presence register of each.
     inputs: Vec<(Register, Scalar, Option<Register>)>,
-    /// Outputs, each with its presence.
+    /// Outputs: value register and presence register of each.
     pub(super) outputs: Vec<(Register, Option<Register>)>,
-    /// Name of the state; empty if there is none.
+    /// C name of the state; empty if the operation has none.
     pub(super) state: String,
 }
 
@@ -43,17 +43,17 @@ impl Operands {
     }
 }
 
-/// Substitution of operands in C forms.
+/// Context for filling the placeholders of a C template with operands.
 pub(super) struct Template<'a> {
     pub(super) variables: Variables<'a>,
-    /// Seconds from one cycle to the next.
+    /// Period of the command in seconds.
     pub(super) dt: f64,
     /// Duration of a tick in nanoseconds.
     pub(super) tick_ns: u64,
 }
 
 impl Template<'_> {
-    /// Substitutes the placeholders in braces.
+    /// Returns a C template with its placeholders in braces replaced by the operands; `k` is the output slot.
     pub(super) fn fill(&self, form: &str, operands: &Operands, k: u32) -> String {
         let mut out = String::new();
         let mut rest = form;

@@ -83,7 +83,7 @@ const fn port(ty: PortType) -> Scalar {
     }
 }
 
-/// Type that an operand must have, for writing constants.
+/// Type of an operand, from which the C notation of a constant follows.
 pub(super) const fn expected(desc: &PrimDesc, part: OperandRole) -> Scalar {
     match part {
         OperandRole::Input(k) => port(desc.inputs[k].ty),

@@ -29,12 +29,12 @@ impl<'a> Variables<'a> {
         self.types[slot.index()]
     }
 
-    /// The variable of slot `k` of a register.
+    /// The C variable of slot `k` of a register.
     pub(super) fn name(&self, slot: Register, k: u32) -> String {
         self.names.cell(self.flat, slot, k)
     }
 
-    /// State registers of delays, in order.
+    /// Registers in which delays keep their state, in order.
     pub(super) fn kept(&self) -> Vec<Register> {
         let latched = self
             .flat
@@ -47,12 +47,12 @@ impl<'a> Variables<'a> {
         kept
     }
 
-    /// The expression for a Boolean register.
+    /// The C expression for a Boolean register.
     pub(super) fn bool(&self, slot: Register) -> String {
         self.cell(slot, 0, Scalar::Bool)
     }
 
-    /// The expression for slot `k` of a register: a variable or a constant.
+    /// The C expression for slot `k` of a register: a variable or a constant.
     pub(super) fn cell(&self, slot: Register, k: u32, ty: Scalar) -> String {
         if self.flat.registers.region(slot) != Region::Constant {
             return self.name(slot, k);

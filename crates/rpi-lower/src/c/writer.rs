@@ -64,7 +64,7 @@ pub(super) fn write(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>) -> St
 struct CWriter<'a> {
     net: &'a Net,
     template: Template<'a>,
-    /// State of primitives: C type and name.
+    /// State variables of primitives: C type and name.
     state: Vec<(&'static str, String)>,
     body: String,
 }
@@ -88,7 +88,7 @@ impl CWriter<'_> {
         Ok(out)
     }
 
-    /// Writes the statements of a scope.
+    /// Writes the C statements of a scope.
     fn body(&mut self, id: ScopeId, depth: usize) {
         let flat = self.template.variables.flat;
         let scope = &flat.scopes[id.index()];
@@ -120,7 +120,7 @@ impl CWriter<'_> {
         depth + 1
     }
 
-    /// Writes the initial state of a fragment and of the fragments inside it.
+    /// Writes the C statements that restore the initial state of a fragment and of the fragments inside it.
     fn restart(&mut self, fragment: u32, depth: usize) {
         let inside = |mut f: u32| loop {
             if f == fragment {
@@ -240,7 +240,7 @@ impl CWriter<'_> {
         self.line(depth, &line);
     }
 
-    /// Writes the assignments to the state of delays, after everything else was computed.
+    /// Writes the C assignments to the state of delays, after everything else was computed.
     fn latches(&mut self, id: ScopeId, depth: usize) {
         let flat = self.template.variables.flat;
         let scope = &flat.scopes[id.index()];

@@ -34,9 +34,9 @@ pub(super) fn write(
 struct Writer<'a> {
     flat: &'a FlatNet,
     layouts: &'a MemoryLayout,
-    /// Merge consecutive calls of the same primitive into one step.
+    /// Whether consecutive calls of the same primitive are merged into one step.
     merges_rows: bool,
-    /// Index of the first step after the last jump or jump target.
+    /// Index of the first step that a later step may be merged with: the one after the last jump or jump target.
     merge_start: usize,
     image: &'a mut Image,
     prims: FxHashMap<PrimId, u16>,
@@ -72,7 +72,8 @@ impl Writer<'_> {
         self.merge_start = self.image.steps.len();
     }
 
-    /// Opens a skip and returns its index; `None` for a guard that is always true.
+    /// Emits a jump over the steps that follow, taken unless `guard` is true, and returns its index; `None` for a guard
+    /// that is always true, which needs no jump.
     fn open_skip(
         &mut self,
         guard: Register,
@@ -194,7 +195,8 @@ impl Writer<'_> {
         })
     }
 
-    /// Emits the latches of a scope and of the scopes inside it. Returns true if there were any.
+    /// Emits the steps that store values for the next cycle, for a scope and the scopes inside it. Returns true if
+    /// there were any.
     fn commit(&mut self, id: ScopeId) -> bool {
         let flat = self.flat;
         let scope = &flat.scopes[id.index()];
@@ -232,7 +234,8 @@ fn land(steps: &mut [Step], skip: Option<usize>) {
     }
 }
 
-/// Merges a step into the previous one if both are of the same kind. Their words are adjacent.
+/// Merges a step into the previous one if both are calls of the same primitive, or copies. Their operand words are
+/// adjacent.
 fn try_merge(last: Option<&mut Step>, step: Step) -> bool {
     match (last, step) {
         (

@@ -34,7 +34,7 @@ pub(super) fn write(
     image.debug.locations = places.places;
 }
 
-/// Locations that are referenced by the image.
+/// Source locations of the nodes that the image refers to, each stored once.
 struct LocationTable<'a> {
     net: &'a Net,
     known: FxHashMap<NodeId, u32>,

@@ -9,7 +9,7 @@ use rpi_net::{FragmentId, Net};
 pub(super) struct MemoryLayout {
     at: Vec<u32>,
     pub(super) layout: Layout,
-    /// For each fragment, the state of itself and of all fragments inside it.
+    /// For each fragment, the memory slots of its state and of all fragments inside it.
     pub(super) states: Vec<SlotRange>,
 }
 
@@ -66,7 +66,7 @@ impl MemoryLayout {
     }
 }
 
-/// All registers in memory order: constants, external values, state by fragment, values.
+/// All registers in the order of their memory: constants, external values, state by fragment, other values.
 fn order(slots: &Registers, ranks: &[(u32, u32)]) -> Vec<Register> {
     let all = (0..).take(slots.len()).map(Register);
     let of = |region: Region| all.clone().filter(move |s| slots.region(*s) == region);

@@ -36,7 +36,7 @@ pub(super) fn coalesce(flat: &mut FlatNet, _: CycleTime) {
     renames.apply(flat);
 }
 
-/// Redirects the writers of coalesced registers.
+/// Lets the operations that compute a coalesced register write its replacement.
 fn redirect_writers(flat: &mut FlatNet, renames: &Substitution) {
     for number in 0..flat.ops.len() {
         let op = flat.ops[number];
@@ -44,7 +44,7 @@ fn redirect_writers(flat: &mut FlatNet, renames: &Substitution) {
     }
 }
 
-/// Writer and last reader of each register, in execution order.
+/// First writer and last reader of each register, as positions in the order of execution.
 struct AccessOrder {
     writers: Writers,
     /// For each register, the position of its last reader.

@@ -38,8 +38,8 @@ pub(super) fn eliminate(flat: &mut FlatNet, _: CycleTime) {
 
 const NONE: u32 = u32::MAX;
 
-/// Operations visited so far, hashed by kind and inputs. Equal operations in scopes that do not enclose each other form
-/// a chain.
+/// Table of the operations visited so far, hashed by kind and inputs. Equal operations in scopes that do not enclose
+/// each other form a chain.
 struct VisitedOps {
     first: HashTable<u32>,
     next: Vec<u32>,
@@ -55,7 +55,8 @@ impl VisitedOps {
         }
     }
 
-    /// An equal operation that runs whenever this one does. If there is none, enters this operation into the table.
+    /// Returns an equal operation that runs whenever this one does. If there is none, enters this operation into the
+    /// table.
     fn find_or_insert(&mut self, flat: &FlatNet, number: u32, scope: ScopeId) -> Option<u32> {
         let op = |number: u32| flat.ops[number as usize];
         self.scope[number as usize] = scope;
@@ -97,7 +98,7 @@ fn same(flat: &FlatNet, a: Op, b: Op) -> bool {
     a.kind == b.kind && inputs(flat, a).eq(inputs(flat, b))
 }
 
-/// Words that determine the result: all but the written ones.
+/// Operand words that determine the result of an operation: all but the written ones.
 fn inputs(flat: &FlatNet, op: Op) -> impl Iterator<Item = u32> + '_ {
     let shape = flat.accesses.op_accesses(op);
     let words = flat.words(op).iter().enumerate();

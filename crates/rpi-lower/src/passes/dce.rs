@@ -34,7 +34,7 @@ pub(super) fn remove(flat: &mut FlatNet, _: CycleTime) {
     remove_empty_scopes(flat);
 }
 
-/// True for operations that must run even if their outputs are not read.
+/// True for operations that must run even if their outputs are not read, such as device accesses.
 fn has_effect(op: Op) -> bool {
     match op.kind {
         OpKind::Run(prim, _) => prim.desc().may_fault,
@@ -49,7 +49,8 @@ struct Liveness<'a> {
     scopes: Vec<bool>,
     waiting: Vec<Register>,
     writers: &'a Writers,
-    /// For each latched register, the source of the latch and its scope.
+    /// For each register that keeps a value for the next cycle, the register that it is copied from, and the scope of
+    /// the copy.
     latch: FxHashMap<Register, (Register, ScopeId)>,
 }
 

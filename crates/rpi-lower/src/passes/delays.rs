@@ -44,8 +44,8 @@ pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
     drop_ops(flat, &dropped);
 }
 
-/// Reads delayed values directly from the state if only operations read them. All operations run before the commit
-/// phase overwrites the state.
+/// Removes the copies from the state of delays to their outputs where only operations read the outputs. These then read
+/// the state itself, which the commit phase overwrites only after all operations have run.
 pub(super) fn read_state_directly(flat: &mut FlatNet, _: CycleTime) {
     let read_late = read_outside_ops(flat);
     let mut renames = Substitution::new(flat);
@@ -63,8 +63,7 @@ pub(super) fn read_state_directly(flat: &mut FlatNet, _: CycleTime) {
     drop_ops(flat, &dropped);
 }
 
-/// For each register, whether it is read outside operations: after the evaluation, by guards (in both phases) or by
-/// resets.
+/// For each register, whether anything but operations reads it: tables of the image, guards or resets.
 pub(super) fn read_outside_ops(flat: &FlatNet) -> Vec<bool> {
     let mut late = vec![false; flat.registers.len()];
     for scope in &flat.scopes {
@@ -87,7 +86,7 @@ pub(super) fn read_outside_ops(flat: &FlatNet) -> Vec<bool> {
     late
 }
 
-/// The registers (state, output) of a delay's copy.
+/// The registers (state, output) of the copy with which a delay outputs its state; `None` for other operations.
 fn delay(flat: &FlatNet, op: Op) -> Option<(Register, Register)> {
     let words = flat.words(op);
     let (from, to) = (Register(*words.first()?), Register(*words.get(1)?));
@@ -101,7 +100,7 @@ struct InitialChoice {
     constant: Register,
 }
 
-/// Facts about registers, valid until the net is changed.
+/// Facts about the registers around delays, valid until the net is changed.
 struct DelayFacts {
     /// For each register that is the output of a delay, the state register of the delay.
     state_of: Vec<Option<Register>>,
@@ -161,8 +160,8 @@ impl DelayFacts {
             .or_else(|| self.behind_null(flat, op))
     }
 
-    /// Matches `first ? k : pre x`. Valid only if the `pre` has no other reader, which would see the changed initial
-    /// content.
+    /// Matches an operation of the form `first ? k : pre x`. Valid only if the `pre` has no other reader, which would
+    /// see the changed initial content.
     fn behind_first(&self, flat: &FlatNet, op: Op) -> Option<InitialChoice> {
         let OpKind::Run(prim, Form::Total) = op.kind else {
             return None;
@@ -177,8 +176,8 @@ impl DelayFacts {
         (is_first && alike).then_some(choice)
     }
 
-    /// Matches `null(pre x) ? k : pre x` for an x that is always present: the `pre` is absent exactly while it has its
-    /// initial content.
+    /// Matches an operation of the form `null(pre x) ? k : pre x` for an x that is always present: the `pre` is absent
+    /// exactly while it has its initial content.
     fn behind_null(&self, flat: &FlatNet, op: Op) -> Option<InitialChoice> {
         let OpKind::Run(prim, Form::Optional) = op.kind else {
             return None;

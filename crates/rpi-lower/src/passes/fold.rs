@@ -134,7 +134,7 @@ impl Fold {
         true
     }
 
-    /// The input to which an operation can be simplified.
+    /// The input register that always equals the result of an operation, if algebra proves one: `x and true` is `x`.
     fn simplify(&self, flat: &FlatNet, op: Op, prim: PrimId, form: Form) -> Option<Register> {
         let words = flat.words(op);
         match (identities::identity_of(prim)?, form) {
@@ -154,7 +154,7 @@ impl Fold {
     }
 }
 
-/// For each word of an operation, whether it is a presence.
+/// For each operand word of an operation, whether it is a presence.
 fn presence_words(flat: &FlatNet, op: Op) -> Vec<bool> {
     let OpKind::Run(prim, form) = op.kind else {
         return Vec::new();
@@ -169,7 +169,7 @@ fn presence_words(flat: &FlatNet, op: Op) -> Vec<bool> {
     words
 }
 
-/// Runs an operation on constants. Returns its outputs, or `None` if it faulted.
+/// Runs an operation on constant operands. Returns its outputs, or `None` if it raised a fault.
 fn compute(
     flat: &FlatNet,
     op: Op,

@@ -57,7 +57,7 @@ const FUSED: &[(&str, &str, usize, &str)] = &[
     ),
 ];
 
-/// The table by outer primitive, in-port and inner primitive.
+/// The table of fusions as a map from outer primitive, in-port and inner primitive to the fused primitive.
 static BY_PARTS: LazyLock<FxHashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock::new(|| {
     let row = |&(inner, outer, port, both): &(&str, &str, usize, &str)| {
         let id = PrimId::from_name;
@@ -107,7 +107,8 @@ fn fused_primitive(flat: &FlatNet, outer: Op, port: usize, inner: Op) -> Option<
     BY_PARTS.get(&(outer, port, prim)).copied()
 }
 
-/// Replaces the outer operation by the fused one.
+/// Replaces the operation `number` by the fused primitive `both`, which also computes the operation `inner` at its
+/// in-port `port`.
 fn replace_by_fused(flat: &mut FlatNet, number: u32, port: usize, inner: u32, both: PrimId) {
     let (outer, inner) = (flat.ops[number as usize], flat.ops[inner as usize]);
     let inputs = flat.words(inner);

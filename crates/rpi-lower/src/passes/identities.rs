@@ -5,7 +5,7 @@ use crate::registers::Register;
 use rpi_prims::{PrimId, registry};
 use std::sync::LazyLock;
 
-/// An algebraic identity of a primitive.
+/// Algebraic identity by which calls of a primitive can be simplified.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Identity {
     /// A Boolean function of two inputs: with one side `neutral` the result is the other side, with one side
@@ -20,7 +20,7 @@ pub(super) enum Identity {
     Choice,
 }
 
-/// The identity of a primitive, if any.
+/// The algebraic identity of a primitive; `None` if the pass knows none.
 pub(super) fn identity_of(prim: PrimId) -> Option<Identity> {
     static LAWS: LazyLock<Vec<Option<Identity>>> =
         LazyLock::new(|| registry().iter().map(|p| by_name(p.desc.name)).collect());

@@ -36,7 +36,7 @@ pub(super) fn arrange(flat: &mut FlatNet, _: CycleTime) {
 
 const NONE: u32 = u32::MAX;
 
-/// Appends an item. Merges a scope into the previous one if both have the same guard.
+/// Appends an item to an arranged scope. A scope with the same guard as the previous item is merged into that one.
 fn append_item(flat: &mut FlatNet, arranged: &mut Vec<Item>, item: Item) {
     if let (Some(Item::Scope(last)), Item::Scope(next)) = (arranged.last().copied(), item) {
         let kinds = [last, next].map(|s| ItemKind::of_scope(flat, s));
@@ -54,13 +54,13 @@ fn append_item(flat: &mut FlatNet, arranged: &mut Vec<Item>, item: Item) {
     arranged.push(item);
 }
 
-/// Kind of an item. Items of the same kind can form a row.
+/// Kind of an item of a scope. Items of the same kind can be executed by one step.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 enum ItemKind {
     Run(PrimId, Form),
     Copy,
     Guarded(Register),
-    /// Never forms a row.
+    /// An item that is never combined with others.
     Alone,
 }
 
@@ -76,7 +76,7 @@ impl ItemKind {
         }
     }
 
-    /// The kind of a scope; only scopes without reset and latches can be merged.
+    /// The kind of a scope; `None` if it has a reset or latches and cannot be merged with others.
     fn of_scope(flat: &FlatNet, scope: ScopeId) -> Option<ItemKind> {
         let scope = &flat.scopes[scope.index()];
         let plain = scope.reset.is_none() && scope.latches.is_empty();
@@ -132,7 +132,7 @@ impl Graph {
         }
     }
 
-    /// A topological order of the items.
+    /// Topological order of the items that keeps items of the same kind together where possible.
     fn order(mut self) -> Vec<u32> {
         let mut ready = ReadyQueues::new(self.kind_count, self.heights());
         for at in (0..).take(self.kinds.len()) {
@@ -172,10 +172,10 @@ impl Graph {
     }
 }
 
-/// Ready items by kind.
+/// Items whose dependencies are done, in one queue per kind.
 struct ReadyQueues {
     queues: Vec<VecDeque<u32>>,
-    /// Greatest height in each queue.
+    /// For each queue, the greatest height of its items: the number of changes of kind that must follow.
     tops: Vec<u32>,
     heights: Vec<u32>,
 }
@@ -248,8 +248,8 @@ fn adjacency_lists(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, V
     (start, readers, waits)
 }
 
-/// Calls `with` for every register that an item reads (false) or writes (true), in order. A reset also writes the state
-/// of the delays in its scope, so readers outside must come after it.
+/// Calls `with` for every register that an item reads (`false`) or writes (`true`), in order. A reset also writes the
+/// state of the delays in its scope, so readers outside must come after it.
 fn visit_registers(
     flat: &FlatNet,
     item: Item,
@@ -276,7 +276,7 @@ fn visit_registers(
     }
 }
 
-/// True if an item reaches a device. Such items keep the order of the net.
+/// True if an item accesses a device. Such items keep the order of the net.
 fn reaches_device(flat: &FlatNet, item: Item) -> bool {
     match item {
         Item::Op(op) => matches!(

@@ -18,7 +18,7 @@ pub(crate) mod traversal;
 use crate::flat_net::FlatNet;
 use rpi_prims::CycleTime;
 
-/// A pass over a flat net.
+/// Optimisation pass over a flat net: a name, a description and a function.
 pub(crate) struct Pass {
     /// Name of the pass in messages and listings.
     pub(crate) name: &'static str,
@@ -33,7 +33,7 @@ const FOLD: Pass = Pass {
     run: fold::fold,
 };
 
-/// All passes in order.
+/// All optimisation passes in the order in which they run.
 pub(crate) const PASSES: &[Pass] = &[
     Pass {
         name: "sensors",
@@ -79,7 +79,7 @@ pub(crate) const PASSES: &[Pass] = &[
     },
 ];
 
-/// Runs all passes and calls `check` after each.
+/// Runs all optimisation passes and calls `check` after each.
 pub(crate) fn run(flat: &mut FlatNet, clock: CycleTime, mut check: impl FnMut(&FlatNet, &Pass)) {
     for pass in PASSES {
         (pass.run)(flat, clock);

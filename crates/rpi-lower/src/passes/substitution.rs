@@ -5,15 +5,15 @@ use crate::flat_net::{FlatNet, Item};
 use crate::registers::Register;
 use rpi_image::image::{CommandEnd, Signal};
 
-/// A substitution of registers.
+/// Map from registers to the registers that replace them.
 pub(super) struct Substitution {
     to: Vec<Register>,
-    /// True if any register is replaced.
+    /// Whether any register is replaced.
     any: bool,
 }
 
 impl Substitution {
-    /// The identity.
+    /// The identity substitution: no register is replaced.
     pub(super) fn new(flat: &FlatNet) -> Self {
         Substitution {
             to: (0..).map(Register).take(flat.registers.len()).collect(),
@@ -30,18 +30,18 @@ impl Substitution {
         at
     }
 
-    /// Replaces `from` by `to`.
+    /// Records that `from` is replaced by `to`.
     pub(super) fn set(&mut self, from: Register, to: Register) {
         self.to[from.index()] = self.get(to);
         self.any = true;
     }
 
-    /// Applies the substitution to the reads of an operation.
+    /// Replaces the registers that one operation reads.
     pub(super) fn apply_to_op(&self, flat: &mut FlatNet, op: u32) {
         flat.replace(flat.ops[op as usize], Access::is_read, |s| self.get(s));
     }
 
-    /// Applies the substitution to all reads.
+    /// Replaces registers wherever they are read, in operations and outside.
     pub(super) fn apply(&self, flat: &mut FlatNet) {
         if self.any {
             for op in 0..flat.ops.len() as u32 {
@@ -51,7 +51,7 @@ impl Substitution {
         }
     }
 
-    /// Applies the substitution to reads outside operations: guards, resets, latches, tables.
+    /// Replaces registers where they are read outside operations: guards, resets, latches, tables.
     pub(super) fn apply_outside_ops(&self, flat: &mut FlatNet) {
         for scope in &mut flat.scopes {
             scope.guard = self.get(scope.guard);

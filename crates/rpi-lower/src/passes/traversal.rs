@@ -3,18 +3,18 @@
 use crate::flat_net::{FlatNet, Item, ScopeId};
 use crate::registers::Register;
 
-/// An event of a traversal.
+/// Event of a traversal of nested scopes: entry, operation or exit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum TraversalEvent {
-    /// Start of a scope.
+    /// Start of a scope, before its items.
     Enter(ScopeId),
-    /// An operation, with its scope.
+    /// An operation, with the scope that contains it.
     Op(u32, ScopeId),
-    /// End of a scope.
+    /// End of a scope, after its items.
     Leave(ScopeId),
 }
 
-/// All events of a traversal in order. Scopes nest as deep as fragments, so the stack is on the heap.
+/// All events of a traversal in order. The stack is on the heap, because scopes nest as deep as fragments.
 pub(super) fn traverse(flat: &FlatNet) -> Vec<TraversalEvent> {
     let mut stops = Vec::with_capacity(flat.ops.len() + 2 * flat.scopes.len());
     visit(flat, |stop| stops.push(stop));
@@ -52,7 +52,7 @@ pub(crate) fn ops_in_order(flat: &FlatNet) -> Vec<(u32, ScopeId)> {
     ops
 }
 
-/// All operations in execution order, with the writer of each register.
+/// Execution order of all operations, with the writer of each register.
 pub(super) struct Writers {
     /// All operations in execution order, each with its scope.
     pub(super) order: Vec<(u32, ScopeId)>,
@@ -74,7 +74,7 @@ impl Writers {
         writers
     }
 
-    /// The writer of a register: its position, its operation and its scope.
+    /// The operation that writes a register: its position in the order, its number and its scope.
     pub(super) fn writer_of(&self, slot: Register) -> Option<(u32, u32, ScopeId)> {
         let place = self.writer_index[slot.index()];
         let (number, scope) = self.order.get(place as usize)?;

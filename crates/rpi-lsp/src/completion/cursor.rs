@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rpi_syntax::{CommentKind, Dialect, SourceToken, SourceTokenKind, source_tokens};
 
-/// Context of the cursor.
+/// What is typed at the cursor, and which kind of name may stand there.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Cursor {
     /// Byte range of the part of the word before the cursor.
@@ -18,11 +18,11 @@ pub(super) struct Cursor {
 pub(super) enum ExpectedName {
     /// Member of the path before the dot.
     Member(MemberPath),
-    /// Unit of measure.
+    /// Unit of measure, such as `mm/s`.
     Unit,
     /// Name of a module, after `use`.
     Module,
-    /// Any name. At the start of an argument, also the name of a parameter.
+    /// Name that is visible at the cursor. At the start of an argument, also the name of a parameter.
     Name(Option<ArgumentContext>),
 }
 
@@ -46,10 +46,10 @@ pub(super) struct ArgumentContext {
     pub(super) passed: Vec<String>,
 }
 
-/// Opening brackets with their closing brackets.
+/// Opening brackets with their closing brackets, which the search for a call skips over.
 const BRACKETS: &[(&str, &str)] = &[("(", ")"), ("<<", ">>"), ("[", "]"), ("{", "}")];
 
-/// Tokens that end all open brackets.
+/// Tokens at which the search for an open bracket ends, because no bracket extends over them.
 const BRACKET_ENDS: &[&str] = &[";", "let", "tel"];
 
 impl Cursor {
@@ -99,7 +99,7 @@ fn excludes_names(piece: &SourceToken, offset: usize) -> bool {
     start < offset && (offset < end || to_line_end && offset == end)
 }
 
-/// Token before the cursor, which decides what may follow.
+/// Token before the cursor. The last few decide what kind of name may follow.
 #[derive(Clone, Copy)]
 struct CursorToken<'t> {
     text: &'t str,
@@ -152,7 +152,7 @@ fn expects_unit(words: &[CursorToken<'_>]) -> bool {
     words[open].text == "[" && measured
 }
 
-/// Returns the path at the end of the tokens before a dot.
+/// Returns the path of names at the end of `words`, the tokens before a dot.
 fn member_path(words: &[CursorToken<'_>]) -> Option<MemberPath> {
     let mut rest = Vec::new();
     let mut left = words;

@@ -41,7 +41,7 @@ const ITEM_KINDS: &[(DefKind, CompletionItemKind)] = &[
     (DefKind::State, CompletionItemKind::MODULE),
 ];
 
-/// Group of a completion item, in sort order: the closest names come first.
+/// Group of a completion item, in sort order: names declared nearest to the cursor come first.
 #[derive(Clone, Copy)]
 enum SortGroup {
     Argument,
@@ -147,7 +147,7 @@ impl<'s> ItemCollector<'s> {
         names.try_fold(root, |owner, name| index.member(owner, name))
     }
 
-    /// Returns the parts of a spatial type (such as position and rotation).
+    /// Returns the parts of a value of a spatial type, such as position and rotation of a pose.
     fn parts(&self, types: &[FlowType]) -> Vec<CompletionItem> {
         let parts = types.iter().flat_map(|typed| match typed.ty {
             Ty::Spatial(scalar, _) => spatial_parts(scalar).collect::<Vec<_>>(),

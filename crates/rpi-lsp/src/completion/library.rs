@@ -6,12 +6,12 @@ use rpi_diag::FileId;
 use rpi_syntax::ast::{Doc, Item, ItemKind};
 use rpi_syntax::{Dialect, Name, parse};
 
-/// Name of a library module.
+/// Name that a library module declares, for completion.
 #[derive(Clone, Debug)]
 pub(super) struct LibraryName {
     pub(super) module: &'static str,
     pub(super) name: Name,
-    /// Header of the declaration.
+    /// Declaration of the name without its body.
     pub(super) head: String,
     pub(super) doc: Option<Doc>,
 }

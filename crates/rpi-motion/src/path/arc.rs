@@ -12,9 +12,9 @@ use rpi_kin::Pose;
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
     centre: Vector3<f64>,
-    /// Unit vector from the centre to the start.
+    /// Unit vector from the centre of the arc to its start.
     outwards: Vector3<f64>,
-    /// Unit vector of the way at the start.
+    /// Unit tangent of the arc at its start.
     forwards: Vector3<f64>,
     radius: f64,
     /// Angle on the circle per unit of the path parameter, rad/m.
@@ -23,7 +23,7 @@ pub struct Arc {
     length: f64,
 }
 
-/// Why three points do not make an arc.
+/// Reason why points do not define an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcError {
     /// The points lie on a line, or two of them are the same, or a number is not finite.

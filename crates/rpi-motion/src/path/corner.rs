@@ -10,7 +10,7 @@ use super::line::Line;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rpi_kin::Pose;
 
-/// Intervals of the table of arc lengths.
+/// Number of intervals of the table that maps arc length to curve parameter.
 const INTERVALS: usize = 24;
 
 /// Nodes and weights of the Gauss-Legendre quadrature with five points on [-1, 1].
@@ -22,7 +22,8 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
-/// Turn (degrees) and places of the inner control points, as shares of the zone, that make the greatest curvature small.
+/// Table by the turn of a corner (degrees): places of the inner control points, as shares of the zone, that minimise
+/// the greatest curvature.
 const WEIGHTS: [(f64, f64, f64); 6] = [
     (0.0, 0.57, 0.19),
     (30.0, 0.57, 0.21),
@@ -32,7 +33,7 @@ const WEIGHTS: [(f64, f64, f64); 6] = [
     (150.0, 0.76, 0.60),
 ];
 
-/// The corner between two lines.
+/// The rounded corner between two lines of a path: a Bézier curve of degree 5.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
     points: [Vector3<f64>; 6],
@@ -105,7 +106,7 @@ impl Corner {
     /// Returns the curvature `s` metres behind the start of the corner.
     #[must_use]
     pub fn curvature(&self, s: f64) -> Curvature {
-        /// Step of the difference, as a share of the whole curve.
+        /// Step of the finite difference, as a share of the range of the curve parameter.
         const STEP: f64 = 1e-4;
         let u = self.curve_parameter(s).clamp(0.0, 1.0);
         let (low, high) = ((u - STEP).max(0.0), (u + STEP).min(1.0));
@@ -116,14 +117,14 @@ impl Corner {
         }
     }
 
-    /// Curvature by the curve parameter, 1/m.
+    /// Curvature of the curve at the curve parameter `u`, 1/m.
     fn bend(&self, u: f64) -> f64 {
         let (first, second) = (self.derivative(u), self.second_derivative(u));
         let speed = libm::sqrt(first.norm_squared());
         libm::sqrt(first.cross(&second).norm_squared()) / (speed * speed * speed)
     }
 
-    /// Curve parameter for a length: from the table, improved by Newton steps on the exact length.
+    /// Curve parameter at an arc length of `s` metres: from the table, improved by Newton steps on the exact length.
     fn curve_parameter(&self, s: f64) -> f64 {
         let k = self.lengths[1..INTERVALS].partition_point(|length| *length <= s);
         let (low, high) = (self.lengths[k], self.lengths[k + 1]);
@@ -182,7 +183,7 @@ fn bernstein(u: f64) -> [f64; 6] {
     ]
 }
 
-/// Places of the inner control points for a turn (rad), linear between the entries of the table.
+/// Places of the inner control points of a corner with this turn (rad), interpolated linearly in the table.
 fn weights(turn: f64) -> (f64, f64) {
     let degrees = turn.to_degrees();
     let behind = WEIGHTS.partition_point(|entry| entry.0 <= degrees);

@@ -6,7 +6,7 @@ use crate::Joints;
 #[derive(Clone, Copy, Debug)]
 pub struct JointLine {
     start: Joints,
-    /// Change of each joint per unit of the path parameter, from -1 to 1.
+    /// Change of each joint per unit of the path parameter, from -1 to 1; 1 or -1 for the axis that moves farthest.
     direction: Joints,
     length: f64,
 }
@@ -36,7 +36,7 @@ impl JointLine {
         self.length
     }
 
-    /// Returns the change of each joint per unit of the path parameter.
+    /// Returns the change of each joint per unit of the path parameter, from -1 to 1.
     #[must_use]
     pub fn direction(&self) -> &Joints {
         &self.direction

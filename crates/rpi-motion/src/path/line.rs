@@ -4,11 +4,11 @@ use super::orientation::{EvenTurning, angle_between};
 use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
 
-/// Length of way that counts as much as one radian of turning, m. It decides the path parameter where the tool turns
-/// far on a short way.
+/// Length of way that counts as much as one radian of turning, m. It decides the length of a line on which the tool
+/// turns far on a short way.
 pub const TURNING_LENGTH: f64 = 0.25;
 
-/// A straight line with even turning.
+/// A straight line of the tool. Its orientation turns evenly along the way.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     start: Vector3<f64>,
@@ -55,7 +55,8 @@ impl Line {
         self.direction
     }
 
-    /// Returns whether the path parameter is the length of the way.
+    /// Returns whether the path parameter of the line is the length of the way in m, rather than a measure of the
+    /// turning.
     #[must_use]
     pub fn is_by_length(&self) -> bool {
         (self.direction.norm_squared() - 1.0).abs() < 1e-9

@@ -35,7 +35,7 @@ pub enum Piece {
     Corner(Corner),
 }
 
-/// A path, held by value like its pieces.
+/// A path of the tool or of the joints, held by value like its pieces.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Path {
@@ -60,12 +60,12 @@ pub struct ToolPath {
 pub struct Curvature {
     /// Curvature, 1/m.
     pub value: f64,
-    /// Its derivative along the path, 1/m².
+    /// Derivative of the curvature along the path, 1/m².
     pub slope: f64,
 }
 
 impl Piece {
-    /// Returns the length of the piece, m.
+    /// Returns the length of the piece as its path parameter measures it, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         match self {
@@ -75,7 +75,7 @@ impl Piece {
         }
     }
 
-    /// Returns the length of the way of the tool, m.
+    /// Returns the length of the way of the tool on the piece, m.
     #[must_use]
     pub fn way(&self) -> f64 {
         match self {

@@ -6,21 +6,22 @@ use super::{MAX_PIECES, Piece, ToolPath};
 use core::f64::consts::PI;
 use rpi_kin::Pose;
 
-/// Why points and zones do not make a path.
+/// Reason why points and zones do not define a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZoneError {
     /// There are fewer than two points, or another number of zones than of inner points.
     Counts,
     /// There are more pieces than a path can have.
     TooManyPoints,
-    /// Two successive points are the same; the number of the first.
+    /// Two successive points are the same; the field is the number of the first one, from 0.
     SamePoint(usize),
-    /// The zone of this point is not positive. A path cannot turn without a zone: end the motion at the point.
+    /// The zone of the point with this number is not positive. A path cannot turn without a zone: end the motion at the
+    /// point.
     NoZone(usize),
-    /// The path turns back at this point.
+    /// The path turns back at the point with this number, by more than a corner can.
     Reversal(usize),
-    /// The tool turns so far on the way to or from this point that the turning decides the speed; there is no corner
-    /// then.
+    /// The tool turns so far on the way to or from the point with this number that the turning decides the speed; no
+    /// corner is possible there.
     TurningDecides(usize),
 }
 
@@ -46,7 +47,7 @@ impl core::fmt::Display for ZoneError {
 
 impl core::error::Error for ZoneError {}
 
-/// Shortest way between two points, and shortest line between two corners, m.
+/// Shortest permitted way between two points, and shortest line between two corners, m.
 const SHORTEST: f64 = 1e-9;
 
 /// Greatest turn of a corner, rad. Beyond, the curvature grows without bound.
@@ -95,7 +96,7 @@ impl ToolPath {
     }
 }
 
-/// Whether a length is too small for a line, or not a number.
+/// Returns whether a length is too small for a line, or not a number.
 fn is_short(length: f64) -> bool {
     length <= SHORTEST || length.is_nan()
 }

@@ -53,7 +53,7 @@ fn filtered(texts: Vec<String>, kept: &[bool]) -> Vec<String> {
         .collect()
 }
 
-/// Identifiers and numbers in a text.
+/// Identifiers and numbers in a Lustre text.
 fn tokens(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     words.filter(|word| !word.is_empty())

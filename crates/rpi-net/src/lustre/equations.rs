@@ -128,8 +128,8 @@ impl Translator<'_> {
         }
     }
 
-    /// Value and presence of an in-port as its primitive sees it; `None` if the value has no Lustre form, or if an
-    /// unconnected in-port has a default.
+    /// Lustre expressions for the value and presence of in-port `k` of a node; `None` if the value has no Lustre form,
+    /// or if an unconnected in-port has a default.
     pub(super) fn operand(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
         let seen = self.operand_presence(id, k)?;
         seen.value.is_some().then_some(seen)
@@ -183,7 +183,7 @@ impl Translator<'_> {
         }
     }
 
-    /// Constant duration in whole ticks of one period each.
+    /// Equation of a constant duration, as a number of whole ticks; `None` if it is not a whole number of periods.
     fn constant_ticks(&mut self, id: NodeId) -> Option<Equation> {
         let Input::Const(value) = self.net().node(id).inputs.first()? else {
             return None;

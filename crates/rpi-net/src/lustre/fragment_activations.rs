@@ -3,20 +3,20 @@
 use super::observed_flow::{ObservedFlow, PresenceCondition};
 use crate::net::FragmentId;
 
-/// Expressions for a fragment's activation (`None`: always active) and reset (`None`: never).
+/// Lustre expressions for the activation of a fragment (`None`: always active) and for its reset (`None`: never).
 #[derive(Clone, Default)]
 pub(super) struct FragmentActivation {
     pub(super) active: Option<String>,
     pub(super) reset: Option<String>,
 }
 
-/// Expressions of the fragments written so far.
+/// Activation and reset expressions of the fragments that have been translated.
 pub(super) struct FragmentActivations {
     fragments: Vec<FragmentActivation>,
 }
 
 impl FragmentActivations {
-    /// Fragments of a net that are always active and never reset.
+    /// Creates the table for a net with this number of fragments; at first all are always active and never reset.
     pub(super) fn new(fragments: usize) -> Self {
         FragmentActivations {
             fragments: vec![FragmentActivation::default(); fragments],

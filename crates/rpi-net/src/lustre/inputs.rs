@@ -126,5 +126,7 @@ fn unconstrained(desc: &PrimDesc, names: &[String], reader: Span) -> Option<Diag
     let message = format!("`{}` has no Lustre equivalent", desc.name);
     let label = format!("unconstrained input: {}", names.join(", "));
     let diagnostic = Diagnostic::new(Code::RPI9103, message);
-    Some(diagnostic.primary(reader, label))
+    Some(diagnostic.primary(reader, label).help(
+        "a model checker lets this input take any value: state by `assume` what is known about it",
+    ))
 }

@@ -47,9 +47,9 @@ use translator::Translator;
 /// Ports of the Lustre node in order, by the keys of the net. Without outputs, all exports become outputs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NodeInterface<'a> {
-    /// In-ports.
+    /// In-ports of the Lustre node.
     pub inputs: &'a [Column],
-    /// Out-ports.
+    /// Out-ports of the Lustre node.
     pub outputs: &'a [Column],
 }
 

@@ -66,7 +66,7 @@ const KEYWORDS: &[&str] = &[
     "xor",
 ];
 
-/// Names in use, each with the last number that was appended to it.
+/// Lustre names in use, each with the last number that was appended to it to make another name unique.
 #[derive(Default)]
 pub(super) struct Names {
     taken: BTreeMap<String, u32>,

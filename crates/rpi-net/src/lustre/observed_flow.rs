@@ -2,16 +2,16 @@
 
 use crate::net::AbsentPolicy;
 
-/// Value and presence of a flow as a reader sees it.
+/// Lustre expressions for the value and presence of a flow as a reader sees it.
 pub(super) struct ObservedFlow {
     /// Value expression; `None` for a type without Lustre equivalent.
     pub(super) value: Option<String>,
-    /// Presence condition.
+    /// Condition under which the flow is present.
     pub(super) presence: PresenceCondition,
 }
 
 impl ObservedFlow {
-    /// Expression that is true if the Boolean is true. `absent` is the meaning of an absent value.
+    /// Lustre expression that is true if the Boolean flow is true. `absent` is the meaning of an absent value.
     pub(super) fn holds(&self, absent: AbsentPolicy) -> String {
         let value = self.value.as_deref().unwrap_or("false");
         match (&self.presence, absent) {

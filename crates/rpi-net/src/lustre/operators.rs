@@ -6,7 +6,8 @@ pub(super) fn operator(prim: &str) -> Option<&'static str> {
     row.map(|row| row.1)
 }
 
-/// Lustre expression and default of a guarded primitive. `{0}` is the guard, the operands follow.
+/// Lustre expression of a primitive that is computed only while a guard is true, and the value otherwise. `{0}` is the
+/// guard, the operands follow.
 pub(super) fn guarded(prim: &str) -> Option<(&'static str, &'static str)> {
     let row = GUARDED.iter().find(|row| row.0 == prim);
     row.map(|row| (row.1, row.2))
@@ -18,16 +19,17 @@ pub(super) fn is_partial(prim: &str) -> bool {
     ends.iter().any(|end| prim.ends_with(end))
 }
 
-/// Role of an assertion for a model checker.
+/// Way in which a condition that a program asserts is passed to a model checker.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
-    /// The condition is assumed.
+    /// The model checker assumes the condition.
     Assume,
-    /// The condition is a property to prove.
+    /// The model checker must prove the condition.
     Property,
 }
 
-/// Role of a primitive that ends the command when a condition is false; `None` for other primitives.
+/// Way in which a primitive that ends the command when a condition is false is passed to a model checker; `None` for
+/// other primitives.
 pub(super) fn check(prim: &str) -> Option<Check> {
     let row = CHECKS.iter().find(|row| row.0 == prim);
     row.map(|row| row.1)

@@ -10,7 +10,7 @@ use crate::net::{
 use rpi_image::{CommandFlow, Role, Scalar, Type};
 use rpi_prims::registry;
 
-/// Exports that become outputs: those of the boundary, or all if the boundary has no outputs.
+/// Exports that become outputs of the Lustre node: those of the interface, or all if the interface lists no outputs.
 pub(super) fn exports(net: &Net, boundary: &NodeInterface<'_>) -> Vec<(String, Scalar, PortRef)> {
     let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
     if !boundary.outputs.is_empty() {
@@ -29,7 +29,7 @@ pub(super) fn exports(net: &Net, boundary: &NodeInterface<'_>) -> Vec<(String, S
     one.collect()
 }
 
-/// Results of a command; empty if the boundary selects the outputs.
+/// Results of a command that become outputs of the Lustre node; empty if the interface lists the outputs.
 pub(super) fn results<'n>(net: &'n Net, boundary: &NodeInterface<'_>) -> &'n [ResultPort] {
     match &net.termination {
         Termination::Results(results) if boundary.outputs.is_empty() => results,
@@ -38,13 +38,13 @@ pub(super) fn results<'n>(net: &'n Net, boundary: &NodeInterface<'_>) -> &'n [Re
 }
 
 impl Translator<'_> {
-    /// Reserves the name of an output.
+    /// Reserves the Lustre name of an output, so that no local flow gets it.
     pub(super) fn reserve(&mut self, key: &str) {
         let name = self.node.names.fresh(key);
         self.reserved.insert(key.to_owned(), name);
     }
 
-    /// Adds an output of the node. An output that may be absent gets a companion.
+    /// Adds an output of the Lustre node. An output that may be absent gets a second, Boolean output for its presence.
     pub(super) fn output(&mut self, key: &str, ty: Scalar, source: PortRef) {
         let seen = self.seen(FragmentId::ROOT, &Input::Port(source), ty);
         let (Some(value), Some(name)) = (seen.value, type_name(ty)) else {
@@ -89,7 +89,7 @@ impl Translator<'_> {
         }
     }
 
-    /// Condition of a result. A `yield` also needs a successor.
+    /// Lustre expression for the condition of a result. A `yield` also needs a successor.
     fn result_condition(&mut self, result: &ResultPort) -> String {
         let seen = self.seen(FragmentId::ROOT, &result.condition, Scalar::Bool);
         let condition = seen.holds(AbsentPolicy::Inactive);

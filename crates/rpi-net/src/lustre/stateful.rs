@@ -9,7 +9,7 @@ use crate::passes::FlowPresence;
 use rpi_image::Scalar;
 
 impl Translator<'_> {
-    /// Last value that was present; the initial value before the first one.
+    /// Equation of a hold: the last value that was present, or the initial value before the first one.
     pub(super) fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [given, initial] = &seen[..] else {
@@ -70,7 +70,7 @@ impl Translator<'_> {
         })
     }
 
-    /// Boolean that is true in the first cycle of the fragment.
+    /// Equation of `first`: a Boolean that is true in the first cycle of the fragment.
     pub(super) fn first(&mut self, id: NodeId) -> Option<Equation> {
         let fragment = self.net().node(id).fragment;
         let like = self.flow(PortRef { node: id, port: 0 });

@@ -10,7 +10,7 @@ use rpi_diag::Diagnostic;
 use rpi_image::{Scalar, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Translation of a net that is under way.
+/// State of the translation of a net to a Lustre node.
 pub(super) struct Translator<'n> {
     pub(super) analysis: &'n Analysis,
     /// Period of a cycle in nanoseconds.
@@ -76,7 +76,7 @@ impl<'n> Translator<'n> {
         format!("{}_is", self.flow(port))
     }
 
-    /// Presence of a flow in the cycles in which its fragment is active.
+    /// Presence condition of a flow in the cycles in which its fragment is active.
     pub(super) fn own_presence(&mut self, port: PortRef) -> PresenceCondition {
         match self.analysis.presences.own(port) {
             FlowPresence::Total => PresenceCondition::Always,
@@ -85,7 +85,8 @@ impl<'n> Translator<'n> {
         }
     }
 
-    /// Value and presence of an input's source as a reader in the fragment `reader` sees them.
+    /// Lustre expressions for the value and presence of an input's source, as seen by a reader in the fragment
+    /// `reader`.
     pub(super) fn seen(&mut self, reader: FragmentId, input: &Input, ty: Scalar) -> ObservedFlow {
         match input {
             Input::Unconnected => ObservedFlow {

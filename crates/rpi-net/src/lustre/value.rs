@@ -13,7 +13,7 @@ pub(super) fn literal(value: &Value) -> Option<String> {
     value.as_real().filter(|x| x.is_finite()).map(real)
 }
 
-/// Neutral value of a type.
+/// Lustre literal of the neutral value of a type; `None` for a type without Lustre equivalent.
 pub(super) fn neutral(scalar: Scalar) -> Option<&'static str> {
     match scalar {
         Scalar::Bool => Some("false"),

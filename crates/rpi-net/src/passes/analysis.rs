@@ -13,7 +13,7 @@ use crate::net::{FragmentId, Net, PortRef};
 use crate::verify_error::VerifyError;
 use rpi_diag::{Diagnostic, Severity};
 
-/// Net with the analysis results of the passes.
+/// Net with the results of the analysis passes.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     /// Net after the passes, which may have changed it.
@@ -24,9 +24,9 @@ pub struct Analysis {
     pub diagnostics: Vec<Diagnostic>,
     /// Summary of each pass: its name and one line of text.
     pub summary: Vec<(&'static str, String)>,
-    /// Readers of each node; dropped after the last pass.
+    /// Readers of each node; emptied after the last pass.
     users: Readers,
-    /// Dependency graphs; dropped after scheduling to save memory.
+    /// Dependency graphs; emptied after scheduling to save memory.
     dependencies: Dependencies,
     /// Order of evaluation; `None` if the net has a dependency cycle.
     pub schedule: Option<Schedule>,
@@ -64,13 +64,13 @@ impl Analysis {
         Ok(())
     }
 
-    /// Drops the tables that only passes read.
+    /// Empties the tables that only passes need.
     fn drop_pass_tables(mut self) -> Self {
         self.users = Readers::new(&Net::new(""));
         self
     }
 
-    /// Borrows the tables that proofs read.
+    /// Returns the tables that proofs about flows need, by reference.
     fn proof_context(&self) -> ProofContext<'_> {
         ProofContext {
             net: &self.net,
@@ -87,7 +87,7 @@ impl Analysis {
     }
 }
 
-/// Pass over a net, which checks or computes one property.
+/// Analysis pass over a net, which checks or computes one property.
 pub struct Pass {
     /// Name of the pass.
     pub name: &'static str,
@@ -99,7 +99,7 @@ pub struct Pass {
 /// Selects ports that count as optional regardless of their presence rule.
 type ForcedOptional<'a> = dyn Fn(PortRef) -> bool + 'a;
 
-/// Passes in the order in which they run.
+/// Analysis passes in the order in which they run.
 pub const PASSES: &[Pass] = &[
     Pass {
         name: "structure",

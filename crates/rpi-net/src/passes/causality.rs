@@ -15,7 +15,8 @@ use rpi_image::{Scalar, Type};
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
-/// Maximal number of steps shown. Dependency cycles of programs are shorter, those of damaged nets need not be.
+/// Maximal number of steps of a dependency cycle that a diagnostic shows. Cycles in programs are shorter, those of
+/// damaged nets need not be.
 const SHOWN: usize = 40;
 
 /// Returns a diagnostic for each dependency cycle of a net.
@@ -186,7 +187,7 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     steps
 }
 
-/// Locations at which the source of an edge is read on the paths to the named item `end`.
+/// Locations at which the flow at the source of an edge is read on the paths to the named item `end`.
 fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span> {
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return Vec::new();
@@ -224,7 +225,7 @@ fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool 
     !ways.any(|edge| leads_along(net, graph, (edge.target(), end), always))
 }
 
-/// Whether the reader reads its source in all cycles but the first: the right side of a `->`.
+/// Whether a reader uses its source in all cycles but the first: the right side of a `->`.
 fn is_after_first(net: &Net, reader: Reader) -> bool {
     let Reader::Input(id, port) = reader else {
         return false;
@@ -365,7 +366,7 @@ fn delay_fix(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix 
     })
 }
 
-/// First value for a delay of a node's output; `None` for types without an obvious one.
+/// Literal for the first value of a delay of a node's output; `None` for types without an obvious one.
 fn first_value(net: &Net, id: NodeId) -> Option<&'static str> {
     match net.node(id).outputs.first()? {
         Type::Scalar(Scalar::Bool) => Some("false"),

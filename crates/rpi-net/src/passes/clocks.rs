@@ -19,7 +19,8 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 /// Items that run between entering and leaving a fragment, in order. A fragment in the list is entered there once more.
 pub(super) type ClockRun = Vec<Item>;
 
-/// Runs of a fragment and of the clock fragments in it; `None` if there is a dependency cycle.
+/// Schedules a fragment together with the clock fragments in it. Returns the runs of each; `None` if there is a
+/// dependency cycle.
 pub(super) fn runs(
     net: &Net,
     dependencies: &Dependencies,
@@ -31,7 +32,7 @@ pub(super) fn runs(
     (order.remaining == 0).then_some(order.runs)
 }
 
-/// Scheduling state of a clock, or of the level itself.
+/// Scheduling state of one clock, or of the enclosing fragment that is being scheduled.
 #[derive(Default)]
 struct ClockState {
     /// Operations whose inputs have all been scheduled.
@@ -51,13 +52,13 @@ struct ClockScheduler<'a> {
     clocks: BTreeMap<FragmentId, ClockState>,
     /// For each vertex, the number of edges that are not satisfied yet.
     waiting: Vec<usize>,
-    /// For each vertex, whether it is scheduled with its first reader.
+    /// For each vertex, whether it is scheduled right before its first reader, to avoid an extra entry of its clock.
     deferred: Vec<bool>,
     /// For each vertex, whether it has been scheduled.
     done: Vec<bool>,
     /// Number of vertices that have not been scheduled.
     remaining: usize,
-    /// Stack of the entered clocks, each with its current run.
+    /// Stack of the clocks that have been entered, each with the items of its current run.
     open: Vec<(FragmentId, ClockRun)>,
     runs: Vec<(FragmentId, ClockRun)>,
 }
@@ -97,7 +98,7 @@ impl<'a> ClockScheduler<'a> {
         order
     }
 
-    /// Fragment that directly contains a vertex.
+    /// Fragment that directly contains the item of a vertex.
     fn fragment_of(&self, v: NodeIndex) -> FragmentId {
         match self.graph[v] {
             Item::Node(id) => self.net.node(id).fragment,
@@ -105,13 +106,13 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Clocks from a fragment outwards, excluding the level.
+    /// Clocks from a fragment outwards, up to but not including the fragment that is being scheduled.
     fn outwards(&self, from: FragmentId) -> impl Iterator<Item = FragmentId> + use<'a> {
         let level = self.level;
         self.net.ancestors(from).take_while(move |f| *f != level)
     }
 
-    /// Clocks that are entered on the way from one vertex to another.
+    /// Clocks that contain the vertex `to` but not the vertex `from`: those entered to run `to` after `from`.
     fn entered(&self, from: NodeIndex, to: NodeIndex) -> Vec<FragmentId> {
         let (from, to) = (self.fragment_of(from), self.fragment_of(to));
         if from == to {
@@ -122,7 +123,8 @@ impl<'a> ClockScheduler<'a> {
         clocks.filter(|clock| !around.contains(clock)).collect()
     }
 
-    /// Whether a vertex depends only on its clock and is read only in that clock.
+    /// Whether a vertex depends on nothing but its clock and is read only in that clock, so that it can be deferred to
+    /// its first reader.
     fn is_carried(&self, v: NodeIndex) -> bool {
         let Item::Node(id) = self.graph[v] else {
             return false;
@@ -166,7 +168,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Updates the entry of a clock among the candidates of its parent.
+    /// Updates a clock in the candidate list of its parent, from which the next clock to enter is chosen.
     fn update_candidate(&mut self, id: FragmentId) {
         let Some(clock) = self.clocks.get(&id) else {
             return;
@@ -217,7 +219,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Schedules a vertex after the vertices that are carried to it.
+    /// Schedules a vertex after the vertices that were deferred to it.
     fn schedule_with_deferred(&mut self, v: NodeIndex) {
         let mut carried: Vec<NodeIndex> = self
             .graph
@@ -241,7 +243,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Leaves the current clock.
+    /// Ends the current run and returns to the enclosing clock.
     fn leave(&mut self) {
         let Some((at, run)) = self.open.pop() else {
             return;
@@ -255,7 +257,7 @@ impl<'a> ClockScheduler<'a> {
         self.schedule_deferred();
     }
 
-    /// Schedules carried vertices without a reader in this cycle at the end of their clocks.
+    /// Schedules the deferred vertices that no vertex in this cycle reads, at the end of their clocks.
     fn schedule_deferred(&mut self) {
         let rest = |v: &NodeIndex| self.deferred[v.index()] && !self.done[v.index()];
         let rest: Vec<NodeIndex> = self.graph.node_indices().filter(rest).collect();

@@ -8,7 +8,7 @@ use crate::prim;
 use rpi_image::{CommandFlow, Role, Value};
 use std::collections::BTreeSet;
 
-/// Literals of a conjunction. All of them hold exactly if the flow is true.
+/// Boolean flow decomposed into literals: it is true exactly if all of them hold.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct Conjunction {
     /// Required value of the cancel request: `Some(true)` if the command must have been cancelled, `None` if it does

@@ -76,8 +76,8 @@ fn sources(net: &Net, id: NodeId) -> impl Iterator<Item = NodeId> + '_ {
     ports.map(|port| port.node)
 }
 
-/// Connected components of the dead nodes. A group without a delay is left out, since it is reported as a dependency
-/// cycle.
+/// Connected components of the nodes in dead state. A group without a delay is left out, since it is reported as a
+/// dependency cycle.
 fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     let mut joined: UnionFind<u32> = UnionFind::new(idle.len());
     let members = || net.node_ids().filter(|id| idle[id.index()]);
@@ -98,7 +98,7 @@ fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     groups.into_values().collect()
 }
 
-/// Maximal number of flows named in a diagnostic.
+/// Maximal number of flows that one diagnostic names.
 const SHOWN: usize = 8;
 
 fn diagnostic(places: &[Span], names: &[&str]) -> Diagnostic {

@@ -13,7 +13,7 @@ use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_image::{Role, Value};
 
-/// Reader of a flow.
+/// Reader of a flow: an in-port, or a condition of a fragment.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reader {
     /// In-port of a node, by index.
@@ -175,7 +175,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Innermost fragment with a graph that is or encloses `fragment`.
+    /// Innermost fragment that is or encloses `fragment` and has a dependency graph of its own; clock fragments have
+    /// none.
     fn level(&self, fragment: FragmentId) -> FragmentId {
         let mut around = self.net.ancestors(fragment);
         let level = around.find(|around| !self.net.fragment(*around).is_clock);
@@ -202,7 +203,8 @@ impl<'a> Builder<'a> {
         self.graphs[level.index()].add_edge(from, to, Dependency { source, reader });
     }
 
-    /// Vertex that waits for the flow at this level; `None` for a delay, which waits for nothing.
+    /// Vertex in the graph of `level` that must wait for the flow because of this reader; `None` for a delay, which
+    /// waits for nothing.
     fn reading_vertex(
         &self,
         reader: Reader,

@@ -92,7 +92,7 @@ fn redirect(net: &mut Net, reader: Reader, to: PortRef) {
     }
 }
 
-/// Returns a name like `preferred` that is unused in a fragment.
+/// Returns an unused name in a fragment: `preferred`, with a number appended if necessary.
 fn free_name(net: &Net, level: FragmentId, preferred: &str) -> String {
     let nodes = net
         .nodes

@@ -26,9 +26,9 @@ struct Search<'n> {
     net: &'n Net,
     live: Vec<bool>,
     seen: Vec<bool>,
-    /// Index of the node that the sweep has reached.
+    /// Index of the node that the backward sweep over all nodes has reached.
     sweep: usize,
-    /// Live nodes behind the sweep that still have to be followed.
+    /// Live nodes that the sweep has passed already, whose inputs still have to be marked.
     open: Vec<NodeId>,
 }
 

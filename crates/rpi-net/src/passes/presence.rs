@@ -13,10 +13,10 @@ use rpi_image::{Presence, Role};
 use smallvec::SmallVec;
 use std::ops::BitOr;
 
-/// Fragments between a flow and its reader. Usually few.
+/// Fragments that may be inactive while a reader is active, between a flow and that reader. Usually few.
 type Gates = SmallVec<[FragmentId; 4]>;
 
-/// Presence of a flow in the cycles in which its fragment is active.
+/// Presence of a flow, given that its fragment is active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum FlowPresence {
     /// Present in every cycle.
@@ -27,7 +27,7 @@ pub enum FlowPresence {
     Never,
 }
 
-/// Presence of a flow for one of its readers: present exactly if the flow is and all fragments in `through` are active.
+/// Presence of a flow as seen by one of its readers.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct View {
     /// Presence of the flow within its own fragment.
@@ -77,7 +77,7 @@ impl Presences {
         presences
     }
 
-    /// Presence of a flow within its own fragment.
+    /// Presence of a flow in the cycles in which its own fragment is active.
     #[must_use]
     pub fn own(&self, port: PortRef) -> FlowPresence {
         self.states(port).sureness()
@@ -281,7 +281,7 @@ impl BitOr for States {
     }
 }
 
-/// Presence of a node's inputs together, as far as the presence rules need it.
+/// Presence of all inputs of a node together, as far as the presence rules need it.
 struct InputStates {
     /// States of the first connected input.
     first: States,
@@ -316,7 +316,8 @@ impl InputStates {
         self.any_unknown |= states == States::UNKNOWN;
     }
 
-    /// States of an out-port under its rule. Monotonic in the states of the inputs, so that a least fixed point exists.
+    /// Presence states of an out-port under its rule. Monotonic in the states of the inputs, so that a least fixed
+    /// point exists.
     fn output(&self, rule: Presence) -> States {
         match rule {
             Presence::Always => States::PRESENT,
@@ -334,7 +335,7 @@ impl InputStates {
     }
 }
 
-/// States of a delay's output: its initial value, then the states of its input.
+/// Presence states of a delay's output: absent or present like its initial value, then like its input.
 fn delayed(rule: Presence, input: States) -> States {
     match rule {
         Presence::Maybe => States::ABSENT | input,
@@ -356,7 +357,7 @@ fn same_activation(
         .any(|f| net.fragment(f).activation == *activation)
 }
 
-/// Activity of a fragment as far as its condition is constant.
+/// Whether a fragment is active always, sometimes or never when its parent is, as far as its condition is constant.
 fn activity(net: &Net, activation: &Activation) -> FlowPresence {
     let Activation::When { condition, .. } = activation else {
         return FlowPresence::Total;

@@ -13,7 +13,7 @@ use rpi_diag::{Code, Diagnostic};
 use rpi_image::{Presence, Role};
 use std::collections::BTreeSet;
 
-/// Maximal number of actuators of a command for which the solver is used.
+/// Maximal number of actuators of a command for which the model checker is used.
 const MAX_SOLVER_CALLS: usize = 8;
 /// Maximal number of reasons shown for one actuator.
 const MAX_REASONS: usize = 4;
@@ -35,8 +35,8 @@ pub(crate) struct MissingSetpoint {
     reasons: BTreeSet<Reason>,
 }
 
-/// Returns the actuators of a program that may have no set-point in some cycle, each once. Imported nets are not
-/// checked: there is no source to correct.
+/// Returns the actuators of a program that may have no set-point in some cycle. Imported nets are not checked: there is
+/// no source to correct.
 pub(crate) fn missing_setpoints(
     background: ProofContext<'_>,
     schedule: Option<&Schedule>,
@@ -83,7 +83,7 @@ pub(crate) fn missing_setpoints(
     gaps
 }
 
-/// Whether the net is checked. Tests drive no actuators.
+/// Whether the set-points of a net are checked. Tests drive no actuators.
 fn is_checked(net: &Net) -> bool {
     !net.is_test && matches!(net.termination, Termination::Results(_))
 }
@@ -93,7 +93,7 @@ fn is_same_port(a: &Resource, b: &Resource) -> bool {
     a.device == b.device && a.port == b.port
 }
 
-/// Whether an event occurs in every cycle according to the presence analysis alone.
+/// Whether an event occurs in every cycle, as far as the presence analysis alone shows.
 fn is_always(background: ProofContext<'_>, event: &Event) -> bool {
     let (gates, open) = background.obstacles(event);
     gates.is_empty() && open.is_empty()

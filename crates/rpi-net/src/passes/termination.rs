@@ -6,7 +6,8 @@ use crate::net::{FragmentId, Input, Net, PortRef, ResultKind, ResultPort, Termin
 use rpi_diag::{Code, Diagnostic};
 use rpi_image::{CommandFlow, Role};
 
-/// Returns diagnostics about the results of a program. Imported nets may run until they are stopped from outside.
+/// Checks when a program can end. Returns diagnostics about its results. Imported nets are not checked: they may run
+/// until they are stopped from outside.
 pub(crate) fn check(background: ProofContext<'_>) -> Vec<Diagnostic> {
     let Termination::Results(results) = &background.net.termination else {
         return Vec::new();
@@ -93,7 +94,7 @@ impl Proofs<'_> {
         }
     }
 
-    /// Whether a condition is false whenever all `others` are false.
+    /// Whether it is proved that a condition is false whenever all `others` are false.
     fn never_without(&self, condition: PortRef, others: &[PortRef]) -> bool {
         let seen = (FragmentId::ROOT, condition);
         never_true_without(self.background, &self.effort, seen, others)
@@ -129,7 +130,8 @@ impl<'r> Precedence<'r> {
         }
     }
 
-    /// First result that takes precedence over result `at` whenever the condition of `at` is true.
+    /// First result that takes precedence over result `at` whenever the condition of `at` is true; `None` if there is
+    /// none.
     fn preceded_by(&self, proofs: &Proofs<'_>, at: usize) -> Option<&'r ResultPort> {
         let own = &self.results[at];
         let is_fail = own.kind == ResultKind::Fail;
@@ -169,7 +171,11 @@ fn precedence_labels(
             format!("whenever this is true, `{}` takes precedence", first.name),
         )
         .secondary(first.origin.span, "this is also true then")
-        .help("`fail` comes first, then the other results in text order")
+        .note("`fail` comes first, then the other results in text order")
+        .help(format!(
+            "exclude the other result: add `and not` with the condition of `{}`, or delete this result",
+            first.name
+        ))
 }
 
 /// Flows that say whether a successor takes over.

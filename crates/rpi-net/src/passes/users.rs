@@ -38,7 +38,7 @@ impl Readers {
     }
 }
 
-/// Calls `visit` with each pair of a node that is read and its reader, in the order of the readers.
+/// Calls `visit` for each link of a net with the node that is read and the reader, in the order of the readers.
 fn each_link(net: &Net, mut visit: impl FnMut(NodeId, NodeId)) {
     for (reader, node) in net.node_ids().zip(&net.nodes) {
         for port in node.inputs.iter().filter_map(Input::port) {

@@ -11,7 +11,7 @@ use rpi_image::{Type, Value};
 /// up.
 const MAX_COMPARED: usize = 64;
 
-/// Bounds in elementary operations (one real addition is 1).
+/// Upper bounds of the work of a cycle, in elementary operations (one real addition is 1).
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct WorkBounds {
     /// For each fragment, the bound of its own primitives and all child fragments.
@@ -43,7 +43,7 @@ impl WorkBounds {
     }
 }
 
-/// Bound of a primitive: its declared work, scaled by the largest array or matrix that it reads or writes.
+/// Work bound of a primitive: its declared work, scaled by the largest array or matrix that it reads or writes.
 fn work_of(net: &Net, node: &Node) -> u64 {
     let inputs = node.inputs.iter().filter_map(|input| type_of(net, input));
     let params = node.params.iter().filter_map(Value::ty);
@@ -63,7 +63,7 @@ fn type_of(net: &Net, input: &Input) -> Option<Type> {
     }
 }
 
-/// Bound of the children of a fragment. In a group of mutually exclusive children, only the largest counts.
+/// Work bound of the children of a fragment. Of mutually exclusive children, only the largest counts.
 fn children(prover: &mut Prover<'_>, tree: &FragmentTree, id: FragmentId, of: &[u64]) -> u64 {
     // In descending order, so that the first member of a group has its largest bound.
     let mut sorted = tree.children(id).to_vec();
@@ -101,7 +101,7 @@ pub struct MachineProfile {
 }
 
 impl Default for MachineProfile {
-    /// Conservative estimate: a ten-year-old machine with cold caches in every cycle, and a period of 1 ms.
+    /// Profile of a slow machine: ten years old, with cold caches in every cycle, and a period of 1 ms.
     fn default() -> MachineProfile {
         MachineProfile {
             ns_per_operation: 10.0,
@@ -118,7 +118,7 @@ impl MachineProfile {
     }
 }
 
-/// Compares the bounds with the declared budgets of a program and with the period. Returns a diagnostic for each
+/// Compares the work bounds with the declared budgets of a program and with the period. Returns a diagnostic for each
 /// excess.
 #[must_use]
 pub fn over_budget(net: &Net, work: &WorkBounds, machine: MachineProfile) -> Vec<Diagnostic> {

@@ -16,7 +16,7 @@ use std::fmt;
 /// Maximal number of pairs of writers that are examined. Further pairs count as not proved.
 const MAX_PAIRS: usize = 20_000;
 
-/// Maximal number of pairs for which the solver is used.
+/// Maximal number of pairs for which the model checker is used.
 const MAX_SOLVER_PAIRS: usize = 200;
 
 /// Ports of the reference system's arms that drive the same motion.
@@ -42,20 +42,20 @@ impl fmt::Display for Resource {
 /// Pair of writers of the same resource, or of alternative ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct WriterPair {
-    /// Nodes that write.
+    /// Nodes that write the two ports.
     pub writers: [NodeId; 2],
     /// Whether the writers are proved never to write in the same cycle.
     pub exclusive: bool,
 }
 
-/// All writers of a net.
+/// Writers of the actuators of a net, and the pairs of them that might write in the same cycle.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Writers {
     /// Writers of each resource, in declaration order.
     pub by_resource: BTreeMap<Resource, Vec<NodeId>>,
     /// All pairs of writers that might write in the same cycle.
     pub pairs: Vec<WriterPair>,
-    /// Verdicts of the solver for the pairs that the fact-based prover did not decide.
+    /// Verdicts of the model checker for the pairs that the fact-based prover did not decide.
     verdicts: BTreeMap<[NodeId; 2], Verdict>,
 }
 
@@ -84,7 +84,7 @@ impl Writers {
         }
     }
 
-    /// Names of the solver methods that proved pairs exclusive, each once.
+    /// Names of the methods of the model checker that proved pairs exclusive, each once.
     pub(crate) fn methods(&self) -> Vec<String> {
         let methods = self.verdicts.values().filter_map(|verdict| match verdict {
             Verdict::Exclusive(method) => Some(*method),
@@ -180,7 +180,7 @@ fn prove_pairs(background: ProofContext<'_>, pairs: &[[NodeId; 2]]) -> Vec<Write
     pairs.iter().zip(exclusive).map(pair).collect()
 }
 
-/// Event that a writer writes: its fragment is active and its inputs are present.
+/// The event that a writer writes: its fragment is active and its inputs are present.
 pub(crate) fn write_event(net: &Net, writer: NodeId) -> Event {
     let node = net.node(writer);
     Event {
@@ -189,7 +189,7 @@ pub(crate) fn write_event(net: &Net, writer: NodeId) -> Event {
     }
 }
 
-/// Verdicts of the solver for the pairs that are not proved yet.
+/// Verdicts of the model checker for the pairs that are not proved exclusive yet.
 fn solve_pairs(
     background: ProofContext<'_>,
     schedule: &Schedule,
@@ -248,7 +248,7 @@ fn in_text_order(
     }
 }
 
-/// Diagnostic for two set-points with their locations.
+/// Creates the diagnostic for two set-points of the same actuator, with labels at both locations.
 fn diagnostic(
     net: &Net,
     (code, message): (Code, String),

@@ -9,13 +9,13 @@ use rpi_image::{Fallback, InPort, Param, ParamType, PortDefault, PortType, PrimD
 use rpi_literal::LiteralError;
 use smallvec::SmallVec;
 
-/// Inputs and parameters of a primitive.
+/// Inputs and parameters of a primitive, as read from the text of a net.
 pub(super) struct PrimitiveInputs {
     pub(super) inputs: Inputs,
     pub(super) params: Vec<Value>,
 }
 
-/// Reads the arguments of one primitive and checks them against its descriptor.
+/// Reader of the arguments of one primitive, which checks them against its declaration.
 pub(super) struct Arguments<'a, 'b, 't> {
     pub(super) links: &'a mut LinkResolver<'b, 't>,
     pub(super) diagnostics: &'a mut Vec<Diagnostic>,
@@ -26,7 +26,7 @@ pub(super) struct Arguments<'a, 'b, 't> {
     pub(super) is_error_free: bool,
 }
 
-/// Connected in-port, by index. Its origin is `None` if the error was already reported.
+/// In-port that the text connects, by index. Its origin is `None` if the link has an error that was already reported.
 type ConnectedPort = (usize, Option<PortRef>);
 /// Parameter with its value.
 type Setting<'t> = (&'t str, Value);
@@ -242,7 +242,7 @@ fn connect(desc: &PrimDesc, links: &[ConnectedPort], settings: &[Setting<'_>]) -
     }
 }
 
-/// Value of the parameters that replace a missing link; `None` if the in-port has no such parameter.
+/// Value of the parameters that replace an unconnected in-port; `None` if the in-port has no such parameter.
 fn default_input(port: &InPort, setting: impl Fn(&str) -> Option<Value>) -> Option<Value> {
     match port.fallback {
         Fallback::Required | Fallback::AbsentValue => None,

@@ -117,7 +117,7 @@ impl<'t> Builder<'_, 't> {
         self.fragments[body as usize] = self.net.add_fragment(fragment);
     }
 
-    /// Fragment that directly contains a definition.
+    /// Fragment of the net that directly contains a definition of the text.
     fn enclosing_fragment(&self, id: DefinitionId) -> FragmentId {
         self.fragments[self.text.definition(id).scope as usize]
     }
@@ -233,7 +233,7 @@ impl<'t> Linker<'_, '_, 't> {
         }
     }
 
-    /// Source of an in-port of a fragment.
+    /// Out-port to which the text connects an in-port of a fragment; `None` if an error was reported.
     fn argument(&mut self, scope: BodyId, argument: &Argument) -> Option<PortRef> {
         match argument.value {
             ArgumentValue::Link(source) => self.links.resolve(scope, source, self.diagnostics),

@@ -10,10 +10,10 @@ use rpi_image::PortType;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Node and primitive of each definition; `None` for fragments and undefined primitives.
+/// Node and primitive for each definition of the text; `None` for fragments and undefined primitives.
 pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
 
-/// Resolver of links.
+/// Resolver of the links in the text of a net: it follows them across fragment borders to a primitive.
 pub(super) struct LinkResolver<'a, 't> {
     pub(super) text: &'a ParsedText<'t>,
     pub(super) names: &'a SymbolTable<'t>,
@@ -44,7 +44,7 @@ enum Resolution {
     Resolved(Option<PortRef>),
 }
 
-/// Result of following a link by one step.
+/// Result of following a link by one step: a primitive, or a further port on a border.
 enum Step {
     Node(PortRef),
     Border(BorderPort),
@@ -52,13 +52,13 @@ enum Step {
 
 /// Reason why a link cannot be resolved.
 enum LinkError {
-    /// An error that is reported at its own location.
+    /// The name belongs to a definition with an error that is reported there.
     AlreadyReported,
-    /// Undefined name.
+    /// The link names a definition that does not exist.
     UndefinedName,
-    /// Undefined port of a known definition.
+    /// The link names a port that its definition does not have.
     UndefinedPort,
-    /// `parent` in the root fragment, which has none.
+    /// The link begins with `parent` in the root fragment, which has no parent.
     NoParent,
 }
 
@@ -263,7 +263,7 @@ impl<'a, 't> LinkResolver<'a, 't> {
         }
     }
 
-    /// Description of a link's subject, and the names of the ports from which a link may originate.
+    /// Description of the definition that a link names, and the names of its ports from which a link may originate.
     fn ports_of(&self, scope: BodyId, source: Source) -> (String, Vec<&'t str>) {
         let id = match source.subject {
             Subject::Name(word) if self.str(word) == PARENT => {

@@ -11,7 +11,7 @@ use rpi_diag::{Code, Diagnostic, FileId};
 
 mod cursor;
 
-/// Maximal nesting depth of fragments and primitives. Nets of the reference system have at most 5 levels.
+/// Maximal nesting depth of fragments and primitives in a text. Nets of the reference system have at most 5 levels.
 pub const MAX_DEPTH: usize = 100;
 
 /// Parses the text of a net.
@@ -43,7 +43,7 @@ struct Parser<'t> {
     out: ParsedText<'t>,
     offset: usize,
     depth: usize,
-    /// Arguments of the definitions that are not closed yet, innermost last.
+    /// Arguments parsed so far of the definitions that are not closed yet, innermost last.
     open: Vec<Argument>,
     diagnostics: Vec<Diagnostic>,
 }

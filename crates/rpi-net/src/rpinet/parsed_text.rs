@@ -5,10 +5,10 @@
 
 use rpi_diag::{FileId, Span};
 
-/// Text with its parsed elements.
+/// Text of a net with its parsed definitions, arguments and fragments.
 #[derive(Debug)]
 pub(super) struct ParsedText<'t> {
-    /// File of the text.
+    /// File that contains the text.
     pub(super) file: FileId,
     /// Whole text.
     pub(super) text: &'t str,
@@ -20,7 +20,7 @@ pub(super) struct ParsedText<'t> {
     pub(super) fragments: Vec<Body>,
 }
 
-/// Range of the text in bytes, or of a list.
+/// Range of bytes in the text, or range of indices in a list.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct TextRange {
     pub(super) start: u32,
@@ -53,7 +53,7 @@ pub(super) type DefinitionId = u32;
 /// Index into [`Text::fragments`].
 pub(super) type BodyId = u32;
 
-/// Primitive or fragment with its arguments.
+/// Definition of a primitive or fragment in the text, with its arguments.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Definition {
     /// Fragment that contains the definition.
@@ -69,12 +69,12 @@ pub(super) struct Definition {
     pub(super) place: TextRange,
 }
 
-/// Kind of a definition.
+/// Kind of a definition: primitive or fragment.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum DefinitionKind {
     /// Primitive with this type name.
     Primitive(Word),
-    /// Fragment.
+    /// Fragment with this content.
     Fragment(BodyId),
 }
 
@@ -96,7 +96,7 @@ pub(super) struct Output {
     pub(super) source: Source,
 }
 
-/// In-port or parameter with its value.
+/// Argument of a definition: an in-port or parameter with its value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Argument {
     pub(super) name: Word,
@@ -118,7 +118,7 @@ pub(super) struct Source {
     pub(super) port: Word,
 }
 
-/// Owner of the out-port of a link.
+/// Definition that a link names as the owner of the out-port.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Subject {
     Name(Word),

@@ -37,7 +37,7 @@ pub fn results_to_ports(analysis: &Analysis) -> (Net, Vec<Diagnostic>) {
     (ending.net, diagnostics)
 }
 
-/// Net under construction, with the analyses that it needs.
+/// Converter of results and exports to ports: the net under construction and the analyses that it needs.
 struct ResultConverter<'a> {
     net: Net,
     tree: FragmentTree,
@@ -182,7 +182,9 @@ fn lost_budgets(net: &Net) -> impl Iterator<Item = Diagnostic> + '_ {
             name => format!("`{name}`"),
         };
         let message = format!("the budget of {what} is lost in the `.rpinet` text");
-        Diagnostic::new(Code::RPI9102, message).primary(fragment.origin.span, "has a budget")
+        Diagnostic::new(Code::RPI9102, message)
+            .primary(fragment.origin.span, "has a budget")
+            .help("emit an image to keep it, or delete the budget if the text is enough")
     })
 }
 
@@ -229,6 +231,7 @@ fn lost_alternatives(net: &Net) -> impl Iterator<Item = Diagnostic> + '_ {
         );
         let diagnostic =
             Diagnostic::new(Code::RPI9102, message).primary(first.origin.span, "set here");
-        Some(diagnostic.secondary(second.origin.span, "and here"))
+        let diagnostic = diagnostic.secondary(second.origin.span, "and here");
+        Some(diagnostic.help("set only one of the two, or emit an image, which keeps the conflict"))
     })
 }

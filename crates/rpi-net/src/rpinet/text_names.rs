@@ -6,7 +6,7 @@ use crate::fragment_tree::{FragmentTree, Item};
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart, Termination};
 use std::collections::{BTreeSet, HashMap};
 
-/// Names of all elements of a net's text.
+/// Names that all elements of a net get in its text form.
 pub(super) struct TextNames<'a> {
     net: &'a Net,
     tree: &'a FragmentTree,
@@ -17,7 +17,7 @@ pub(super) struct TextNames<'a> {
     outputs: Vec<Border>,
 }
 
-/// In-ports or out-ports of a fragment.
+/// Ports on the border of a fragment in the text: in-ports or out-ports.
 #[derive(Clone, Default)]
 struct Border {
     ports: Vec<(String, Input)>,
@@ -78,8 +78,8 @@ impl<'a> TextNames<'a> {
             .map_or_else(own, String::as_str)
     }
 
-    /// Assigns names to the members of a fragment. A name changes if the text does not allow it or another member has
-    /// it.
+    /// Assigns text names to the nodes and fragments in a fragment. A name changes if the text form does not allow it
+    /// or another one has it.
     fn name_items(&mut self, fragment: FragmentId) {
         let mut taken = BTreeSet::from([PARENT.to_owned()]);
         for item in self.tree.items(fragment) {

@@ -4,9 +4,10 @@ use rpi_image::{ParamType, Type, Value};
 use rpi_literal::LiteralError;
 use std::borrow::Cow;
 
-/// Parses a parameter.
+/// Parses the text of a parameter of a primitive.
 ///
 /// # Errors
+///
 /// Returns an error if the text is not a value of the type.
 pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     match ty {
@@ -45,8 +46,8 @@ pub(super) fn neutral(ty: ParamType) -> Value {
     }
 }
 
-/// Returns the flow type of a parameter; arrays are empty. A text has no flow type, and its default does not use the
-/// one returned here.
+/// Returns the type that a flow with the value of a parameter would have; arrays are empty. A text has none; the type
+/// returned for it is not used.
 pub(super) fn flow_type(ty: ParamType) -> Type {
     match ty {
         ParamType::Scalar(scalar) => Type::Scalar(scalar),

@@ -14,7 +14,7 @@ use crate::net::{FragmentId, Input, Net, NodeId, PortRef, Termination};
 use rpi_image::{Fallback, InPort, Value};
 use std::fmt::Write;
 
-/// Formats a net. Its driver must be ports ([`super::with_ports`] converts results to ports).
+/// Formats a net as text. It must end by ports ([`super::results_to_ports`] converts results to ports).
 pub(super) fn write(net: &Net, tree: &FragmentTree) -> String {
     let mut writer = Writer {
         net,

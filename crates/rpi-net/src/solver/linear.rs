@@ -44,7 +44,7 @@ impl LinearTerm {
     }
 }
 
-/// Literal that is true exactly if a simplex variable is at most a bound.
+/// Literal of the SAT solver that is true exactly if a simplex variable is at most a bound.
 #[derive(Clone, Copy, Debug)]
 struct Atom {
     lit: Lit,
@@ -52,7 +52,7 @@ struct Atom {
     bound: i128,
 }
 
-/// All comparisons of a problem.
+/// Theory of linear integer arithmetic: all comparisons of a problem, decided by simplex.
 #[derive(Debug, Default)]
 pub(crate) struct LinearTheory {
     simplex: Simplex,
@@ -148,12 +148,12 @@ impl LinearTheory {
         lit
     }
 
-    /// Number of comparisons and variables that a check visits.
+    /// Number of comparisons and variables that a feasibility check visits.
     pub(crate) fn size(&self) -> usize {
         self.atoms.len() + self.simplex.size()
     }
 
-    /// Cost of the last check, in steps, besides the visit of each comparison.
+    /// Cost of the last feasibility check, in steps, besides the visit of each comparison.
     pub(crate) fn work(&self) -> u64 {
         self.simplex.work()
     }

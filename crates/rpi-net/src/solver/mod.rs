@@ -18,7 +18,7 @@ use simplex::Feasibility;
 /// Cost of a check of the comparisons, in steps per comparison and variable.
 const STEPS_PER_COMPARISON: u64 = 8;
 
-/// Incremental problem with its last solution.
+/// Incremental SAT solver with linear integer arithmetic: a problem, and its last solution.
 #[derive(Debug)]
 pub(crate) struct Solver {
     sat: Sat,
@@ -99,7 +99,7 @@ impl Solver {
         self.or(left, right)
     }
 
-    /// Adds an integer variable with inclusive bounds.
+    /// Adds an integer variable with inclusive bounds and returns its index.
     pub(crate) fn integer(&mut self, low: i64, high: i64) -> usize {
         self.comparisons.variable(low, high)
     }

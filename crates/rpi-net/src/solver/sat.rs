@@ -29,7 +29,7 @@ impl Lit {
         self.0 & 1 == 1
     }
 
-    /// Truth value of the literal if its variable has this value.
+    /// Truth value of the literal if its variable has the value `value`.
     fn under(self, value: bool) -> bool {
         value != self.is_negated()
     }
@@ -55,7 +55,7 @@ pub(crate) enum SatResult {
     Unknown,
 }
 
-/// Reason of a variable that no clause implies: a decision or a fact.
+/// Reason index of a variable that no clause implies: a decision or a fact.
 const NONE: u32 = u32::MAX;
 /// Growth factor of the activity increment per conflict (VSIDS).
 const DECAY: f64 = 1.0 / 0.95;
@@ -66,7 +66,8 @@ const STEPS_PER_DECISION: u64 = 4;
 /// Number of variables that a conflict marks in the time of one step.
 const VARIABLES_PER_STEP: u64 = 32;
 
-/// Clauses and a partial assignment. `limits` holds the trail length at each decision.
+/// Boolean satisfiability problem with the state of its search: clauses and a partial assignment. `limits` holds the
+/// trail length at each decision.
 #[derive(Debug)]
 pub(crate) struct Sat {
     clauses: Vec<Vec<Lit>>,

@@ -9,27 +9,27 @@ use super::sat::Lit;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Maximal number of branches for the integers per check.
+/// Maximal number of branches per feasibility check that make the variables integers.
 const BRANCHES: usize = 40;
-/// Maximal number of pivots per check.
+/// Maximal number of pivots per feasibility check.
 const PIVOTS: usize = 2_000;
 /// Cost of an update of a row, in steps of the SAT search.
 const STEPS_PER_ROW: u64 = 8;
 
-/// Justification of a bound.
+/// Reason for a bound of a variable, from which conflicts are explained.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Reason {
     Always,
     Asserted(Lit),
-    /// Assumption of a branch at this depth.
+    /// The bound was assumed by the branch at this depth of branch and bound.
     Branch(usize),
 }
 
-/// Result of a check.
+/// Result of a feasibility check of linear constraints.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Feasibility {
     Feasible,
-    /// These literals cannot all be true.
+    /// Infeasible: these literals cannot all be true.
     Infeasible(Vec<Lit>),
     Unknown,
 }
@@ -87,7 +87,7 @@ impl Simplex {
         self.variables.len()
     }
 
-    /// Approximate cost of the last check in steps.
+    /// Approximate cost of the last feasibility check, in steps of the SAT search.
     pub(crate) fn work(&self) -> u64 {
         (self.pivots + self.branches) as u64 * (self.rows.len() as u64 + 1) * STEPS_PER_ROW
     }
@@ -153,7 +153,8 @@ impl Simplex {
         }
     }
 
-    /// Restores the original rows: a pivot that overflows ends half-way and leaves the rows inconsistent.
+    /// Restores the rows of the tableau from the definitions of the sums: a pivot that overflows ends half-way and
+    /// leaves the rows inconsistent.
     fn restore_rows(&mut self) {
         self.rows.clone_from(&self.definitions);
         for variable in &mut self.variables {
@@ -249,7 +250,7 @@ impl Simplex {
         Ok(())
     }
 
-    /// First non-basic variable that can move the basic one in this direction. Choosing the first one guarantees
+    /// First non-basic variable by which the basic one can be moved up or down. Choosing the first one guarantees
     /// termination (Bland 1977).
     fn entering(&self, basic: usize, upwards: bool) -> Option<usize> {
         let row = self.rows.get(&basic)?;

@@ -39,7 +39,7 @@ primitive! {
     }
 }
 
-/// Maximum velocity and acceleration, each as (linear, angular).
+/// Limits of a motion: maximum velocity (m/s, rad/s) and acceleration (m/s², rad/s²), each as (linear, angular).
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
     pub(crate) velocity: (f64, f64),
@@ -49,8 +49,8 @@ pub(crate) struct Limits {
 /// Fraction of the acceleration used for planning the stop. The margin avoids overshoot in discrete time.
 const BRAKING_FRACTION: f64 = 0.8;
 
-/// Returns the velocity of the next period. `log` computes the rotation vector of a rotation (replaceable for
-/// [`crate::differences`]).
+/// Returns the velocity in the next period for a motion towards a goal pose. `log` computes the rotation vector of a
+/// rotation (replaceable for [`crate::differences`]).
 pub(crate) fn step(
     from: Pose,
     velocity: Twist,
@@ -72,7 +72,7 @@ pub(crate) fn step(
     add_scaled(velocity, change, share)
 }
 
-/// Returns the fraction of a path to cover per second.
+/// Returns the fraction of the remaining path `way` that is covered per second.
 fn path_rate(way: Twist, limits: Limits, dt: f64) -> f64 {
     let (linear, angular) = magnitudes(way);
     let stop =
@@ -85,12 +85,13 @@ fn path_rate(way: Twist, limits: Limits, dt: f64) -> f64 {
     per_period / dt
 }
 
-/// Returns the largest factor, at most 1, that scales a size within a bound.
+/// Returns the largest factor, at most 1, by which a vector of length `size` must be scaled so that it is not longer
+/// than `bound`.
 fn scale_within(size: f64, bound: f64) -> f64 {
     if size > bound { bound / size } else { 1.0 }
 }
 
-/// Returns the time for a path; 0 if there is no speed.
+/// Returns the time to travel a distance at a speed; 0 if the speed is 0.
 fn travel_time(way: f64, speed: f64) -> f64 {
     if speed > 0.0 { way / speed } else { 0.0 }
 }

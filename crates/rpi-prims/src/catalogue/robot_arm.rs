@@ -93,7 +93,7 @@ interface! {
 
 interface! {
     /// Inverse kinematics: joint positions (rad) for a pose of the tool in the base frame of the arm. The solution is
-    /// the one close to `inHintJoints`. All elements are not a number if there is no solution.
+    /// the one closest to `inHintJoints`. All elements are not a number if there is no solution.
     INV_KIN = "ArmKinematics::InvKin";
     in { inFrame: Pose; inHintJoints: Array<f64> }
     param { Robot: Text = Str("") }

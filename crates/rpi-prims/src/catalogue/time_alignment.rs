@@ -31,9 +31,7 @@ primitive! {
 }
 
 primitive! {
-    /// Smallest time range that contains two ranges: the newest one of one input, and the newest one of the other input
-    /// for which the result is shorter than `MaxSize` seconds. If there is none, the last result up to `MaxAge` seconds
-    /// ago; absent if there is none either.
+    /// Constant velocity of a motion from `inPrevFrame` to `inFrame` in one period, in coordinates of the base frame.
     CONSISTENT_RANGE = "Core::TimeConsistentRange";
     in { inFirstStart: Time; inFirstEnd: Time; inSecondStart: Time; inSecondEnd: Time }
     param { MaxSize: f64 = Real(1.0); MaxAge: f64 = Real(1.0) }

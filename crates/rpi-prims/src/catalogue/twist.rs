@@ -19,7 +19,7 @@ pub(super) const ALL: &[Prim] = &[
 ];
 
 primitive! {
-    /// Sum of two velocities.
+    /// Sum of two velocities (linear and angular parts).
     ADD = "World::TwistAdd";
     in { inFirst: Twist; inSecond: Twist }
     out { outValue: Twist }
@@ -127,7 +127,7 @@ pub(super) fn twist(linear: Vector, angular: Vector) -> Twist {
     Twist { linear, angular }
 }
 
-/// Returns the velocity, in base coordinates, that moves from one pose to another in `dt` seconds.
+/// Returns the constant velocity, in base coordinates, of a motion from one pose to another in `dt` seconds.
 pub(super) fn velocity(from: Pose, to: Pose, dt: f64) -> Twist {
     let way = to.translation.vector - from.translation.vector;
     let turn = geometry::log(to.rotation * from.rotation.inverse());

@@ -19,7 +19,8 @@ pub(super) fn cosine_as_sine(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value(libm::sin(case.input(0)?)))
 }
 
-/// Returns the axis of a rotation with its z component taken from the wrong elements of the matrix.
+/// Returns the axis of a rotation as the reference system computes it: the z component is taken from the wrong elements
+/// of the matrix.
 fn axis(rotation: Rotation) -> Vector {
     let m = geometry::matrix(rotation);
     let axis = Vector::new(m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][2]);
@@ -27,7 +28,7 @@ fn axis(rotation: Rotation) -> Vector {
     if length > 0.0 { axis / length } else { axis }
 }
 
-/// Returns the rotation vector with the wrong axis.
+/// Returns the rotation vector as the reference system computes it, with the wrong axis.
 fn log(rotation: Rotation) -> Vector {
     axis(rotation) * geometry::to_axis_angle(rotation).1
 }
@@ -42,7 +43,7 @@ pub(super) fn quaternion(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value(*parts.get(case.port)?))
 }
 
-/// Models interpolation about the wrong axis.
+/// Models an interpolation of poses about the wrong axis.
 pub(super) fn lerp(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     let (from, to, amount): (Pose, Pose, f64) = (case.input(0)?, case.input(1)?, case.input(2)?);
     let turn = log(from.rotation.inverse() * to.rotation) * amount;

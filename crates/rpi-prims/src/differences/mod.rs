@@ -14,16 +14,16 @@ use rpi_image::{PrimDesc, Value};
 
 pub use table::DIFFERENCES;
 
-/// Fault of the reference system that is not imitated.
+/// Known fault of the reference system that this system does not imitate: how to recognise it in a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
-    /// Short name.
+    /// Short name of the difference.
     pub name: &'static str,
     /// Registered names of the primitives; one `*` matches any text.
     pub types: &'static [&'static str],
     /// Names of the out-ports; one `*` matches any text.
     pub ports: &'static [&'static str],
-    /// Condition under which the fault appears.
+    /// Condition under which the fault appears in a recorded value.
     pub condition: Condition,
     /// Behaviour of the reference system.
     pub fault: &'static str,
@@ -33,7 +33,7 @@ pub struct Difference {
     pub test: &'static str,
 }
 
-/// Condition under which a fault appears.
+/// Condition under which a known fault of the reference system explains a recorded value.
 #[derive(Clone, Copy, Debug)]
 pub enum Condition {
     /// The recorded value equals the result of the fault model for the recorded inputs.
@@ -44,10 +44,11 @@ pub enum Condition {
     NothingRecorded,
     /// No value is recorded, although there should be one, because not all in-ports are connected.
     NotAllConnected,
-    /// The reference kept a reference to an object that its producer continues to modify. Parts of the recorded value
-    /// are those of the current value of an input.
+    /// The recorded value is partly a later one: the reference system kept a reference to an object that its producer
+    /// continues to modify. Parts of the value are those of the current value of an input.
     AliasedSource,
-    /// An input comes from such an object, which may have changed between its use and its recording.
+    /// An input comes from an object that its producer continues to modify (see [`Condition::AliasedSource`]). It may
+    /// have changed between its use and its recording.
     ReadsAliased,
     /// The fragment was inactive in the previous cycle, and no value is recorded.
     FirstCycleAfterPause,
@@ -76,7 +77,7 @@ impl FaultyValue {
         }
     }
 
-    /// Returns the slots.
+    /// Returns the slots of the faulty value.
     #[must_use]
     pub fn cells(&self) -> &[u64] {
         &self.cells[..self.len]
@@ -86,7 +87,7 @@ impl FaultyValue {
 /// Recorded content of a port in a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Recorded<'a> {
-    /// No value.
+    /// No value was recorded for the port in the cycle.
     Absent,
     /// Present value, as the words of its slots.
     Value(&'a [u64]),
@@ -108,8 +109,7 @@ pub struct DifferenceCase<'a> {
     pub inputs: &'a [Option<&'a [u64]>],
     /// Registered names of the primitives that the in-ports read; `None` for an in-port that is not connected.
     pub sources: &'a [Option<&'a str>],
-    /// Values recorded in this cycle at the out-ports that the first in-port reads, directly or through primitives that
-    /// [pass objects on](outputs_alias).
+    /// Values recorded in this cycle at the origins of the first in-port.
     pub origins: &'a [&'a [u64]],
     /// Values of the parameters, in the order of the declaration.
     pub params: &'a [Value],
@@ -150,14 +150,15 @@ pub fn outputs_alias(name: &str) -> bool {
     HAND_ON.iter().any(|pattern| matches(pattern, name))
 }
 
-/// Returns whether an entry applies to an out-port, so that its recorded value may be accepted in some cycle.
+/// Returns whether a known fault of the reference system affects an out-port, so that its recorded value may be
+/// accepted in some cycle.
 #[must_use]
 pub fn has_difference(desc: &PrimDesc, port: usize) -> bool {
     DIFFERENCES.iter().any(|entry| entry.applies_to(desc, port))
 }
 
-/// Returns the entry that explains a difference. `same` returns whether two values of the port are equal within the
-/// tolerance.
+/// Returns the known fault of the reference system that explains a difference; `None` if there is none. `same` returns
+/// whether two values of the port are equal within the tolerance.
 #[must_use]
 pub fn explain(
     case: &DifferenceCase<'_>,
@@ -170,7 +171,7 @@ pub fn explain(
 }
 
 impl Difference {
-    /// Returns whether the entry applies to an out-port.
+    /// Returns whether the known fault affects an out-port of a primitive.
     #[must_use]
     pub fn applies_to(&self, desc: &PrimDesc, port: usize) -> bool {
         let Some(port) = desc.outputs.get(port).map(|out| out.name) else {

@@ -2,7 +2,7 @@
 
 use super::{Condition, Difference, fault_models};
 
-/// All differences. If several entries explain a value, the first one applies.
+/// All known faults of the reference system. If several entries explain a value, the first one applies.
 pub const DIFFERENCES: &[Difference] = &[
     Difference {
         name: "sine-is-cosine",

@@ -4,14 +4,14 @@ use std::fmt;
 
 use rpi_diag::Code;
 
-/// A recording that cannot be read or replayed.
+/// Error: a recording cannot be read or replayed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum RecordingError {
     /// The file is not a valid MCAP file: it is truncated or damaged.
     Damaged(String),
     /// The file is valid MCAP, but was not written by RPI or has an unsupported format version.
     NotRpi(String),
-    /// A required part is missing.
+    /// The recording lacks a part that is needed; the text names it.
     Missing(String),
 }
 

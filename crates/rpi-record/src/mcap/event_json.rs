@@ -18,7 +18,7 @@ const REASON_KEYWORDS: [(AbortReason, &str); 5] = [
     (AbortReason::Discontinuity, "discontinuity"),
 ];
 
-/// Returns the word for the reason of an abort in recordings.
+/// Returns the word that recordings use for the reason of an abort.
 pub(super) fn reason_keyword(why: AbortReason) -> &'static str {
     REASON_KEYWORDS
         .iter()
@@ -26,7 +26,7 @@ pub(super) fn reason_keyword(why: AbortReason) -> &'static str {
         .map_or("?", |w| w.1)
 }
 
-/// Returns the reason of an abort for its word in recordings.
+/// Returns the reason of an abort for the word that recordings use; `None` for an unknown word.
 pub(super) fn reason_from_keyword(word: &str) -> Option<AbortReason> {
     REASON_KEYWORDS
         .iter()

@@ -9,7 +9,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 use serde_json::{Value, json};
 
-/// Destination of a recording.
+/// Destination of a recording: a file or buffer that can be written and positioned.
 pub trait Output: Write + Seek + Send {}
 
 impl<T: Write + Seek + Send> Output for T {}
@@ -49,7 +49,7 @@ impl FirstError {
     }
 }
 
-/// Output that stores its first error.
+/// Output that stores the first error of the writer below it.
 struct ErrorTrackingOutput {
     out: Box<dyn Output>,
     first_error: FirstError,

@@ -45,7 +45,7 @@ pub(super) struct NameTable {
 }
 
 impl NameTable {
-    /// Returns the names of a cell, without any commands.
+    /// Returns the table for a cell, without any commands.
     pub(super) fn new(cell: &Cell, tick_ns: u64) -> NameTable {
         NameTable {
             bank: SimBank::new(cell, tick_ns as f64 * 1e-9),
@@ -147,12 +147,12 @@ impl NameTable {
         devices
     }
 
-    /// Returns the port with this number.
+    /// Returns the name and type of the device port with this number; `None` if there is none.
     pub(super) fn port_name(&self, number: u32) -> Option<&FlowName> {
         self.ports.get(&number)
     }
 
-    /// Returns the flow of a command by its index.
+    /// Returns the name and type of a flow of a command, by index; `None` if there is none.
     pub(super) fn flow_name(&self, command: u64, flow: u32) -> Option<&FlowName> {
         let image = *self.commands.get(&command)?;
         self.flows.get(image)?.get(flow as usize)

@@ -15,7 +15,7 @@ use super::error::RecordingError;
 use super::recorder::policy_from_keyword;
 use super::writer::{EVENTS, REQUESTS, TAPE};
 
-/// Content of a recording: cell, images, requests, events and the words of each tick.
+/// Content of a recording: cell, images, requests, events and the logged words of each tick.
 #[derive(Debug)]
 pub struct Recording {
     /// Tick length in nanoseconds.
@@ -27,13 +27,13 @@ pub struct Recording {
     pub(super) images: Vec<Arc<Image>>,
     pub(super) requests: Vec<Value>,
     pub(super) events: Vec<Value>,
-    /// Words of each tick.
+    /// Logged words of each tick: the values of the sensors, flows and set-points.
     pub(super) ticks: Vec<Vec<u64>>,
     /// Number of lost ticks, from the `rpi-end` metadata.
     pub(super) lost: u64,
 }
 
-/// Records of the MCAP file.
+/// Records of an MCAP file, sorted by kind.
 #[derive(Default)]
 struct McapRecords {
     topics: BTreeMap<u16, String>,

@@ -36,13 +36,15 @@ pub struct RecordingOptions {
     pub origin: RunSources,
 }
 
-/// Capacity of the queue of notes to the writer.
+/// Capacity of the queue from the host to the writer thread, in messages about requests and events.
 const NOTES: usize = 1 << 16;
 
-/// Host side of a recording: forwards requests and events to the writer thread and joins it at the end.
+/// Part of the recorder that the host uses: it forwards requests and events to the writer thread and joins the thread
+/// at the end.
 pub struct Recorder {
     notes: SyncSender<RecorderMessage>,
-    /// Number of notes dropped because the queue was full. A recording with dropped notes cannot be replayed.
+    /// Number of requests and events dropped because the queue to the writer thread was full. A recording with dropped
+    /// ones cannot be replayed.
     lost_notes: Arc<AtomicU64>,
     /// Number of lost ticks, set when the recording ends.
     lost_ticks: Arc<AtomicU64>,
@@ -83,13 +85,13 @@ const CONTINUITY_KEYWORDS: [(Continuity, &str); 3] = [
     (Continuity::Allow, "allow"),
 ];
 
-/// Returns the word for a takeover policy in recordings.
+/// Returns the word that recordings use for a continuity policy.
 pub(super) fn policy_keyword(continuity: Continuity) -> &'static str {
     let found = CONTINUITY_KEYWORDS.iter().find(|(c, _)| *c == continuity);
     found.map_or("", |(_, word)| word)
 }
 
-/// Returns the takeover policy for its word in recordings.
+/// Returns the continuity policy for the word that recordings use; `None` for an unknown word.
 pub(super) fn policy_from_keyword(word: &str) -> Option<Continuity> {
     CONTINUITY_KEYWORDS
         .iter()
@@ -143,7 +145,7 @@ impl Recorder {
         })
     }
 
-    /// Returns the callback that records each request.
+    /// Returns the callback that records each request when it is sent to the core.
     fn request_callback(&self) -> RequestLog {
         let (notes, lost) = (self.notes.clone(), Arc::clone(&self.lost_notes));
         Box::new(move |ticket, request| {

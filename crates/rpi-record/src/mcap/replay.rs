@@ -43,7 +43,7 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
     Ok(stage.report)
 }
 
-/// Replay of a recording, in progress.
+/// State of a replay that is in progress.
 struct ReplayRun<'a> {
     executive: Executive<ReplayBank>,
     control: RawControl<()>,
@@ -257,7 +257,7 @@ impl<'a> ReplayRun<'a> {
     }
 }
 
-/// Returns true for events of the core, false for events that the host or the writer added.
+/// Returns true for an event of the core, false for an event that the host or the writer thread added.
 fn is_core_event(event: &Value) -> bool {
     let own = ["freed", "lost", "overrun"];
     !own.iter().any(|own| event["event"] == *own)
@@ -279,7 +279,7 @@ fn events_match(recorded: &Value, now: &Value) -> bool {
 /// Requests by tick, in the order in which they were carried out.
 type RequestsByTick = BTreeMap<u64, Vec<(Ticket, Request<()>)>>;
 
-/// Returns ticket and tick of each recorded answer.
+/// Returns the ticket of each answered request with the tick of the answer.
 fn answers(recording: &Recording) -> impl Iterator<Item = Result<(u64, u64), RecordingError>> {
     let answers = recording.events.iter().filter(|e| e["event"] == "answer");
     answers.map(|answer| {

@@ -31,9 +31,9 @@ pub struct ReplayReport {
 pub struct Difference {
     /// Tick in which the replayed value first differs from the recorded one.
     pub tick: u64,
-    /// Name of the command or device.
+    /// Name of the command or device whose value differs.
     pub of: String,
-    /// Name of the flow, port or event.
+    /// Name of the flow, port or event that differs.
     pub what: String,
     /// Recorded value.
     pub recorded: String,

@@ -63,11 +63,11 @@ fn encode_words(words: &[u64]) -> Vec<String> {
     words.iter().map(|word| format!("{word:x}")).collect()
 }
 
-/// Decodes recorded requests so that they can be made again.
+/// Decoder of recorded requests, which makes them executable again.
 pub(super) struct RequestDecoder<'a> {
     /// Images of the recording, indexed by their numbers.
     pub(super) images: &'a [Arc<Image>],
-    /// Device bank that resolves the names of ports.
+    /// Continuity policy of commands that the recording does not state.
     pub(super) bank: &'a mut dyn DeviceBank,
     /// Default continuity policy of the recorded core.
     pub(super) continuity: Continuity,

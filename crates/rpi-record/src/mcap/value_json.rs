@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 const VECTOR: &[&str] = &["x", "y", "z"];
 const QUATERNION: &[&str] = &["x", "y", "z", "w"];
 
-/// A part of a structured value: its name and the names of its real components.
+/// Part of a structured value in JSON, such as the position of a pose: its name and the names of its real components.
 type Part = (&'static str, &'static [&'static str]);
 
-/// Returns the parts of a scalar. A single part without a name is the value itself.
+/// Returns the parts of a scalar type in JSON. A single part without a name is the value itself.
 fn scalar_parts(scalar: Scalar) -> &'static [Part] {
     match scalar {
         Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => &[],
@@ -133,7 +133,7 @@ fn scalar_schema(scalar: Scalar) -> Value {
     }
 }
 
-/// A JSON object that is being written.
+/// Writer of one JSON object, field by field.
 pub(super) struct JsonObjectWriter(String);
 
 impl JsonObjectWriter {

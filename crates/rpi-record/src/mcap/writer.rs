@@ -19,7 +19,7 @@ use rpi_runtime::control::{AttributedOverrun, Event, RequestRecord, Ticket};
 use rpi_runtime::run::{Channel, RecordingStats};
 use rpi_runtime::tick_log::{EntryKind, LoggedTick, TickLogReader, decode_entries, decode_overrun};
 
-/// A note from the host to the writer.
+/// Message from the host to the writer thread of a recording.
 pub(super) enum RecorderMessage {
     /// A request was sent to the cycle.
     Request(Ticket, RequestRecord),
@@ -30,19 +30,19 @@ pub(super) enum RecorderMessage {
 pub(super) const TAPE: &str = "/rpi/tape";
 pub(super) const REQUESTS: &str = "/rpi/requests";
 pub(super) const EVENTS: &str = "/events";
-/// Format name of the tape messages.
+/// Name of the binary format of the messages with the logged words of a tick.
 pub(super) const TAPE_FORMAT: &str = "rpi-tape-1";
-/// Documentation of the tape format. It is stored in every recording as the schema of the tape topic.
+/// Documentation of the binary format of logged ticks. It is stored in every recording as the schema of their topic.
 const TAPE_FORMAT_DOC: &str = include_str!("form.txt");
 
-/// Value of the lost-tick counter until the recording ends.
+/// Value of the lost-tick counter while the recording is in progress.
 pub(super) const RECORDING: u64 = u64::MAX;
 /// Sleep time of the writer when there is nothing to write.
 const IDLE_SLEEP: Duration = Duration::from_millis(1);
-/// Maximum number of ticks taken from the tick log before the notes of the host are read.
+/// Maximum number of ticks that the writer takes from the tick log before it reads the queue of the host.
 const MAX_TICKS_PER_TURN: usize = 1024;
 
-/// State of the writer thread.
+/// State of the writer thread of a recording.
 pub(super) struct RecordingWriter {
     pub(super) file: McapFile,
     pub(super) names: NameTable,
@@ -101,10 +101,10 @@ impl RecordingWriter {
         Ok(self.written)
     }
 
-    /// Writes one batch of ticks and all pending notes. Returns the number of ticks.
+    /// Writes one batch of ticks and all pending messages of the host. Returns the number of ticks.
     ///
-    /// The ticks are taken from the tick log before the notes are read. Notes about the commands of these ticks are then
-    /// already in the queue.
+    /// The ticks are taken from the tick log before the messages are read. Messages about the commands of these ticks
+    /// are then already in the queue.
     fn write_batch(&mut self) -> io::Result<usize> {
         let mut taken = Vec::new();
         let mut words = Vec::new();
@@ -213,7 +213,7 @@ impl RecordingWriter {
         Ok(())
     }
 
-    /// Adds to an overrun event the command and fragment that caused it.
+    /// Adds to the text of an overrun event the command and fragment that caused the overrun.
     fn add_overrun_cause(&self, late: &AttributedOverrun, text: &mut Value) {
         let id = late.command;
         let image = self.names.image(id);
@@ -224,7 +224,8 @@ impl RecordingWriter {
         text["fragment"] = json!(fragment.map(|f| f.path.as_str()));
     }
 
-    /// Returns the messages for viewers of one tick as pairs of topic and JSON text, in order of first occurrence.
+    /// Returns the messages of one tick for viewers of recordings, as pairs of topic and JSON text, in order of first
+    /// occurrence.
     fn viewer_messages(&self, tick: &LoggedTick<'_>) -> Vec<(String, String)> {
         let mut views: Vec<(String, u64, JsonObjectWriter)> = Vec::new();
         for entry in decode_entries(tick.exchange).chain(decode_entries(tick.observations)) {
@@ -259,7 +260,7 @@ impl RecordingWriter {
     }
 }
 
-/// Returns the names and type of a sampled device port.
+/// Returns the name and type of a sampled device port.
 fn device_port_name(channel: &Channel) -> FlowName {
     let (of, name) = channel.name.split_once('.').unwrap_or(("", &channel.name));
     FlowName {

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-/// Selection by flow and cycle.
+/// Selection of rows of a sample table by flow and cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RowFilter {
     /// Patterns for the names of flows; `*` matches any text. An empty list selects all flows.
@@ -20,10 +20,11 @@ impl RowFilter {
     }
 }
 
-/// Copies the selected rows without changing their format: comma-separated, tab-separated or JSON lines. Headers are
-/// kept. Returns the number of copied rows.
+/// Copies the rows of a sample table that the filter selects, without changing their format: comma-separated,
+/// tab-separated or JSON lines. Headers are kept. Returns the number of copied rows.
 ///
 /// # Errors
+///
 /// Returns the I/O errors of the writer.
 pub fn copy_matching(text: &str, filter: &RowFilter, out: &mut dyn Write) -> io::Result<u64> {
     let mut rows = 0;

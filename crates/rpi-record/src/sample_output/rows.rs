@@ -26,7 +26,7 @@ impl SampleFormat {
     }
 }
 
-/// Sink that writes each sample as a row.
+/// Sink of samples that writes each sample as a row of a table.
 pub struct SampleWriter<W: Write> {
     out: W,
     form: SampleFormat,

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::trace::TraceWriter;
 use rpi_runtime::run::{Channel, Sink, Source};
 
-/// Sink that writes the ports of one command as a trace. The first tick is cycle 1.
+/// Sink of samples that writes the ports of one command as a trace. The first tick is cycle 1.
 pub struct TraceSink<W: Write> {
     out: TraceWriter<W>,
     channels: Vec<Channel>,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// An invalid line of a trace.
+/// Error: an invalid line in a trace file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TraceError {
     /// Line number, from 1.
@@ -27,7 +27,7 @@ impl fmt::Display for TraceError {
     }
 }
 
-/// A file that cannot be read, or that has an invalid format.
+/// Error: a file cannot be read or has an invalid format.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FileReadError {
     /// Path of the file.

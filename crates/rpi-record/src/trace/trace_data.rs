@@ -25,7 +25,7 @@ pub struct TraceRow {
 /// Rows recorded in one cycle.
 #[derive(Clone, Debug, Default)]
 pub struct TraceCycle {
-    /// True if every out-port of the net was recorded. An out-port without a row was then absent.
+    /// Whether every out-port of the net was recorded in the cycle. An out-port without a row was then absent.
     pub complete: bool,
     /// Rows in the order of the file.
     pub rows: Vec<TraceRow>,

@@ -65,7 +65,7 @@ pub(super) fn invalid_cycle_number(k: usize, text: &str) -> TraceError {
     TraceError::new(k + 1, format!("`{text}` is not a cycle number (1, 2, ...)"))
 }
 
-/// Writes a trace in the tab-separated format.
+/// Writer of a trace in the tab-separated format.
 pub struct TraceWriter<W> {
     out: W,
 }

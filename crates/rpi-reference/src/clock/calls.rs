@@ -34,8 +34,8 @@ impl<'p> ClockSolver<'p> {
         }
     }
 
-    /// Returns the clock of an out-port in the callee. The results of a fragment are optional flows of the caller
-    /// (M4.2), and so are those of a call that holds them between its runs (M4.10).
+    /// Returns the clock of an out-port within the called unit. The results of a fragment are optional flows of the
+    /// caller (M4.2), and so are those of a call that holds them between its runs (M4.10).
     fn port(&self, call: &Call, callee: &Unit, mut k: usize) -> Clock {
         let kept = matches!(call.activation, Activation::Condact { .. });
         if kept || callee.kind == UnitKind::Fragment {
@@ -74,21 +74,22 @@ impl<'p> ClockSolver<'p> {
         common_prefix(clocks.into_iter())
     }
 
-    /// Returns the clock of an in-port in the callee.
+    /// Returns the clock of an in-port within the called unit.
     fn port_clock(&self, call: &Call, port: FlowId) -> Rc<[Sampling]> {
         let clocks = self.callees[call.unit.0 as usize].as_ref();
         let clock = clocks.and_then(|clocks| clocks.flows[port.0 as usize].first()?.clone());
         clock.unwrap_or_else(|| Rc::new([]))
     }
 
-    /// Returns the clock of an argument that has none of its own.
+    /// Returns the clock on which a call reads an argument that has no clock of its own, such as a literal.
     pub(super) fn argument_clock(&self, id: ExprId, call: &Call, number: usize) -> Clock {
         let port = self.units[call.unit.0 as usize].inputs[number];
         let runs = self.clocks.calls[id.0 as usize].clone()?;
         Some(self.in_caller(id, call, runs.to_vec(), &self.port_clock(call, port)))
     }
 
-    /// Appends a clock of the callee to the clock of the call, with the names of the caller.
+    /// Translates a clock of the called unit to the caller: the sampling steps `inner`, with flows of the caller in
+    /// place of ports, are appended to the clock of the call.
     fn in_caller(
         &self,
         id: ExprId,

@@ -17,13 +17,13 @@ use rpi_net::{Claim, ClaimKind, ClaimRead};
 
 use crate::faults::ReportedFault;
 
-/// Access to the values of exports.
+/// Access to the exported flows of a running command, for monitors.
 pub trait ExportValues {
     /// Returns the memory words of an export in this cycle; `None` if the flow is absent or the export does not exist.
     fn words(&self, export: usize) -> Option<&[u64]>;
 }
 
-/// Monitor of a set of claims.
+/// Monitor that evaluates a set of claims (assertions and contracts) in each cycle of a run.
 #[derive(Debug)]
 pub struct ClaimMonitor {
     claims: Vec<MonitoredClaim>,
@@ -43,7 +43,7 @@ struct MonitoredClaim {
     violated: u64,
 }
 
-/// A violated claim with the values that it reads.
+/// Violation of a claim in a cycle, with the values that the claim reads.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ClaimViolation {
     claim: usize,

@@ -9,7 +9,7 @@ use super::{ClaimMonitor, ClaimViolation, ExportValues};
 use crate::faults::{Faults, ReportedFault};
 use rpi_runtime::run::{Channel, CommandEnd, Outcome, RunEnd, Sink};
 
-/// Sink that monitors the claims of the commands of a run.
+/// Sink of samples that monitors the claims of the commands of a run.
 #[derive(Debug)]
 pub struct ClaimMonitorSink {
     commands: Vec<MonitoredCommand>,
@@ -22,7 +22,7 @@ struct MonitoredCommand {
     name: String,
     claims: Vec<Claim>,
     watch: ClaimMonitor,
-    /// Values of the current tick.
+    /// Values of the exports in the current tick.
     row: SampleRow,
     tick: Option<u64>,
     violations: Vec<(u64, ClaimViolation)>,

@@ -39,7 +39,7 @@ pub(super) fn violation_text(claim: &Claim) -> String {
     format!("{} {}", claim_name(claim), texts_of(claim.kind).verb)
 }
 
-/// Texts and code of one kind of claim.
+/// Words and diagnostic code for one kind of claim.
 struct KindTexts {
     kind: ClaimKind,
     code: Code,

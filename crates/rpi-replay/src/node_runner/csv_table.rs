@@ -7,7 +7,7 @@ use rpi_net::Column;
 /// Byte order mark that some programs write at the start of a UTF-8 file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// A table that cannot be read.
+/// Error: a table of samples cannot be read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TableError {
     /// Line number, from 1.
@@ -24,7 +24,7 @@ impl fmt::Display for TableError {
 
 impl std::error::Error for TableError {}
 
-/// Reads the rows of a table into the in-ports of a node.
+/// Reader of a table of samples, which maps its rows to the in-ports of a node.
 #[derive(Clone, Debug)]
 pub struct TableReader<'c> {
     columns: &'c [Column],
@@ -136,7 +136,7 @@ fn missing_column_message(key: &str, names: &[String]) -> String {
 
 /// Returns the alternative spelling of a column key: `x[2].f` becomes `x_2_f`, as in Lustre V6.
 ///
-/// [`Reader::new`] accepts it unless another flow has that name.
+/// [`TableReader::new`] accepts it unless another flow has that name.
 fn flattened_key(key: &str) -> String {
     let kept = key.chars().filter(|c| *c != ']');
     let plain = kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c });

@@ -23,7 +23,7 @@ pub type ColumnValues = Vec<Option<Vec<u64>>>;
 pub struct CycleResult {
     /// Values of the output columns; `None` if the cycle raised a fault.
     pub row: Option<ColumnValues>,
-    /// Diagnostics raised in this cycle.
+    /// Diagnostics of claims and faults in this cycle.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -136,14 +136,14 @@ impl NodeRun {
         CycleResult { row, diagnostics }
     }
 
-    /// Returns one line, with the number of violations, for each claim that was violated more than once.
+    /// Returns one line for each claim that was violated in more than one cycle, with the number of violations.
     #[must_use]
     pub fn summary(&self) -> String {
         self.claims.summary()
     }
 }
 
-/// Read access to the exported flows of the machine.
+/// Access to the exported flows of the running image of a node, for monitors.
 struct MachineExports<'m> {
     machine: &'m Instance,
     exports: &'m [Signal],

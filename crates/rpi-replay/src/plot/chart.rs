@@ -7,12 +7,12 @@ use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
 use super::{Chart, ExecutionSpan};
 
-/// Position of a chart on the page, in pixels.
+/// Rectangle on the page in which the lines of a chart are drawn, in pixels.
 #[derive(Clone, Copy)]
 pub(super) struct PlotArea {
-    /// Left and right edge of the plot area.
+    /// Left and right edge of the rectangle.
     pub(super) x: (f64, f64),
-    /// Upper and lower edge of the plot area.
+    /// Upper and lower edge of the rectangle.
     pub(super) y: (f64, f64),
 }
 
@@ -56,7 +56,7 @@ pub(super) fn draw(
     draw_names(svg, chart, &frame);
 }
 
-/// Draws the names of the lines at the right edge, as near to the ends of the lines as possible.
+/// Draws the names of the lines of a chart at its right edge, as near to the ends of the lines as possible.
 fn draw_names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     let ends = chart.lines.iter().enumerate();
     let mut ends: Vec<(f64, usize)> = ends
@@ -85,7 +85,7 @@ fn draw_names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     }
 }
 
-/// Moves ascending positions apart so that no names overlap, within the plot area if they fit.
+/// Moves ascending vertical positions of names apart so that no names overlap, within the plot area if they fit.
 fn spread_labels(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
     let mut least = top;
     for height in &mut heights {

@@ -20,14 +20,14 @@ pub(super) const TICK_LABEL: TextStyle = TextStyle {
     anchor: Anchor::Middle,
 };
 
-/// A plot area with two axes.
+/// Plot area with its two axes: how values become positions on the page.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     pub(super) x: Axis,
     pub(super) y: Axis,
 }
 
-/// Approximate distance of tick marks in pixels.
+/// Approximate distance of tick marks in pixels, on the horizontal and the vertical axis.
 const SPACING: (f64, f64) = (90.0, 34.0);
 
 impl Frame {
@@ -51,7 +51,7 @@ impl Frame {
         self.y.pixels.1
     }
 
-    /// Draws heading, grid and tick labels. `x_title` is the label at the end of the x axis.
+    /// Draws the heading, the grid and the tick labels of a plot area. `x_title` is the label at the end of the x axis.
     pub(super) fn draw(&self, svg: &mut Svg, heading: &str, x_title: &str) {
         svg.text((self.left(), self.top() - 10.0), HEADING, heading);
         self.draw_rows(svg);

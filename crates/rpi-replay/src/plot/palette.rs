@@ -5,13 +5,13 @@
 
 /// Colour of the background.
 pub(super) const BACKGROUND: &str = "#fcfcfb";
-/// Headings.
+/// Colour of headings.
 pub(super) const TEXT: &str = "#16181d";
-/// Labels and numbers.
+/// Colour of labels and numbers.
 pub(super) const SECONDARY_TEXT: &str = "#5b606b";
-/// Grid lines.
+/// Colour of grid lines.
 pub(super) const GRID: &str = "#e8e8e4";
-/// Axes and borders.
+/// Colour of axes and borders.
 pub(super) const AXIS: &str = "#b9bab5";
 
 const HUES: [&str; 8] = [

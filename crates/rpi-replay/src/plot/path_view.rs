@@ -80,7 +80,8 @@ fn equal_scale_frame(points: &[(f64, (f64, f64))], place: PlotArea) -> Frame {
     }
 }
 
-/// Splits the points by command. Each part begins with the last point of its predecessor, so that the path has no gap.
+/// Splits the points of a path by the command that ran at their time. Each part begins with the last point of its
+/// predecessor, so that the path has no gap.
 fn split_by_command<P: Copy>(points: &[(f64, P)], spells: &[ExecutionSpan]) -> Vec<Vec<(f64, P)>> {
     if spells.is_empty() {
         return vec![points.to_vec()];
@@ -96,7 +97,7 @@ fn split_by_command<P: Copy>(points: &[(f64, P)], spells: &[ExecutionSpan]) -> V
         .collect()
 }
 
-/// Marks the start, the takeovers and the end.
+/// Draws marks on a path at its start, at the takeovers and at its end.
 fn draw_markers(
     svg: &mut Svg,
     points: &[(f64, (f64, f64))],

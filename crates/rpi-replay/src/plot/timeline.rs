@@ -7,7 +7,7 @@ use super::svg::{Anchor, Svg, TextStyle};
 
 const BAR: f64 = 7.0;
 
-/// Draws the bars at height `y`, with the names above them.
+/// Draws one bar per command at height `y`, with the names above the bars.
 pub(super) fn draw(svg: &mut Svg, spells: &[ExecutionSpan], x: Axis, y: f64) {
     for (k, span) in spells.iter().enumerate() {
         let (from, to) = (x.to_pixel(span.from), x.to_pixel(span.to));
@@ -17,7 +17,7 @@ pub(super) fn draw(svg: &mut Svg, spells: &[ExecutionSpan], x: Axis, y: f64) {
     }
 }
 
-/// Draws the name and the end of a command, as far as they fit above the bar.
+/// Draws the name of a command and how it ended, as far as they fit above its bar.
 fn draw_name(svg: &mut Svg, span: &ExecutionSpan, at: (f64, f64), room: f64) {
     let width = |text: &str| text.chars().count() as f64 * 7.8;
     let style = TextStyle {

@@ -8,7 +8,8 @@ use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_net::{Decision, FragmentId, Input, Net, PortRef, StateTransitions};
 
-/// Coverage by location in the source. Each instance of a unit has entries of its own.
+/// Coverage of a test run by location in the source: which fragments, branches and transitions were used. Each instance
+/// of a unit has entries of its own.
 #[derive(Clone, Debug)]
 pub struct Coverage {
     /// Names of all called units at their declarations.
@@ -23,19 +24,19 @@ pub struct Coverage {
     exits: Vec<AutomatonState>,
 }
 
-/// A Boolean of the net, observed at run time.
+/// Boolean of a net as it is found in the memory of the running image.
 #[derive(Clone, Copy, Debug)]
 enum ObservedBoolean {
-    /// The condition had this value in every cycle.
+    /// The Boolean has this value in every cycle.
     Constant(bool),
-    /// A signal that is computed in the fragment with this index.
+    /// The Boolean is a signal that is computed in the fragment with this index.
     Computed(Signal, u32),
-    /// Absent in all cycles.
+    /// The Boolean is absent in all cycles.
     Absent,
 }
 
-/// A branch. It is evaluated in the cycles in which its fragment is active and the enclosing branch has the required
-/// value.
+/// Branching of an `if`, for coverage. It counts in the cycles in which its fragment is active and the enclosing branch
+/// has the required value.
 #[derive(Clone, Debug)]
 struct Branch {
     condition: ObservedBoolean,
@@ -46,7 +47,7 @@ struct Branch {
     enclosing: Option<(usize, bool)>,
 }
 
-/// A state of an automaton with the conditions of its outgoing transitions, in order.
+/// State of an automaton, for coverage, with the conditions of its outgoing transitions in order.
 #[derive(Clone, Debug)]
 struct AutomatonState {
     is_current: ObservedBoolean,
@@ -108,7 +109,7 @@ impl Coverage {
 }
 
 impl ObservedBoolean {
-    /// Returns the value in this cycle, if it is present.
+    /// Returns the value of the Boolean in this cycle; `None` if it is absent.
     fn value(&self, machine: &Instance) -> Option<bool> {
         match *self {
             ObservedBoolean::Constant(value) => Some(value),
@@ -129,7 +130,7 @@ impl AutomatonState {
     }
 }
 
-/// Finds the ports and fragments of a net in its image.
+/// Index by which the ports and fragments of a net are found in its image.
 struct ImageIndex<'n> {
     net: &'n Net,
     ports: BTreeMap<String, (Signal, u32)>,

@@ -17,7 +17,7 @@ use rpi_runtime::ImageLoadError;
 
 use crate::monitor::{self, ExportValues};
 
-/// A test and what is monitored in it.
+/// Test of a program, ready to be run: its net and image, its conditions, and what is recorded.
 #[derive(Debug)]
 pub struct TestCase<'a> {
     /// Net of the test.
@@ -28,7 +28,7 @@ pub struct TestCase<'a> {
     pub conditions: &'a [TestCondition],
     /// Claims of the units that the test calls.
     pub claims: &'a [Claim],
-    /// Whether coverage is recorded.
+    /// Whether coverage is recorded during the test.
     pub coverage: bool,
     /// Maximum number of cycles. The default is [`MAX_FINISH_CYCLES`] for a test that can finish and [`DEFAULT_CYCLES`] for any other test.
     pub cycles: Option<u64>,
@@ -69,11 +69,11 @@ pub struct TestReport {
 pub enum ConditionVerdict {
     /// The condition was true whenever it was present.
     Held,
-    /// The condition was absent in all cycles.
+    /// The condition was absent in all cycles, so that it tested nothing.
     NeverPresent,
     /// The condition was false. Only the first such cycle is reported.
     Violated {
-        /// Cycle, from 0.
+        /// First cycle in which the condition was false, from 0.
         cycle: u64,
         /// Names and values of the shown exports; `null` for an absent value.
         values: Vec<(String, String)>,
@@ -91,9 +91,9 @@ pub enum TestEnd {
     Failed(String),
     /// A fault ended the test.
     Fault {
-        /// Description of the fault.
+        /// Description of the fault that ended the test.
         what: &'static str,
-        /// Location in the source.
+        /// Location of the faulty operation in the source.
         location: Option<TextRange>,
     },
 }
@@ -188,7 +188,7 @@ impl TestRun {
         }
     }
 
-    /// Executes one cycle. Returns how the test ended, if it ended in this cycle.
+    /// Executes one cycle of the test. Returns how the test ended, if it ended in this cycle.
     fn cycle(&mut self, cycle: u64) -> Option<TestEnd> {
         let bank = &mut NoDevices;
         self.machine
@@ -241,7 +241,7 @@ impl TestRun {
     }
 }
 
-/// Read access to the exports of a machine.
+/// Access to the exported flows of the running image of a test, for monitors.
 struct MachineExports<'m>(&'m Instance);
 
 impl ExportValues for MachineExports<'_> {
@@ -280,7 +280,7 @@ impl MonitoredCondition {
     }
 }
 
-/// Returns the time of a cycle. The epoch is the start of the test.
+/// Returns the times and core flows of a cycle of the test. The epoch is the start of the test.
 fn cycle_context(cycle: u64, machine: &Instance) -> CycleContext {
     let ns = cycle.saturating_mul(machine.image().period_ns);
     let ns = i64::try_from(ns).unwrap_or(i64::MAX);

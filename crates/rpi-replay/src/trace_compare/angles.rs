@@ -2,7 +2,7 @@
 
 use rpi_image::PrimDesc;
 
-/// Primitive, port, and for Euler angles the port with the middle angle.
+/// Table of the out-ports that are angles: primitive, port, and for Euler angles the port with the middle angle.
 const ANGLES: &[(&str, &str, Option<&str>)] = &[
     ("World::RotationToABC", "outA", Some("outB")),
     ("World::RotationToABC", "outB", Some("outB")),
@@ -11,18 +11,18 @@ const ANGLES: &[(&str, &str, Option<&str>)] = &[
     ("Core::DoubleAtan2", "outValue", None),
 ];
 
-/// How the values of a port are compared.
+/// Kind of the values of an out-port for their comparison: numbers or angles.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum AngleKind {
-    /// As plain numbers.
+    /// Values are compared as numbers.
     Plain,
-    /// As an angle: values that differ by whole turns are equal.
+    /// Values are compared as angles: values that differ by whole turns are equal.
     Angle,
-    /// As one of three Euler angles. The index is the out-port with the middle angle.
+    /// The value is one of three Euler angles. The index is that of the out-port with the middle angle.
     Euler(usize),
 }
 
-/// Returns how an out-port is compared.
+/// Returns how the values of an out-port are compared.
 pub(super) fn angle_kind(desc: &PrimDesc, port: usize) -> AngleKind {
     let name = desc.outputs[port].name;
     let found = ANGLES.iter().find(|a| a.0 == desc.name && a.1 == name);

@@ -2,14 +2,14 @@
 
 use rpi_device::{DeviceBank, PortId, PortQuery, Rejection, ResolveError};
 
-/// A cell in which every device exists.
+/// Device bank in which every device exists, for the replay of traces.
 #[derive(Default)]
 pub(super) struct TraceBank {
     ports: u32,
 }
 
 impl DeviceBank for TraceBank {
-    /// Each port is a separate actuator. Conflicts between writers are part of the trace.
+    /// Makes each port a separate actuator: conflicts between writers are part of the trace and need not be detected.
     fn resolve(&mut self, _: &PortQuery<'_>) -> Result<PortId, ResolveError> {
         self.ports += 1;
         Ok(PortId(self.ports))

@@ -34,7 +34,8 @@ impl Replay<'_> {
         }
     }
 
-    /// Returns true if a node depends on an unknown value. A node with state stays unknown from then on.
+    /// Returns true if a node depends on a value that the trace does not contain. A node with state stays unknown from
+    /// then on.
     fn reads_unknown(&self, id: NodeId) -> bool {
         let node = self.net.node(id);
         let keeps = !matches!(node.desc().state, StateSize::None);
@@ -42,7 +43,7 @@ impl Replay<'_> {
         (keeps && self.unknown[id.index()]) || node.inputs.iter().any(reads)
     }
 
-    /// Forces an input port to its recorded value.
+    /// Sets an out-port that depends on the environment to the value recorded in this cycle.
     fn force_input(&mut self, port: PortRef) {
         let recorded = self.recorded(port);
         let held = &mut self.held_inputs[port.node.index()][usize::from(port.port)];

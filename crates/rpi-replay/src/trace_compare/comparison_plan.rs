@@ -12,7 +12,7 @@ use super::inputs::{is_input, is_latched};
 use super::names::PortNames;
 use rpi_record::trace::{Trace, TracePortId};
 
-/// An out-port of a node.
+/// Out-port of a node, prepared for the comparison with a trace.
 pub(super) struct OutPort {
     pub(super) signal: Signal,
     /// Index of the port's fragment in the image.
@@ -22,17 +22,17 @@ pub(super) struct OutPort {
     pub(super) measure: AngleKind,
 }
 
-/// A node of the net.
+/// Node of a net, prepared for the comparison with a trace.
 pub(super) struct ComparedNode {
     /// Path of the node, `outer/inner/name`.
     pub(super) path: String,
     /// Out-ports of the node.
     pub(super) out_ports: Vec<OutPort>,
-    /// Whether the out-ports are taken from the trace.
+    /// Whether the values of the out-ports are taken from the trace instead of being computed.
     pub(super) is_input: bool,
 }
 
-/// A named port that forwards an out-port or a constant.
+/// Port that shows the value of an out-port or a constant under another name, such as an out-port of a fragment.
 pub(super) struct Alias {
     pub(super) name: String,
     pub(super) ty: Type,
@@ -43,15 +43,15 @@ pub(super) struct Alias {
 /// Kind of a port that shows the value of another port.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum AliasKind {
-    /// An out-port of a fragment. It is recorded like the out-ports of nodes.
+    /// Out-port of a fragment. It is recorded like the out-ports of nodes.
     FragmentOutput(Option<TracePortId>),
-    /// An in-port of a node that was selected for recording.
+    /// In-port of a node that was selected for recording.
     InPort(TracePortId),
 }
 
 /// All ports that are compared, and the order of comparison.
 pub(super) struct ComparisonPlan {
-    /// Nodes, by index.
+    /// Nodes of the net, by index.
     pub(super) nodes: Vec<ComparedNode>,
     pub(super) aliases: Vec<Alias>,
     /// Nodes whose out-ports have their values before the first step.
@@ -62,7 +62,7 @@ pub(super) struct ComparisonPlan {
     pub(super) stepless: Vec<NodeId>,
     /// Ports of the trace that do not exist in the net.
     pub(super) unmatched: Vec<String>,
-    /// Offset that was added to the numbers in the names of the trace.
+    /// Offset that was added to the numbers in generated names of the trace so that they match the net.
     pub(super) shift: i64,
 }
 
@@ -91,7 +91,7 @@ impl ComparisonPlan {
         }
     }
 
-    /// Returns an out-port.
+    /// Returns the prepared data of an out-port.
     pub(super) fn out_port(&self, port: PortRef) -> &OutPort {
         &self.nodes[port.node.0 as usize].out_ports[usize::from(port.port)]
     }

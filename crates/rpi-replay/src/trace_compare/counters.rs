@@ -11,7 +11,7 @@ pub(super) struct PortInCycle<'a> {
     pub(super) primitive: &'a str,
 }
 
-/// A report that is being filled.
+/// Report of a comparison while it is being filled.
 #[derive(Default)]
 pub(super) struct ReportBuilder {
     pub(super) report: CompareReport,

@@ -45,7 +45,7 @@ pub(super) fn is_near_gimbal_lock(ty: Type, cells: &[u64]) -> bool {
     })
 }
 
-/// Like [`near_lock`], for the middle Euler angle in radians.
+/// Like [`is_near_gimbal_lock`], for the middle Euler angle in radians.
 pub(super) fn is_near_gimbal_lock_angle(middle: f64) -> bool {
     ((middle.abs() - PI / 2.0).abs()) < GIMBAL_LOCK_MARGIN
 }

@@ -11,10 +11,10 @@ use super::report::{Divergence, DivergenceLink};
 use super::text::value_text;
 use super::trace_view::RecordedValue;
 
-/// Maximum length of a path. Longer paths give no further information.
+/// Maximum number of ports on the path of a deviation. Longer paths give no further information.
 const MAX_LINKS: usize = 64;
 
-/// Returns the path backwards from a deviating out-port.
+/// Returns the path of deviating ports that led to the deviation at an out-port, from there backwards.
 pub(super) fn divergence(replay: &Replay<'_>, port: PortRef) -> Divergence {
     let mut path = Vec::new();
     let mut seen = BTreeSet::new();
@@ -29,7 +29,7 @@ pub(super) fn divergence(replay: &Replay<'_>, port: PortRef) -> Divergence {
     }
 }
 
-/// Returns the path backwards from a port that only forwards `source`.
+/// Returns the path of deviating ports that led to the deviation at a port that only forwards `source`.
 pub(super) fn alias_divergence(replay: &Replay<'_>, name: &str, source: &Input) -> Divergence {
     let ty = super::comparison_plan::type_of(replay.net, source);
     let computed = replay.input_value(source);

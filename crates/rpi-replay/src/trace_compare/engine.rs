@@ -66,7 +66,7 @@ fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instanc
     instance.map_err(ReplayError::Loading)
 }
 
-/// State of a running replay.
+/// State of a replay that is in progress.
 pub(super) struct Replay<'a> {
     pub(super) net: &'a Net,
     pub(super) plan: ComparisonPlan,

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_record::trace::{Trace, TracePortId};
 
-/// Ports of the trace, by their names in the net.
+/// Ports of a trace by the names that they have in the net.
 pub(super) struct PortNames {
     by_name: BTreeMap<String, TracePortId>,
     /// Offset that is added to the numbers in the names of the trace.
@@ -59,7 +59,7 @@ fn common_shift(trace: &Trace, known: &BTreeSet<String>) -> Option<i64> {
         .then_some(shift)
 }
 
-/// Returns the trailing numbers of the names in a path.
+/// Returns the numbers at the ends of the names in a path.
 fn trailing_numbers(name: &str) -> impl Iterator<Item = i64> {
     let (path, _) = split_port(name);
     path.split('/')

@@ -25,7 +25,7 @@ impl Default for Options {
     }
 }
 
-/// Error that prevents a trace replay.
+/// Error: a trace cannot be replayed.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ReplayError {
     /// The trace has no rows and no start time.

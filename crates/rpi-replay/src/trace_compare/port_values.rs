@@ -64,8 +64,8 @@ impl Replay<'_> {
         }
     }
 
-    /// Returns how an alias is compared. Euler angles need no special case, because the source was already replaced by
-    /// the recorded angle.
+    /// Returns how the values of a forwarding port are compared. Euler angles need no special case, because the source
+    /// was already replaced by the recorded angle.
     pub(super) fn alias_comparison(&self, source: &Input) -> ComparisonKind {
         match source {
             Input::Port(port) if self.plan.out_port(*port).measure != AngleKind::Plain => {

@@ -6,7 +6,7 @@ use rpi_diag::with_noun;
 
 use super::report::{CompareReport, Divergence, DivergenceLink};
 
-/// Maximum number of listed ports.
+/// Maximum number of ports that a printed report lists.
 const LISTED: usize = 12;
 
 impl fmt::Display for CompareReport {

@@ -19,14 +19,14 @@ pub(super) enum Relation {
     Differs(Option<f64>),
 }
 
-/// How a value is compared.
+/// Kind of comparison of a computed with a recorded value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum ComparisonKind {
-    /// As a plain value.
+    /// The values are compared as they are.
     Plain,
-    /// As angles: values that differ by whole turns are equal.
+    /// The values are compared as angles: values that differ by whole turns are equal.
     Angle,
-    /// As one of three Euler angles. The argument is the recorded middle angle in radians.
+    /// The value is one of three Euler angles. The field is the recorded middle angle in radians.
     Euler(f64),
 }
 

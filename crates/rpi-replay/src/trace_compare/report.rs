@@ -13,7 +13,7 @@ pub struct CompareReport {
     pub compared: ComparedCounts,
     /// Number of deviating values that no documented difference explains.
     pub differing: u64,
-    /// Number of input values taken from the trace.
+    /// Number of input values taken from the trace instead of being computed.
     pub taken: u64,
     /// Number of values not compared because they depend on a value that the trace does not have in that cycle.
     pub unknown: u64,
@@ -83,7 +83,7 @@ pub struct Divergence {
     pub path: Vec<DivergenceLink>,
 }
 
-/// A port on the path of a divergence.
+/// Port on the path of deviating ports that leads to a divergence, with its values.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DivergenceLink {
     /// Path of the port.
@@ -94,7 +94,7 @@ pub struct DivergenceLink {
     pub computed: String,
     /// Recorded value, if any.
     pub recorded: Option<String>,
-    /// Deviation, if both values are present.
+    /// Difference of the computed and the recorded value, in the unit of the port; `None` if one of them is absent.
     pub deviation: Option<f64>,
     /// First cycle in which the port deviated by any amount.
     pub since: Option<u64>,
@@ -102,7 +102,7 @@ pub struct DivergenceLink {
     pub inputs: Vec<(String, String, String)>,
 }
 
-/// Deviations of one port from the trace: where they start, and how large they are.
+/// Deviations of one port from the trace: number, first cycle and largest one.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PortDeviations {
     /// Path of the port.
@@ -113,11 +113,11 @@ pub struct PortDeviations {
     pub values: u64,
     /// First cycle with a deviation.
     pub first_cycle: u64,
-    /// Largest deviation; `None` if only the presence differed.
+    /// Largest difference from the recorded value, in the unit of the port; `None` if only the presence differed.
     pub worst: Option<f64>,
 }
 
-/// A fault that ended a net.
+/// Fault that ended a net during a replay.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct ReplayFault {
     /// Cycle, from 1.

@@ -11,7 +11,7 @@ pub(super) enum RecordedValue {
     Unknown,
     /// The port was absent.
     Absent,
-    /// The port was present with a value that the recorder could not write.
+    /// The port was present with a value that the reference system records without its content.
     Unprintable,
     /// The port was present with a value that does not have the type of the port.
     WrongType(String),
@@ -19,7 +19,7 @@ pub(super) enum RecordedValue {
     Value(Vec<u64>),
 }
 
-/// One cycle of a trace.
+/// Recorded values of one cycle of a trace, and of the cycle before.
 pub(super) struct CycleView<'t> {
     trace: &'t Trace,
     /// Number of the cycle, from 1.
@@ -89,7 +89,7 @@ fn is_opaque(text: &str) -> bool {
     text.contains('@')
 }
 
-/// Returns for each port of the trace whether it had more than one value.
+/// Returns for each port of the trace whether its value changed.
 pub(super) fn varying_ports(trace: &Trace) -> Vec<bool> {
     let mut first: Vec<Option<&str>> = vec![None; trace.ports().count()];
     let mut varies = vec![false; first.len()];

@@ -18,7 +18,7 @@ use super::queue::{HostQueues, InputValue, Options, Released, Request};
 use super::request_log::{RequestLog, RequestRecord};
 use super::subscription::{self, Subscription};
 
-/// Host-side information about a command.
+/// Information about a loaded command, kept by the host from its requests and events.
 #[derive(Clone, Debug)]
 pub struct CommandInfo {
     /// Image that the command runs.
@@ -31,14 +31,14 @@ pub struct CommandInfo {
     pub first_tick: Option<u64>,
 }
 
-/// A loaded command with a snapshot.
+/// A loaded command that was passed to the core with a snapshot of its exports.
 #[derive(Debug)]
 pub struct AdoptedCommand {
     /// Identifier of the command.
     pub id: CommandId,
     /// Ticket of the insertion. Its answer means that the command is ready.
     pub ticket: Ticket,
-    /// Snapshot with the exports of the command.
+    /// Snapshot in which the core stores the exports of the command after every cycle.
     pub snapshot: Arc<ExportSnapshot>,
 }
 
@@ -48,10 +48,10 @@ pub struct Control<T = rpi_sim::NamedDevice> {
     names: Box<dyn DeviceBank + Send>,
     ids: IdAllocator,
     commands: BTreeMap<CommandId, CommandInfo>,
-    /// Freed commands that are reported once all earlier events have been reported.
+    /// Commands that the cycle has freed. They are reported once all earlier events have been reported.
     freed: Vec<CommandId>,
     tickets: u64,
-    /// Number of rules in the cycle.
+    /// Number of rules that the core holds.
     rules: usize,
     max_rules: usize,
     continuity: Continuity,
@@ -412,7 +412,7 @@ impl<T> Control<T> {
         }
     }
 
-    /// Updates the information about a command from an event.
+    /// Updates the information about a command from an event of the core.
     fn update_info(&mut self, event: &Event) {
         let Event::Notice(notice) = event else {
             return;

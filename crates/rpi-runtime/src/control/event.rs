@@ -51,7 +51,7 @@ pub enum RequestError {
     OutOfMemoryQuota,
     /// The command exceeds the time budget of a tick.
     BudgetExceeded(BudgetExceededError),
-    /// The command cannot run in this cell; all load errors.
+    /// The command cannot run in this cell, for these reasons.
     Load(Vec<LoadError>),
     /// The value has the wrong size for its input.
     ValueSize {

@@ -11,14 +11,14 @@ use super::queue::{CycleQueues, Options, Released, Request};
 use super::subscription::Subscription;
 use crate::realtime::CommandTimer;
 
-/// A control core with its devices. One thread ticks it.
+/// A control core with the devices that it moves. One thread calls its ticks.
 pub struct Executive<P: Plant> {
     core: Core,
     plant: P,
     queues: CycleQueues<P::Device>,
     /// Subscriptions, indexed by command slot.
     subscriptions: Box<[Option<Box<Subscription>>]>,
-    /// Snapshots, indexed by command slot.
+    /// Snapshots of exports, indexed by command slot.
     snapshots: Snapshots,
     /// Last reported error code and motion state of each device.
     reported: Vec<(i64, bool)>,
@@ -65,8 +65,8 @@ impl<P: Plant> Executive<P> {
         self.tick_without_requests(wall_ns, watch);
     }
 
-    /// Executes one tick without taking requests. Used after all commands were stopped, so that pending requests start
-    /// nothing.
+    /// Executes one tick without carrying out requests. Used after all commands were stopped, so that pending requests
+    /// start nothing.
     pub fn tick_without_requests(&mut self, wall_ns: i64, watch: &mut dyn CycleObserver) {
         self.stopwatch.reset();
         let mut watch = CycleObservers {
@@ -139,7 +139,7 @@ impl<P: Plant> Executive<P> {
         longest.filter(|(_, took)| excess_ns > 0 && *took >= excess_ns)
     }
 
-    /// Ends all commands between two ticks and drops all rules.
+    /// Ends all commands between two ticks for the reason `why`, and drops all rules.
     pub fn halt(&mut self, why: rpi_core::AbortReason) {
         self.core.abort_all(why, &mut self.plant);
         self.send_events();
@@ -311,7 +311,8 @@ impl<P: Plant> Executive<P> {
     }
 }
 
-/// Updates subscriptions and snapshots at the end of each cycle and forwards the notification to another observer.
+/// Observer of cycles that updates subscriptions and snapshots at the end of each cycle and forwards the notification
+/// to another observer.
 struct CycleObservers<'a> {
     tick: u64,
     subscriptions: &'a mut [Option<Box<Subscription>>],

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 use rpi_core::{Command, Overrun, OverrunStats};
 use rpi_image::image::Export;
 
-/// Maximum number of read attempts. A write takes less than a microsecond and happens once per cycle.
+/// Maximum number of attempts to read a consistent snapshot. A write takes less than a microsecond and happens once per
+/// cycle.
 const MAX_READ_ATTEMPTS: usize = 1000;
 
 /// Exports of one command after its latest cycle. Readers never delay the cycle. A slow reader skips cycles but always
@@ -23,7 +24,7 @@ pub struct ExportSnapshot {
     overruns: OverrunSnapshot,
 }
 
-/// Number of overruns and the worst of them. It has its own sequence lock because it is rarely written.
+/// Number of overruns of a command and the worst of them. It has its own sequence lock because it is rarely written.
 #[derive(Debug, Default)]
 struct OverrunSnapshot {
     version: AtomicU64,
@@ -99,7 +100,7 @@ impl ExportSnapshot {
         self.version.load(Ordering::Acquire) / 2
     }
 
-    /// Returns all words of one cycle; `None` before the first cycle.
+    /// Returns all words of the snapshot as of one cycle; `None` before the first cycle.
     #[must_use]
     pub fn read_consistent(&self) -> Option<Vec<u64>> {
         read(&self.version, &self.cells)
@@ -120,7 +121,7 @@ impl ExportSnapshot {
     }
 }
 
-/// Begins a write. Returns the version before it.
+/// Begins a write under the sequence lock. Returns the version before it.
 fn begin_write(version: &AtomicU64) -> u64 {
     // A sequence lock: the version is odd during a write. See H. Boehm, "Can seqlocks get along with programming
     // language memory models?", MSPC 2012. The fence keeps the writes of the words behind that of the odd version.
@@ -130,7 +131,7 @@ fn begin_write(version: &AtomicU64) -> u64 {
     before
 }
 
-/// Reads all words of one write; `None` before the first write, or if every attempt met a concurrent write.
+/// Reads all words as of one write; `None` before the first write, or if every attempt met a concurrent write.
 fn read(version: &AtomicU64, cells: &[AtomicU64]) -> Option<Vec<u64>> {
     for _ in 0..MAX_READ_ATTEMPTS {
         let before = version.load(Ordering::Acquire);

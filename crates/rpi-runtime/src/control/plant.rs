@@ -15,8 +15,8 @@ pub trait Plant: DeviceBank + Send {
     /// Advances the devices by one tick. Called after the set-points of the tick were written.
     fn step(&mut self);
 
-    /// Calls `each` with index, error code (0 for none) and motion state of every device. Called in every tick, so it
-    /// must have bounded time and must not allocate.
+    /// Calls `each` with the index, the error code (0 for none) and whether it moves, for every device. Called in every
+    /// tick, so it must have bounded time and must not allocate.
     fn device_states(&self, each: &mut dyn FnMut(usize, i64, bool));
 
     /// Notifies the plant that a tick ended too late. Used by recordings.

@@ -47,7 +47,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Returns the maximum number of rules.
+    /// Returns the maximum number of rules in the core.
     pub(super) fn rules(&self) -> usize {
         self.commands * 4
     }
@@ -64,19 +64,19 @@ pub struct InputValue {
     pub value: Box<[u64]>,
 }
 
-/// A request from the host to the cycle. `T` is a device that can be inserted.
+/// A request from the host to the thread of the cycle. `T` is a device that can be inserted.
 pub enum Request<T> {
     /// Inserts a loaded command, with the snapshot for its exports, if any.
     Insert(CommandId, Box<Command>, Option<Arc<ExportSnapshot>>),
     /// Starts a command.
     Start(CommandId),
-    /// Withdraws a command from all rules that would start it.
+    /// Takes a command off the schedule: removes it from all rules that would start it.
     Unschedule(CommandId),
-    /// Requests a command to end.
+    /// Cancels a command: its input `cancel` becomes true.
     Cancel(CommandId),
-    /// Ends a command now.
+    /// Ends a command at once, for a reason; its devices brake on their own.
     Abort(CommandId, AbortReason),
-    /// Removes a command that does not run.
+    /// Removes a command that does not run from the core.
     Unload(CommandId),
     /// Adds a rule.
     Schedule(RuleId, Box<Rule>),
@@ -92,9 +92,9 @@ pub enum Request<T> {
     EmergencyStop,
 }
 
-/// Minimum effort of a request.
+/// Minimum effort of carrying out a request, in units of about ten nanoseconds.
 const MIN_EFFORT: usize = 256;
-/// Additional effort for each word of each rule.
+/// Additional effort of a request for each word of each rule, in units of about ten nanoseconds.
 const EFFORT_PER_RULE_WORD: usize = 8;
 
 impl<T> Request<T> {
@@ -109,7 +109,7 @@ impl<T> Request<T> {
     }
 }
 
-/// An object that the cycle no longer uses and the host must free.
+/// An object that the cycle no longer uses and the host must free, because the cycle must not.
 pub(super) enum Released<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
@@ -119,17 +119,17 @@ pub(super) enum Released<T> {
     Device(T),
 }
 
-/// Cycle side of the queues.
+/// Ends of the queues between host and cycle that the cycle uses.
 pub(super) struct CycleQueues<T> {
     pub(super) requests: Consumer<(Ticket, Request<T>)>,
     pub(super) events: Producer<Event>,
     pub(super) samples: Producer<u64>,
     released: Producer<Released<T>>,
-    /// Objects that are sent once all earlier events have been sent.
+    /// Released objects that are sent to the host once all earlier events have been sent.
     staged: Vec<Released<T>>,
 }
 
-/// Host side of the queues.
+/// Ends of the queues between host and cycle that the host uses.
 pub(super) struct HostQueues<T> {
     pub(super) requests: Producer<(Ticket, Request<T>)>,
     pub(super) events: Consumer<Event>,
@@ -172,7 +172,7 @@ impl<T> CycleQueues<T> {
         self.staged.is_empty() && !self.events.is_full()
     }
 
-    /// Releases an object to the host, which frees it.
+    /// Sends an object that the cycle no longer uses to the host, which frees it.
     pub(super) fn release(&mut self, released: Released<T>) {
         // The capacity covers all objects that the cycle can own.
         self.staged.push(released);

@@ -3,8 +3,8 @@
 use super::event::{Event, Ticket};
 use super::queue::{HostQueues, Request};
 
-/// Host side of a control core without admission control. The caller chooses the numbers of tickets, commands and
-/// rules.
+/// Access of the host to a control core without admission control. The caller chooses the numbers of tickets, commands
+/// and rules.
 pub struct RawControl<T> {
     ends: HostQueues<T>,
 }

@@ -8,7 +8,7 @@ use rpi_image::Image;
 use super::event::Ticket;
 use super::queue::{InputValue, Request};
 
-/// A request with all data needed to repeat it.
+/// A request to the core with all data needed to repeat it, as recordings store it.
 #[derive(Clone, Debug)]
 pub enum RequestRecord {
     /// Loads a command from an image, with its policies for discontinuities and overruns.
@@ -17,7 +17,7 @@ pub enum RequestRecord {
     Start(CommandId),
     /// Takes a command off the schedule.
     Unschedule(CommandId),
-    /// Requests a command to end.
+    /// Cancels a command: its input `cancel` becomes true.
     Cancel(CommandId),
     /// Ends a command immediately.
     Abort(CommandId, AbortReason),

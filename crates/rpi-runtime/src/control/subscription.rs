@@ -10,7 +10,7 @@ pub struct Subscription {
     pub(super) command: CommandId,
     pub(super) every: u64,
     flows: Box<[SubscribedFlow]>,
-    /// Number of samples dropped because the ring was full.
+    /// Number of samples dropped because the ring buffer was full.
     pub(super) lost: u64,
 }
 
@@ -52,7 +52,7 @@ impl Subscription {
         self.flows.iter().map(|flow| flow.export)
     }
 
-    /// Sends the flows that have changed since they were last sent, if the sampling period has elapsed.
+    /// Sends the subscribed flows that have changed since they were last sent, if the sampling period has elapsed.
     pub(super) fn send_changes(&mut self, command: &Command, tick: u64, ring: &mut Producer<u64>) {
         if !command.instance().cycle().is_multiple_of(self.every) && command.ending().is_none() {
             return;

@@ -8,23 +8,23 @@ use serde::Serialize;
 
 use crate::realtime::{self, Percentiles, ResourceGrant, SchedulingOptions};
 
-/// Largest latency that the histogram distinguishes, nanoseconds.
+/// Largest latency that the histogram distinguishes, nanoseconds; larger ones count as this value.
 const LONGEST: u64 = 10_000_000_000;
 
-/// Wake-up latency of a thread.
+/// Measured wake-up latency of a thread: the delay from the requested to the actual wake-up.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct WakeupLatency {
     /// Period of the wake-ups, nanoseconds.
     pub period_ns: u64,
     /// Number of wake-ups.
     pub count: u64,
-    /// Latency, nanoseconds.
+    /// Percentiles of the latency, nanoseconds.
     pub late: Percentiles,
     /// Histogram of the latency.
     pub buckets: Vec<HistogramBucket>,
-    /// Results of the requests for real-time resources, as text.
+    /// Result of each request for real-time resources, such as a priority, as text.
     pub grants: Vec<String>,
-    /// Whether all resources were granted.
+    /// Whether the operating system granted all resources.
     pub all_granted: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct WakeupLatency {
 pub struct HistogramBucket {
     /// Upper bound in nanoseconds; `None` for the last bucket.
     pub below_ns: Option<u64>,
-    /// Number of wake-ups.
+    /// Number of wake-ups with a latency in this bucket.
     pub count: u64,
 }
 

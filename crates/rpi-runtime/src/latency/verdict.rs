@@ -13,23 +13,23 @@ use crate::run::time_text;
 pub struct CycleTiming {
     /// Name of the program.
     pub name: String,
-    /// Duration of the cycles, nanoseconds.
+    /// Percentiles of the duration of the cycles, nanoseconds.
     pub cycle: Percentiles,
-    /// Lateness of the cycle starts, nanoseconds.
+    /// Percentiles of the lateness of the cycle starts, nanoseconds.
     pub late: Percentiles,
 }
 
 /// Shortest period that a machine can meet, with the measurements behind it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct PeriodVerdict {
-    /// Wake-up latency.
+    /// Measured wake-up latency.
     pub wakes: WakeupLatency,
-    /// Timing of the measured program, if any.
+    /// Timing of the program that was measured, if any.
     pub load: Option<CycleTiming>,
     /// Worst-case time from a deadline to the end of its cycle, nanoseconds: the largest latency plus the longest
     /// cycle.
     pub needed_ns: u64,
-    /// Shortest common period that exceeds this time, nanoseconds; `None` if no common period does.
+    /// Shortest common period longer than `needed_ns`, nanoseconds; `None` if no common period is.
     pub holds_ns: Option<u64>,
 }
 
@@ -39,7 +39,7 @@ const PERIODS_NS: [u64; 10] = [
     25_000_000,
 ];
 
-/// Computes the verdict from the measurements.
+/// Computes the shortest period that the machine can meet from the measurements.
 #[must_use]
 pub fn verdict(wakes: WakeupLatency, load: Option<CycleTiming>) -> PeriodVerdict {
     let run_late = load.as_ref().map_or(0, |load| load.late.max);

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use rpi_core::CommandId;
 
-/// Measures the time of each command from the notifications of [`Stopwatch::turn`]. No method allocates; the only call
-/// is that of the clock.
+/// Stopwatch that measures the time of each command in a tick. No method allocates; the only system call is that of the
+/// clock.
 #[derive(Debug, Default)]
 pub(crate) struct CommandTimer {
     /// True if measurement is disabled. The clock is then never read.
@@ -16,7 +16,7 @@ pub(crate) struct CommandTimer {
 }
 
 impl CommandTimer {
-    /// Creates a stopwatch. If `goes` is false, measurement is disabled.
+    /// Creates a stopwatch. If `goes` is false, it never measures.
     pub(crate) fn new(goes: bool) -> CommandTimer {
         CommandTimer {
             is_disabled: !goes,

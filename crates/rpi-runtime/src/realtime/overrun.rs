@@ -6,7 +6,7 @@ use std::str::FromStr;
 use rpi_core::OverrunThreshold;
 use serde::Serialize;
 
-/// Reaction to an overrun. Every policy counts overruns.
+/// Reaction to an overrun of a tick. Every policy counts overruns.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum OverrunPolicy {
     /// Late ticks follow immediately, with less than a period between them. No tick is dropped.
@@ -69,7 +69,7 @@ pub struct OverrunStats {
     pub count: u64,
     /// Tick of the first overrun, from 0.
     pub first: Option<u64>,
-    /// Largest overrun in nanoseconds.
+    /// Longest time by which a tick ended after the next one was due, nanoseconds.
     pub longest: u64,
     /// Number of periods by which later ticks were postponed.
     pub skipped: u64,
@@ -78,7 +78,7 @@ pub struct OverrunStats {
     history: u64,
 }
 
-/// Action after a tick, which depends on its overrun.
+/// Action that the overrun policy requires after a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum OverrunAction {
     /// No action.

@@ -13,7 +13,7 @@ use thread_priority::{
 /// Scheduling resources to request from the operating system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SchedulingOptions {
-    /// Priority under the policy `SCHED_FIFO`, 1 to 99.
+    /// Priority of the thread under the policy `SCHED_FIFO`, 1 to 99.
     pub priority: u8,
     /// CPU core of the thread. The default is the last allowed core if there are several, because interrupts are
     /// usually served by the first.
@@ -21,7 +21,8 @@ pub struct SchedulingOptions {
 }
 
 impl Default for SchedulingOptions {
-    /// Priority 80: above the usual priority of interrupt threads (50), below that of the kernel (99).
+    /// Returns the default options. The priority is 80: above the usual priority of interrupt threads (50), below that
+    /// of the kernel (99).
     fn default() -> Self {
         SchedulingOptions {
             priority: 80,

@@ -23,7 +23,7 @@ const ALLOWED: [libc::c_long; 7] = [
     libc::SYS_exit_group,
 ];
 
-/// Name of the filter in its [`Grant`].
+/// Name of the system call filter in its [`ResourceGrant`].
 const FILTER_NAME: &str = "no system call but the clock's";
 
 /// Permanently forbids the calling thread all system calls except those of the clock.

@@ -6,8 +6,8 @@ use super::clock::{Clock, TimeBase};
 use super::overrun::{OverrunAction, OverrunPolicy};
 use super::timing_stats::{TimingHistograms, TimingStats};
 
-/// A running tick timer. The caller repeats [`TickTimer::wait`], the work of the tick and [`TickTimer::finish_tick`]. No method
-/// allocates.
+/// Timer that waits for each tick and measures it. The caller repeats [`TickTimer::wait`], the work of the tick and
+/// [`TickTimer::finish_tick`]. No method allocates.
 pub struct TickTimer {
     clock: Clock,
     meter: TimingHistograms,
@@ -16,7 +16,7 @@ pub struct TickTimer {
     overrun_ns: u64,
     /// Nanoseconds by which the latest tick took longer than a period, regardless of when it began.
     excess_ns: u64,
-    /// Nanoseconds by which the current tick began too late. `begin` is its start time.
+    /// Nanoseconds by which the current tick began too late.
     late_ns: u64,
     begin: Instant,
 }

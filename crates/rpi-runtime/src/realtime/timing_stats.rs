@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::overrun::OverrunStats;
 
-/// Largest duration that the histograms distinguish, nanoseconds.
+/// Largest duration that the histograms distinguish, nanoseconds; larger ones count as this value.
 const LONGEST: u64 = 60_000_000_000;
 
 /// Timing statistics of a run.
@@ -13,26 +13,26 @@ const LONGEST: u64 = 60_000_000_000;
 pub struct TimingStats {
     /// Number of ticks.
     pub ticks: u64,
-    /// Duration of the ticks, nanoseconds.
+    /// Percentiles of the duration of the ticks, nanoseconds.
     pub tick: Percentiles,
-    /// Lateness of the starts of the ticks, nanoseconds; only on real time.
+    /// Percentiles of the lateness of the starts of the ticks, nanoseconds; only on real time.
     pub lateness: Option<Percentiles>,
     /// Statistics of overruns; only on real time.
     pub overruns: Option<OverrunStats>,
 }
 
-/// Percentiles in nanoseconds, accurate to 1 %.
+/// Median, 99th percentile and maximum of durations in nanoseconds, accurate to 1 %.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct Percentiles {
-    /// Median.
+    /// Median, nanoseconds.
     pub p50: u64,
-    /// 99th percentile.
+    /// 99th percentile, nanoseconds.
     pub p99: u64,
-    /// Maximum.
+    /// Maximum, nanoseconds.
     pub max: u64,
 }
 
-/// Histograms of a run. Recording a value neither allocates nor fails.
+/// Histograms of the durations and the lateness of the ticks of a run. Recording a value neither allocates nor fails.
 pub(crate) struct TimingHistograms {
     tick: Histogram<u64>,
     lateness: Option<Histogram<u64>>,

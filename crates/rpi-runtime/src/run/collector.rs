@@ -10,8 +10,8 @@ use super::samples::Channel;
 use crate::control::Executive;
 use crate::tick_log::{LoggingBank, TickLogReader, TickLogWriter, tick_log};
 
-/// Records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on the tick log is
-/// dropped and counted.
+/// Collector that records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on
+/// the tick log is dropped and counted.
 pub struct TickCollector {
     tick_log: TickLogWriter,
     probe: FlowProbe,
@@ -48,7 +48,7 @@ impl TickCollector {
         executive.tick(wall_ns, &mut both);
     }
 
-    /// Ends all commands after a tick and records the reason.
+    /// Ends all commands after a tick for the reason `why`, and records the reason.
     pub fn halt(&mut self, executive: &mut Executive<LoggingBank<SimBank>>, why: AbortReason) {
         executive.plant().log_halt(why);
         executive.halt(why);
@@ -89,7 +89,7 @@ impl TickCollector {
     }
 }
 
-/// Forwards each notification to two observers.
+/// Observer of cycles that forwards each notification to two observers.
 struct ObserverPair<'a>(&'a mut FlowProbe, &'a mut dyn CycleObserver);
 
 impl CycleObserver for ObserverPair<'_> {

@@ -22,21 +22,21 @@ const SETTLE_SECONDS: f64 = 10.0;
 /// Maximum number of commands whose overruns are recorded.
 const MAX_OVERRUN_COMMANDS: usize = 64;
 
-/// Stop conditions of a run, and its tick length.
+/// Conditions under which a run stops, and its tick length.
 #[derive(Clone, Debug)]
 pub(super) struct StopConditions {
-    /// Tick at which the running commands are stopped.
+    /// Tick at which the commands that still run are stopped.
     pub(super) last_tick: u64,
-    /// Set to true to stop the run now.
+    /// Flag that stops the run as soon as it is set to true.
     pub(super) interrupted: Arc<AtomicBool>,
-    /// Set to true for an emergency stop.
+    /// Flag that causes an emergency stop as soon as it is set to true.
     pub(super) emergency: Arc<AtomicBool>,
     /// Tick length in nanoseconds.
     pub(super) tick_ns: u64,
 }
 
 impl StopConditions {
-    /// Returns the reason to end all commands now, if a stop condition is met.
+    /// Returns the reason to end all commands now; `None` if no stop condition is met.
     fn stop_reason(&self, now: u64) -> Option<AbortReason> {
         let is_cut_off = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
         // The emergency stop comes first: it is the reason to report if the run was interrupted at the same time.
@@ -47,7 +47,7 @@ impl StopConditions {
     }
 }
 
-/// The cycle and all data that it owns.
+/// Loop of the control cycle in a run, with all data that it owns: the core, the devices, the clock and the recording.
 pub(super) struct CycleLoop {
     executive: Executive<LoggingBank<SimBank>>,
     pub(super) timer: TickTimer,
@@ -58,7 +58,7 @@ pub(super) struct CycleLoop {
     bounds: StopConditions,
     /// Tick at which the run ends even if the devices still move; set once all commands have ended.
     settling: Option<u64>,
-    /// Reason for which all commands were ended early. [`Why::Request`] if the run was cut off.
+    /// Reason for which all commands were ended early. [`AbortReason::Request`] if the run was cut off.
     pub(super) halted: Option<AbortReason>,
     /// Tick log of the recording, if any.
     tick_log: Option<TickLogWriter>,
@@ -98,7 +98,7 @@ impl CycleLoop {
         }
     }
 
-    /// Executes one tick.
+    /// Executes one tick of the core, and records it.
     pub(super) fn tick(&mut self) {
         let now = self.executive.now();
         let wall_ns = self.timer.wait(now);
@@ -122,7 +122,7 @@ impl CycleLoop {
         self.now.store(self.executive.now(), Ordering::Release);
     }
 
-    /// Handles an overrun; see [`Executive::too_late`]. Returns true if all commands must be ended.
+    /// Handles an overrun; see [`Executive::handle_overrun`]. Returns true if all commands must be ended.
     fn handle_overrun(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         if let Some(probe) = &mut self.watcher.probe {
             probe.overrun(late_ns);
@@ -161,14 +161,14 @@ impl CycleLoop {
             .is_none_or(|until| now < until && self.is_moving())
     }
 
-    /// Ends all commands between two ticks.
+    /// Ends all commands between two ticks for the reason `why`.
     fn halt(&mut self, why: AbortReason) {
         self.halted = Some(why);
         self.executive.plant().log_halt(why);
         self.executive.halt(why);
     }
 
-    /// Records everything since the last recorded tick.
+    /// Writes everything since the last recorded tick to the tick log.
     fn record(&mut self, context: (u64, i64), ticked: bool) {
         let (Some(tick_log), Some(probe)) = (&mut self.tick_log, &self.watcher.probe) else {
             return;
@@ -179,7 +179,7 @@ impl CycleLoop {
         }
     }
 
-    /// Records everything after the last tick. Returns the number of lost ticks.
+    /// Writes everything after the last tick to the tick log. Returns the number of lost ticks.
     pub(super) fn finish_tick_log(&mut self) -> u64 {
         let now = self.executive.now();
         let stage = self.executive.plant().buffer();
@@ -195,12 +195,12 @@ impl CycleLoop {
         self.tick_log.as_ref().is_none_or(TickLogWriter::has_room)
     }
 
-    /// Returns the devices.
+    /// Returns the device bank of the run.
     pub(super) fn bank(&mut self) -> &mut SimBank {
         self.executive.plant().plant()
     }
 
-    /// Samples the devices after their step.
+    /// Samples the ports of the devices after the devices have advanced by a tick.
     fn sample(&mut self, tick: u64) {
         let (bank, watcher) = (self.executive.plant().plant(), &mut self.watcher);
         for tap in &mut self.devices {
@@ -218,12 +218,12 @@ impl CycleLoop {
     }
 }
 
-/// Samples the flows of commands at the end of their cycles.
+/// Sampler that reads the flows of commands at the end of their cycles.
 pub(super) struct FlowSampler {
     pub(super) tap: SampleSender,
     pub(super) tick: u64,
     pub(super) flows: Box<[SampledFlows]>,
-    /// Observations for the recording, if any.
+    /// Probe that also writes the flows to the recording, if any.
     pub(super) probe: Option<FlowProbe>,
 }
 
@@ -234,7 +234,7 @@ impl FlowSampler {
     }
 }
 
-/// Sampled flows of an image.
+/// Flows of an image that are sampled in every cycle.
 pub(super) struct SampledFlows {
     pub(super) image: Arc<Image>,
     /// Channel, signal, and the index of the signal's fragment.

@@ -9,7 +9,7 @@ use super::cycle::DeviceTap;
 use super::outcome::{DeviceEnd, DeviceProblem};
 use super::samples::{Channel, Source};
 
-/// Maximum number of distinct problems listed per device.
+/// Maximum number of distinct problems that are listed per device.
 const MAX_PROBLEMS: usize = 32;
 
 /// Returns the ports that are sampled in every tick: name, number of instances, type.
@@ -72,7 +72,7 @@ fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String 
     }
 }
 
-/// Samples a port after the devices have moved.
+/// Reads a device port after the devices have moved, and passes channel and value to `take`.
 pub(super) fn sample(
     tap: &mut DeviceTap,
     bank: &mut SimBank,

@@ -17,10 +17,10 @@ use super::samples::{Channel, SampleReceiver, Sink};
 use super::task_runner::{NotStartedError, Task, TaskCore};
 use crate::control::{Control, Event, InputValue, RequestError, Ticket};
 
-/// Maximum number of listed commands. The limit bounds the memory of an endless task.
+/// Maximum number of commands that the outcome lists. The limit bounds the memory of an endless task.
 const LISTED: usize = 1000;
 
-/// Host side of a run.
+/// The part of a run outside the cycle: it runs the tasks, processes the events of the core and collects the outcome.
 pub(super) struct Host<'a> {
     pub(super) context: TaskContext<'a>,
     pub(super) tasks: Vec<Task<&'a ExecutablePlan>>,
@@ -42,11 +42,11 @@ pub(super) struct TaskContext<'a> {
     pub(super) input_values: Vec<Vec<IndexedValue>>,
     /// Number of the next tick.
     pub(super) now: Arc<AtomicU64>,
-    /// Number of ticks after the start of a command before its successors are scheduled.
+    /// Number of ticks after the start of a command after which its successors are scheduled.
     pub(super) planning_ticks: u64,
     /// Number of successors that were not yet scheduled when their predecessor ended.
     pub(super) late_successors: u64,
-    /// Number of these successors that could have taken over in motion.
+    /// Number of late successors that could have taken over while the devices moved.
     pub(super) missed_takeovers: u64,
 }
 
@@ -71,7 +71,7 @@ impl TaskContext<'_> {
     }
 }
 
-/// Interface between the tasks of a run and the control core.
+/// Adapter through which the tasks of a run use the control core.
 struct TaskCoreAdapter<'b, 'a> {
     context: &'b mut TaskContext<'a>,
     command_log: &'b mut CommandLog<'a>,
@@ -136,14 +136,14 @@ impl TaskCore for TaskCoreAdapter<'_, '_> {
     }
 }
 
-/// Outcome of the commands, collected during the run.
+/// List of the commands of a run and how they ended, filled in during the run.
 pub(super) struct CommandLog<'a> {
     images: &'a [Arc<Image>],
-    /// Commands in the order of their start.
+    /// Commands in the order of their start, each with its id until it is freed.
     pub(super) commands: Vec<(Option<CommandId>, CommandEnd)>,
-    /// Number of commands that are no longer listed.
+    /// Number of earlier commands that were removed from the list.
     pub(super) unlisted: u64,
-    /// Command that could not be loaded, with the load errors.
+    /// Name of the command that could not be loaded, with the load errors.
     pub(super) load_failure: Option<(String, Vec<LoadError>)>,
 }
 
@@ -280,7 +280,7 @@ impl Host<'_> {
         });
     }
 
-    /// Returns true while the recorder accepts data.
+    /// Returns true while the recorder of the run accepts data.
     pub(super) fn is_recorded(&self) -> bool {
         self.recorder
             .as_ref()

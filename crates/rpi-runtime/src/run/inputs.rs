@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use rpi_image::Image;
 
-/// A value for an input.
+/// Value that the user gives for an input of a command, as text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputSetting {
     /// Key of the input.
@@ -38,12 +38,12 @@ impl FromStr for InputSetting {
     }
 }
 
-/// A setting that cannot be applied.
+/// Error: a value for an input cannot be applied.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum InputSettingError {
     /// No command has an input with this key.
     UndefinedInput {
-        /// Key of the setting.
+        /// Key that the user has given.
         key: String,
         /// Keys of all inputs.
         known: Vec<String>,

@@ -21,7 +21,7 @@ use super::setup::setup;
 use crate::control::BudgetExceededError;
 use crate::realtime::{RealTime, TimeBase};
 
-/// Callback for progress: the running command and the elapsed time.
+/// Callback that shows the progress of a run: the running command and the elapsed time.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 
 /// Description of a run: commands, tasks, cell, time base and policies.
@@ -42,17 +42,17 @@ pub struct RunOptions<'a> {
     pub budget: Option<RunBudget<'a>>,
     /// Limits of the run.
     pub limits: Limits,
-    /// Set to true to cut off the run.
+    /// Flag that ends the run as soon as it is set to true.
     pub interrupted: Arc<AtomicBool>,
-    /// Set to true for an emergency stop.
+    /// Flag that causes an emergency stop as soon as it is set to true.
     pub emergency: Arc<AtomicBool>,
-    /// Input values.
+    /// Values that the user gives for inputs of the commands.
     pub settings: &'a [InputSetting],
     /// Recording of the run, if requested.
     pub recording: Option<Box<dyn StartRecording>>,
     /// Receiver of the samples.
     pub sink: &'a mut dyn Sink,
-    /// Progress callback, if any.
+    /// Callback that shows the progress, if any.
     pub progress: Option<&'a mut Progress<'a>>,
 }
 
@@ -66,7 +66,7 @@ pub struct Limits {
     pub planning_ns: u64,
 }
 
-/// Maximum number of printed load errors per command. A device of the wrong kind lacks every port.
+/// Maximum number of load errors that are printed per command. A device of the wrong kind lacks every port.
 const MAX_FAULTS: usize = 8;
 
 /// Error that prevents a run, or ends it before it is complete.
@@ -86,16 +86,16 @@ pub enum RunError {
     BudgetExceeded {
         /// Name of the command, or the set of parallel commands.
         what: String,
-        /// Required and available time.
+        /// Required and available time in the tick.
         why: BudgetExceededError,
     },
     /// A setting cannot be applied.
     Setting(InputSettingError),
     /// A command cannot run in the cell.
     Load {
-        /// Name of the command.
+        /// Name of the command that cannot run.
         command: String,
-        /// All load errors.
+        /// All load errors of the command.
         faults: Vec<LoadError>,
         /// Names of the devices in the cell.
         devices: Vec<String>,

@@ -15,9 +15,9 @@ pub struct Outcome {
     pub commands: Vec<CommandEnd>,
     /// Number of earlier commands that are no longer listed.
     pub unlisted: u64,
-    /// Number of successors that were not scheduled when their predecessor ended, and started with a delay.
+    /// Number of successors that were not scheduled when their predecessor ended, and therefore started with a delay.
     pub late: u64,
-    /// Number of these successors that could have taken over in motion.
+    /// Number of late successors that could have taken over while the devices moved.
     pub missed: u64,
     /// Devices in the order of the cell.
     pub devices: Vec<DeviceEnd>,
@@ -30,10 +30,10 @@ pub struct Outcome {
     /// Reason for a forced stop of all commands, for example an emergency stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<String>,
-    /// Results of the requests to the operating system for real time, as text.
+    /// Result of each request to the operating system for real-time resources, as text.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub grants: Vec<String>,
-    /// Digest of the device values, if requested.
+    /// Hash of all device values as text, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
     /// Statistics of the recording, if any.
@@ -50,7 +50,7 @@ pub struct Outcome {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// No error.
+    /// The run had no error.
     Good,
     /// A command ended with its own error.
     CommandError,
@@ -58,7 +58,7 @@ pub enum Status {
     Fault,
 }
 
-/// Outcome of a command.
+/// Entry of the outcome of a run: one command, how long it ran and how it ended.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CommandEnd {
     /// Name of the command.
@@ -83,7 +83,7 @@ pub struct CommandEnd {
     pub overruns: Option<CommandOverruns>,
 }
 
-/// Overruns attributed to one command.
+/// Number of overruns attributed to one command, with the worst of them.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct CommandOverruns {
     /// Number of overruns.
@@ -135,12 +135,12 @@ pub enum RunEnd {
     CutOff,
     /// The command was aborted for another reason.
     Stopped {
-        /// Reason of the abort, for example an emergency stop.
+        /// Reason of the abort as text, for example an emergency stop.
         why: String,
     },
     /// The core refused to start the command.
     Refused {
-        /// Reason of the refusal.
+        /// Reason of the refusal as text.
         why: String,
     },
 }
@@ -177,7 +177,7 @@ impl FaultOrigin {
 pub struct DeviceEnd {
     /// Name of the device.
     pub name: String,
-    /// Keyword of its condition; `ok` if it has no error.
+    /// Keyword of the device's state; `ok` if the device has no error.
     pub condition: String,
     /// True if the device still moves.
     pub moving: bool,
@@ -188,12 +188,12 @@ pub struct DeviceEnd {
 /// A problem reported by a device.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DeviceProblem {
-    /// Keyword of the problem.
+    /// Keyword of the problem, such as that of an exceeded limit.
     pub what: String,
-    /// True if a set-point was refused; false if the device failed.
+    /// Whether a set-point was rejected; false if the device itself failed.
     #[serde(skip)]
     pub is_refusal: bool,
-    /// True if `value` is a place on a path and `limit` the length of the path, in m.
+    /// Whether `value` is a place on a path and `limit` the length of the path, in m.
     #[serde(skip)]
     pub is_on_path: bool,
     /// Index of the axis, from 0; `None` if the problem concerns the whole device.
@@ -202,14 +202,14 @@ pub struct DeviceProblem {
     pub times: u64,
     /// Time of the first occurrence, in seconds of the cell's clock.
     pub first: f64,
-    /// Refused value at the first occurrence, in SI units.
+    /// Value of the rejected quantity at the first occurrence, in SI units.
     pub value: f64,
     /// Violated limit, in SI units; 0 if there is none.
     pub limit: f64,
 }
 
 impl RunEnd {
-    /// Returns the contribution of this end to the status of the run.
+    /// Returns the result of a run in which this is the only ended command.
     #[must_use]
     pub fn status(&self) -> Status {
         match self {
@@ -238,7 +238,7 @@ impl Outcome {
             .unwrap_or(Status::Good)
     }
 
-    /// Returns true if a command that was running when a device refused a set-point ended with an error or fault.
+    /// Returns true if a command that was running when a device rejected a set-point ended with an error or fault.
     /// Returns true as well if there are unlisted commands, because nothing is known about them.
     fn is_handled_by_command(&self, error: &DeviceProblem) -> bool {
         let tick = error.first * 1e9 / self.tick_ns as f64;

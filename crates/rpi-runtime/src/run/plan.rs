@@ -7,7 +7,7 @@ use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind};
 use rpi_image::plan::Target;
 
-/// A node of a plan. Commands are indices into a list of images.
+/// Node of a plan in which commands are indices into a list of images.
 pub type Node = rpi_image::plan::PlanNode<usize>;
 
 /// Plan of a task, as a graph of nodes.
@@ -22,18 +22,18 @@ pub struct ExecutablePlan {
 /// Error of a plan that does not fit the results of its commands.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PlanError {
-    /// The plan handles a result that the command does not have.
+    /// The plan has a branch for a result that the command does not have.
     UnknownResult {
         /// Name of the command.
         command: String,
-        /// Name of the result.
+        /// Name of the result that does not exist.
         result: String,
     },
     /// The plan does not handle a result of the command.
     UnhandledResult {
         /// Name of the command.
         command: String,
-        /// Name of the result.
+        /// Name of the result without a branch.
         result: String,
     },
 }

@@ -6,45 +6,45 @@ use rpi_image::image::{CommandEnd, CommandEndKind};
 use super::plan::{ExecutablePlan, Node};
 use rpi_image::plan::Target;
 
-/// A position in a plan: a node and the iteration count of each repetition.
+/// Position in a plan: a node, and the iteration count of each loop around it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct PlanCursor {
     node: usize,
     counts: Vec<u64>,
 }
 
-/// Next step of a plan.
+/// Next step of a task according to its plan.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum NextStep {
-    /// Run a command.
+    /// Run the command at this position.
     Run(PlanCursor),
     /// Run several branches in parallel.
     Parallel {
         /// Node with the branches.
         at: PlanCursor,
-        /// First place of each branch; [`Place::Joined`] for an empty branch.
+        /// First step of each branch; [`NextStep::Joined`] for an empty branch.
         branches: Vec<NextStep>,
     },
-    /// The branch has ended and waits for the join.
+    /// The branch has ended and waits until the others have ended.
     Joined,
-    /// The parallel branches are left because of an error.
+    /// Leave the parallel branches because of an error, through this exit.
     Exited(BranchExit),
     /// The task has finished.
     Done,
-    /// The task ends with the error.
+    /// End the task with the error of the command.
     Error,
 }
 
-/// Target of an error that leaves parallel branches.
+/// Way in which an error leaves parallel branches: where the plan continues.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BranchExit {
-    /// The task ends with the error.
+    /// The task ends with the error of the command.
     Error,
     /// The branches of the node with this index end, and the plan continues at the target.
     To(usize, Target),
 }
 
-/// Results (by index) of a command that lead to a place.
+/// Results of a command, by index, that lead to the same next step.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub(super) struct ResultSet {
     /// Results without an error.
@@ -54,7 +54,7 @@ pub(super) struct ResultSet {
 }
 
 impl ExecutablePlan {
-    /// Returns the first place of the plan.
+    /// Returns the first step of the plan.
     pub(super) fn first(&self) -> NextStep {
         self.resolve_target(self.start, vec![0; self.nodes.len()])
     }
@@ -67,8 +67,8 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the place that follows when the command ends with the given result; `None` stands for an end by its
-    /// port.
+    /// Returns the step that follows when the command at `cursor` ends with the given result; `None` stands for an end
+    /// by its port.
     pub(super) fn next_after(
         &self,
         cursor: &PlanCursor,
@@ -96,7 +96,7 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the place that follows once all branches of a parallel node have ended.
+    /// Returns the step that follows once all branches of a parallel node have ended.
     pub(super) fn after_join(&self, split: &PlanCursor) -> NextStep {
         match &self.nodes[split.node] {
             Node::Parallel { then, .. } => self.resolve_target(*then, split.counts.clone()),
@@ -104,8 +104,8 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the place at which the plan continues after the branches were left through this exit; `None` if the exit
-    /// belongs to an outer node.
+    /// Returns the step that follows after parallel branches were left through this exit; `None` if the exit belongs to
+    /// an outer node.
     pub(super) fn after_exit(&self, split: &PlanCursor, exit: BranchExit) -> Option<NextStep> {
         match exit {
             BranchExit::To(node, then) if node == split.node => {
@@ -115,7 +115,7 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns all possible next places of a command with the results that lead there.
+    /// Returns all possible next steps after a command, each with the results that lead to it.
     pub(super) fn possible_next(
         &self,
         cursor: &PlanCursor,
@@ -143,7 +143,7 @@ impl ExecutablePlan {
         all
     }
 
-    /// Returns the next command or parallel node, starting at a target.
+    /// Returns the next step from a target on: follows jumps and loops to the next command or parallel node.
     fn resolve_target(&self, from: Target, mut counts: Vec<u64>) -> NextStep {
         let mut at = from;
         // Repetitions of which an empty iteration was found. All further iterations of them are empty as well.

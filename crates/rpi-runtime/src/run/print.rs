@@ -64,7 +64,7 @@ impl Outcome {
         Ok(())
     }
 
-    /// Prints the digest and the statistics of the recording.
+    /// Prints the digest of the device values and the statistics of the recording.
     fn written(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(digest) = &self.digest {
             writeln!(f, "digest      {digest}")?;

@@ -9,20 +9,20 @@ use rpi_image::image::Signal;
 use super::setup::sampled_flows;
 use crate::tick_log::{EntryBuffer, EntryKind};
 
-/// Capacity in words of the observations of one tick.
+/// Capacity in words of the values observed in one tick.
 const CAPACITY: usize = 1 << 16;
 
-/// An image and its recorded flows with their fragments.
+/// Image and its recorded flows, each with the index of its fragment.
 type RecordedFlows = (Arc<Image>, Box<[(Signal, u32)]>);
 
-/// Records the flows of commands at the end of their cycles.
+/// Probe that records the flows of commands at the end of their cycles.
 pub struct FlowProbe {
     images: Vec<RecordedFlows>,
     stage: EntryBuffer,
 }
 
 impl FlowProbe {
-    /// Creates an observer. For images that are not listed here, the exports are recorded.
+    /// Creates a probe for these images. Of other images, the exports are recorded.
     #[must_use]
     pub fn new(images: &[Arc<Image>]) -> FlowProbe {
         let flows = |image: &Arc<Image>| {
@@ -36,12 +36,12 @@ impl FlowProbe {
         }
     }
 
-    /// Discards the observations of the previous tick.
+    /// Discards the values observed in the previous tick.
     pub fn begin(&mut self) {
         self.stage.clear();
     }
 
-    /// Returns the observations of this tick.
+    /// Returns the values observed in this tick.
     #[must_use]
     pub fn stage(&self) -> &EntryBuffer {
         &self.stage

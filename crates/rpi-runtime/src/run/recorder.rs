@@ -36,12 +36,12 @@ pub trait StartRecording {
     ) -> io::Result<Box<dyn RunRecorder>>;
 }
 
-/// Host side of the recorder of a run. No method but [`RunRecorder::finish`] blocks.
+/// Recorder of a run, as used outside the cycle. No method but [`RunRecorder::finish`] blocks.
 pub trait RunRecorder {
     /// Returns the callback that records each request to the control core.
     fn request_log(&self) -> RequestLog;
 
-    /// Records an event.
+    /// Writes an event of the core to the recording.
     fn event(&self, event: &Event);
 
     /// Returns true while the recorder takes ticks from the tick log. It stops after an error of the output.

@@ -21,7 +21,7 @@ const SERVE_PERIOD: Duration = Duration::from_millis(2);
 /// Period of the progress callback.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
 
-/// Receivers of the samples and the progress of a run.
+/// Loop of a run outside the cycle: it passes samples and progress to the caller.
 pub(super) struct HostLoop<'a> {
     sink: &'a mut dyn Sink,
     progress: Option<&'a mut Progress<'a>>,
@@ -59,7 +59,8 @@ impl<'a> HostLoop<'a> {
     }
 }
 
-/// Runs host and cycle alternately on one thread, so that the same run gives the same bits.
+/// Runs the parts of a run inside and outside the cycle alternately on one thread, so that the same run always gives
+/// the same bits.
 pub(super) fn run_alternating(
     mut cycle: CycleLoop,
     mut host: Host<'_>,
@@ -77,7 +78,7 @@ pub(super) fn run_alternating(
     outcome((cycle, Vec::new()), host, listener)
 }
 
-/// Runs the cycle on a thread of its own and the host on this thread.
+/// Runs the cycle on a thread of its own, and the other parts of the run on this thread.
 pub(super) fn run_threaded(
     cycle: CycleLoop,
     mut host: Host<'_>,
@@ -109,8 +110,8 @@ pub(super) fn run_threaded(
 /// A finished cycle with the resources that the operating system granted.
 type FinishedCycle = (CycleLoop, Vec<ResourceGrant>);
 
-/// Executes ticks until the end, then returns the cycle through a queue. Joining the thread is not possible: with the
-/// system call filter it cannot exit.
+/// Executes ticks until `over` is set, then returns the cycle through a queue. Joining the thread is not possible: with
+/// the system call filter it cannot exit.
 fn tick_until(
     (mut cycle, mut done): (CycleLoop, Producer<FinishedCycle>),
     over: &AtomicBool,

@@ -10,7 +10,7 @@ pub struct Channel {
     pub name: String,
     /// Type of the values.
     pub ty: Type,
-    /// Origin of the flow.
+    /// Device port or command from which the values come.
     pub source: Source,
 }
 
@@ -32,7 +32,7 @@ pub enum Source {
     Claim,
 }
 
-/// Receiver of samples, such as a recording or a plot.
+/// Receiver of the samples of a run, such as a recording or a plot.
 pub trait Sink {
     /// Receives the list of channels. Called once, before the first sample.
     fn channels(&mut self, channels: &[Channel]);
@@ -62,13 +62,13 @@ impl Sink for SinkList<'_> {
     }
 }
 
-/// Capacity of the ring in words. It must hold the samples between two visits of the host.
+/// Capacity of the ring buffer of samples in words. It must hold the samples between two visits of the host.
 const CAPACITY: usize = 1 << 20;
 /// Number of words before the value of a sample: channel with presence; tick.
 const HEADER: usize = 2;
 const PRESENT: u64 = 1 << 32;
 
-/// Creates a ring for samples of channels with these types.
+/// Creates the ring buffer through which samples of channels with these types leave the cycle. Returns its two ends.
 pub(super) fn ring(types: &[Type]) -> (SampleSender, SampleReceiver) {
     let (producer, consumer) = RingBuffer::new(CAPACITY);
     let widths: Box<[usize]> = types.iter().map(|ty| ty.slots() as usize).collect();
@@ -85,10 +85,11 @@ pub(super) fn ring(types: &[Type]) -> (SampleSender, SampleReceiver) {
     (tap, drain)
 }
 
-/// Cycle side of the ring. It neither blocks nor allocates; samples that do not fit are counted.
+/// End of the ring buffer at which the cycle writes samples. It neither blocks nor allocates; samples that do not fit
+/// are counted.
 pub(super) struct SampleSender {
     ring: Producer<u64>,
-    /// Number of samples dropped because the ring was full.
+    /// Number of samples dropped because the ring buffer was full.
     pub(super) lost: u64,
 }
 
@@ -108,7 +109,7 @@ impl SampleSender {
     }
 }
 
-/// Host side of the ring.
+/// End of the ring buffer at which the host reads samples.
 pub(super) struct SampleReceiver {
     ring: Consumer<u64>,
     widths: Box<[usize]>,
@@ -116,7 +117,7 @@ pub(super) struct SampleReceiver {
 }
 
 impl SampleReceiver {
-    /// Passes all complete samples in the ring to `take`, in order.
+    /// Passes all complete samples in the ring buffer to `take`, in order: channel, tick, value.
     pub(super) fn drain(&mut self, mut take: impl FnMut(usize, u64, Option<&[u64]>)) {
         while let Some((channel, present)) = self.next() {
             let _ = self.ring.pop();

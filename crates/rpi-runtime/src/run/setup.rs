@@ -23,7 +23,7 @@ use crate::control::{Control, Executive, Options, open};
 use crate::realtime::{TickTimer, TimeBase};
 use crate::tick_log::{LoggingBank, TickLogWriter, tick_log};
 
-/// Creates the cycle side and the host side of a job.
+/// Prepares a run: creates the loop of the cycle and the host.
 pub(super) fn setup<'a>(
     job: &RunOptions<'a>,
     tick_ns: u64,
@@ -80,7 +80,7 @@ pub(super) fn setup<'a>(
     Ok((cycle, host))
 }
 
-/// Returns the capacities and policies of the control core.
+/// Returns the capacities and policies of the control core of a run.
 fn options(job: &RunOptions<'_>, tick_ns: u64) -> Options {
     Options {
         tick_ns,
@@ -110,7 +110,8 @@ fn task_context<'a>(
     }
 }
 
-/// Starts the recording and returns its host side and its tick_log. The recorder receives every request from now on.
+/// Starts the recording of a run. Returns its recorder and its tick log. The recorder receives every request from now
+/// on.
 fn start_recording(
     job: &RunOptions<'_>,
     wanted: Box<dyn StartRecording>,
@@ -131,7 +132,7 @@ fn start_recording(
     Ok((recorder, writer))
 }
 
-/// Loads every command once to check that it can run in the cell and fits the time budget.
+/// Loads every command of a run once to check that it can run in the cell and fits the time budget.
 fn check_commands(job: &RunOptions<'_>, names: &mut SimBank) -> Result<(), RunError> {
     let load = |image: &Arc<Image>| {
         let loaded = Command::load(Arc::clone(image), names);

@@ -1,6 +1,6 @@
 //! Encoding of entries of a tick log.
 
-/// Kind of a tick log entry. Each description lists the meaning of the key, the flag and the words.
+/// Kind of a tick log entry. The description of each kind lists the meaning of the key, the flag and the words.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum EntryKind {
     /// Read of a sensor. Key: port; flag: a sample was available; words: memory words of the sample.
@@ -24,7 +24,7 @@ pub enum EntryKind {
     Period = 9,
     /// State of a device at the end of a tick. Key: device; flag: the device moves; words: error code.
     DeviceState = 10,
-    /// End of all commands between two ticks. Key: number of the reason.
+    /// End of all commands between two ticks. Key: number of the abort reason.
     Halt = 11,
     /// Flow of a command at the end of its cycle. Key: index of the flow; flag: the flow is present; words: number of
     /// the command, memory words of the value.
@@ -84,7 +84,7 @@ const KIND_SHIFT: u32 = 56;
 const LEN_SHIFT: u32 = 32;
 const MAX_LEN: u64 = (1 << 23) - 1;
 
-/// Encodes the head word of an entry.
+/// Encodes the first word of an entry: kind, key, flag and number of further words.
 pub(super) fn encode_head(kind: EntryKind, key: u32, flag: bool, len: usize) -> u64 {
     let flag = if flag { FLAG } else { 0 };
     (kind as u64) << KIND_SHIFT | flag | (len as u64 & MAX_LEN) << LEN_SHIFT | u64::from(key)

@@ -2,10 +2,10 @@
 
 use super::entry::{EntryKind, encode_head};
 
-/// Entries of the current tick.
+/// Buffer of the tick log entries of the current tick.
 pub struct EntryBuffer {
     words: Vec<u64>,
-    /// True if an entry did not fit. The tick is then not recorded.
+    /// Whether an entry did not fit. The tick is then not recorded.
     full: bool,
 }
 

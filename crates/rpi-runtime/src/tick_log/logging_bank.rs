@@ -11,11 +11,11 @@ use super::entry_buffer::EntryBuffer;
 use super::reason::reason_number;
 use crate::control::{AttributedOverrun, Plant};
 
-/// Devices with an optional log of their exchange with the core in the current tick.
+/// Device bank that can log the exchange between its devices and the core in the current tick.
 pub struct LoggingBank<P> {
     plant: P,
-    /// Queries take `&self` but are logged as well. A single thread owns the devices, so the cell is never borrowed
-    /// twice.
+    /// Log of the current tick; `None` without logging. Queries take `&self` but are logged as well. A single thread
+    /// owns the devices, so the cell is never borrowed twice.
     stage: Option<RefCell<EntryBuffer>>,
 }
 
@@ -23,7 +23,7 @@ pub struct LoggingBank<P> {
 const CAPACITY: usize = 1 << 16;
 
 impl<P> LoggingBank<P> {
-    /// Wraps devices without logging.
+    /// Wraps a device bank without logging.
     #[must_use]
     pub fn new(plant: P) -> LoggingBank<P> {
         LoggingBank { plant, stage: None }
@@ -34,7 +34,7 @@ impl<P> LoggingBank<P> {
         self.stage = Some(RefCell::new(EntryBuffer::with_capacity(CAPACITY)));
     }
 
-    /// Returns the devices. Direct accesses to them are not logged.
+    /// Returns the wrapped devices. Direct accesses to them are not logged.
     pub fn plant(&mut self) -> &mut P {
         &mut self.plant
     }
@@ -56,7 +56,7 @@ impl<P> LoggingBank<P> {
     }
 }
 
-/// Encodes a discontinuity as words.
+/// Encodes a discontinuity as words of a log entry.
 fn encode_discontinuity(jump: &Discontinuity) -> [u64; 4] {
     let (value, limit) = (jump.value.to_bits(), jump.limit.to_bits());
     [u64::from(jump.resource), jump.quantity as u64, value, limit]

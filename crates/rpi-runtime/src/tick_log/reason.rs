@@ -11,14 +11,14 @@ const REASONS: [AbortReason; 5] = [
     AbortReason::Discontinuity,
 ];
 
-/// Returns the number of a reason.
+/// Returns the number that stands for an abort reason in the tick log.
 #[must_use]
 pub fn reason_number(why: AbortReason) -> u32 {
     let place = REASONS.iter().position(|known| *known == why);
     place.map_or(u32::MAX, |place| place as u32)
 }
 
-/// Returns the reason with this number.
+/// Returns the abort reason for its number in the tick log.
 #[must_use]
 pub fn reason_from_number(number: u32) -> Option<AbortReason> {
     REASONS.get(number as usize).copied()

@@ -11,19 +11,19 @@ use super::entry::{EntryKind, LogEntry, decode_first};
 use super::reason::reason_from_number;
 use crate::control::{AttributedOverrun, CommandId, Plant};
 
-/// A difference between the tick log and the replay in the device exchange of a tick.
+/// Difference between the tick log and the replay in the device exchange of a tick.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Mismatch {
-    /// The set-point differs.
+    /// A set-point of the replay differs from the recorded one.
     SetPoint {
         /// Number of the port.
         port: u32,
         /// Memory words of the recorded set-point.
         recorded: Vec<u64>,
-        /// Memory words of the set-point of the replay.
+        /// Memory words of the set-point in the replay.
         now: Vec<u64>,
     },
-    /// The access is not the next one on the tick log.
+    /// The replay made another access to a device than the next one on the tick log.
     UnexpectedAccess {
         /// Kind and key of the next access on the tick log; `None` at the end of the tick.
         recorded: Option<(EntryKind, u32)>,
@@ -34,14 +34,14 @@ pub enum Mismatch {
     MissingAccess(EntryKind, u32),
 }
 
-/// Device bank of a replay.
+/// Device bank of a replay: it answers accesses with the values of the tick log and compares the set-points.
 pub struct ReplayBank {
     devices: usize,
     // Queries take `&self` but advance the tick log. A single thread owns the player, so the cell is never borrowed twice.
     state: RefCell<ReplayState>,
 }
 
-/// Device exchange of a tick and the read position in it.
+/// Logged device exchange of a tick and the read position in it.
 #[derive(Default)]
 struct ReplayState {
     words: Vec<u64>,
@@ -81,7 +81,7 @@ impl ReplayState {
 }
 
 impl ReplayBank {
-    /// Creates a player for this number of devices.
+    /// Creates a replay bank for this number of devices.
     #[must_use]
     pub fn new(devices: usize) -> ReplayBank {
         ReplayBank {
@@ -116,7 +116,7 @@ impl ReplayBank {
         Some(late)
     }
 
-    /// Returns the difference of this tick, if any. Called after the tick.
+    /// Returns the difference between the replay and the log in this tick, if any. Called after the tick.
     pub fn mismatch(&mut self) -> Option<Mismatch> {
         let state = self.state.get_mut();
         let left = state
@@ -135,7 +135,7 @@ impl ReplayBank {
         state.next(kind, key).map(take)
     }
 
-    /// Copies the answer of an entry into a buffer and returns its flag.
+    /// Copies the words of the next entry, if it has this kind and key, into a buffer and returns its flag.
     fn copy_words(&self, kind: EntryKind, key: u32, into: &mut [u64]) -> bool {
         let copied = self.replay_entry(kind, key, |entry| {
             if entry.words.len() == into.len() {

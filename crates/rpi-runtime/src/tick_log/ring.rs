@@ -4,7 +4,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::entry_buffer::EntryBuffer;
 
-/// Capacity in words: about 15 s of an arm at 1 kHz.
+/// Capacity of the tick log in words: about 15 s of an arm at 1 kHz.
 const CAPACITY: usize = 1 << 20;
 // Words before the entries of a tick: lost ticks, number, wall clock, kind, and the lengths of both lists.
 const HEADER: usize = 6;
@@ -26,7 +26,7 @@ fn with_capacity(words: usize) -> (TickLogWriter, TickLogReader) {
     (writer, TickLogReader { ring: consumer })
 }
 
-/// Cycle side of a log.
+/// End of the tick log at which the cycle writes ticks.
 pub struct TickLogWriter {
     ring: Producer<u64>,
     capacity: usize,
@@ -82,7 +82,7 @@ impl TickLogWriter {
     }
 }
 
-/// Writer side of a log.
+/// End of the tick log at which the writer thread of the recording reads ticks.
 pub struct TickLogReader {
     ring: Consumer<u64>,
 }
@@ -105,7 +105,7 @@ impl TickLogReader {
     }
 }
 
-/// A decoded tick of a log.
+/// A tick read from the log and split into its parts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LoggedTick<'a> {
     /// Number of ticks lost before this one.
@@ -116,9 +116,9 @@ pub struct LoggedTick<'a> {
     pub wall_ns: i64,
     /// False for entries between two ticks without a tick after them.
     pub ticked: bool,
-    /// Entries of the exchange between core and devices.
+    /// Entries about the exchange between core and devices.
     pub exchange: &'a [u64],
-    /// Entries of the observations: flows of commands and device ports.
+    /// Entries about observed values: flows of commands and device ports.
     pub observations: &'a [u64],
 }
 

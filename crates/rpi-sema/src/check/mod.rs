@@ -53,14 +53,14 @@ pub use crate::check::exprs::names::result_identity;
 pub(crate) use crate::check::signatures::constraint::constraints;
 pub(crate) use crate::check::signatures::static_params::{static_params, static_params_of};
 
-/// A checked program.
+/// Program after checking: its typed units, constants and diagnostics.
 #[derive(Debug)]
 pub struct CheckedProgram {
     /// All units that are called or can be run.
     pub units: Vec<Unit>,
     /// Unit of each declaration of the first module that needs no static arguments, in declaration order.
     pub runnable: Vec<(DeclId, UnitId)>,
-    /// All diagnostics.
+    /// All diagnostics of the program.
     pub diagnostics: Vec<Diagnostic>,
     /// Values of the constants of the first module.
     constants: BTreeMap<DeclId, Constant>,
@@ -140,7 +140,7 @@ pub fn check(program: &Program<'_>) -> CheckedProgram {
     }
 }
 
-/// Value of a constant: its type and its leaves.
+/// Value of a constant: its type and the values of its leaves (scalar parts).
 #[derive(Clone, Debug)]
 pub(crate) struct Constant {
     pub(crate) ty: Ty,
@@ -150,20 +150,20 @@ pub(crate) struct Constant {
 /// Result of a computation that runs at most once, when it is first needed.
 #[derive(Clone, Debug)]
 enum Lazy<T> {
-    /// In progress. Another request in the meantime is a dependency cycle.
+    /// The computation has begun. Another request for its result in the meantime is a dependency cycle.
     InProgress,
-    /// Finished; `None` after an error.
+    /// The computation has finished with this result; `None` after an error.
     Done(Option<T>),
 }
 
-/// State of checking a program.
+/// State of checking a program: the units so far, caches and limits.
 struct Checker<'a> {
     program: &'a Program<'a>,
     /// Units by index; empty until they are checked.
     units: Vec<Unit>,
     /// Instances of the declarations.
     instances: Instances,
-    /// Sizes and depths, and their limits.
+    /// Size of the program so far, and its limits.
     limits: Limits,
     constants: FastMap<DeclId, Lazy<Constant>>,
     types: FastMap<String, Lazy<Ty>>,
@@ -173,9 +173,9 @@ struct Checker<'a> {
     in_progress: Vec<DeclId>,
     /// Devices that each task drives.
     task_uses: FastMap<DeclId, Rc<task::DeviceUses>>,
-    /// Aliases of callables being resolved, each needed by the previous one.
+    /// Aliases of callables that are being resolved, each needed by the previous one.
     aliases: Vec<DeclId>,
-    /// Aliases with a dependency cycle.
+    /// Aliases that are defined by themselves.
     cyclic_aliases: BTreeSet<DeclId>,
     /// Number of names that may still be compared for "did you mean".
     suggestion_budget: Cell<usize>,
@@ -194,7 +194,7 @@ struct Instances {
     ids: FastMap<String, UnitId>,
     /// Declarations that have a unit.
     called: FastSet<DeclId>,
-    /// Units that wait to be checked.
+    /// Number of instances whose check is in progress: each was created while the previous one was checked.
     queue: VecDeque<UnitId>,
     /// Number of nested instances around the current unit: each is created while the previous one is checked.
     depth: u32,
@@ -204,7 +204,7 @@ struct Instances {
     erroneous_generics: FastSet<DeclId>,
 }
 
-/// Sizes and depths of the program so far, and their limits.
+/// Size and nesting of the program so far, and their limits.
 struct Limits {
     /// Number of expressions and flows of all checked units, plus a share for the leaves of constants.
     expanded_size: usize,
@@ -214,7 +214,7 @@ struct Limits {
     size_reported: bool,
     /// Number of nested expressions and declarations in progress, each needed by the previous one.
     nesting: u32,
-    /// Number of callables whose ports are being resolved.
+    /// Number of callables whose ports are being resolved, each needed by the previous one.
     header_depth: u32,
     /// Whether the diagnostic about too deeply nested declarations has been reported.
     nesting_reported: bool,

@@ -1,8 +1,8 @@
 //! Clocks of a callee's ports, translated into the caller's terms: relative to the clock of the call, with the caller's
 //! names for the deciding flows.
 
-use super::canonical_decider;
-use crate::clocks::clock::{Clock, Decider, Sampling};
+use super::canonical_condition;
+use crate::clocks::clock::{Clock, ClockCondition, Sampling};
 use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::typed::{Activation, Call};
@@ -14,7 +14,7 @@ impl<'u> Solver<'u> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
         let mut base = self.call_clock(call, callee);
-        if base == Clock::ANY && canonical_decider::runs_always(self, callee) {
+        if base == Clock::ANY && canonical_condition::runs_always(self, callee) {
             base = Clock::BASE;
         }
         self.calls.insert(id, base);
@@ -33,7 +33,7 @@ impl<'u> Solver<'u> {
         LeafClocks::from_leaves(leaves.into_iter(), base)
     }
 
-    /// Returns the clock of the call: the common clock of its arguments and of the operands of its activation.
+    /// Returns the clock on which a call runs: the common clock of its arguments and of the operands of its activation.
     fn call_clock(&mut self, call: &Call, callee: &Unit) -> Clock {
         let mut clocks = Vec::new();
         for (formal, arg) in callee.inputs.iter().zip(&call.args) {
@@ -53,7 +53,7 @@ impl<'u> Solver<'u> {
         base.unwrap_or(Clock::ANY)
     }
 
-    /// Records the caller's clocks of the flows inside the callee that decide about clocks of its outputs.
+    /// Records the caller's clocks of the flows inside the callee that are clock conditions of its outputs.
     fn update_exposed(&mut self, id: ExprId, call: &Call, base: Clock) {
         let clocks = &self.facts[call.unit.0 as usize].clocks;
         for (number, (_, clock)) in (0..).zip(clocks.exposed()) {
@@ -62,7 +62,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Translates a clock of the callee, given as a path of samplings, into a clock of the caller.
+    /// Translates a clock of the called unit, given as a list of samplings, into a clock of the caller.
     pub(super) fn translate_clock(
         &mut self,
         id: ExprId,
@@ -73,32 +73,40 @@ impl<'u> Solver<'u> {
         let Some(tick) = path.last() else {
             return base;
         };
-        match self.translate_decider(id, call, tick.decider) {
+        match self.translate_condition(id, call, tick.condition) {
             Some(by) => self.ticks.intern(Sampling {
-                decider: by,
+                condition: by,
                 ..*tick
             }),
             None => Clock::ANY,
         }
     }
 
-    /// Translates a decider of the callee: to the argument passed for it if that has a name, else to an exposed decider
-    /// of the call.
-    fn translate_decider(&mut self, id: ExprId, call: &Call, by: Decider) -> Option<Decider> {
+    /// Translates a clock condition of the called unit, a flow whose value decides when a clock ticks, into one of the
+    /// caller: the argument passed for that flow if it has a name, else the condition inside this call.
+    fn translate_condition(
+        &mut self,
+        id: ExprId,
+        call: &Call,
+        by: ClockCondition,
+    ) -> Option<ClockCondition> {
         let callee = &self.units[call.unit.0 as usize];
-        if let Decider::Flow(flow) = by
+        if let ClockCondition::Flow(flow) = by
             && let Some(port) = callee.inputs.iter().position(|input| *input == flow)
             && let Some(given) =
-                call.args[port].and_then(|arg| canonical_decider::decider(self, arg, 0))
+                call.args[port].and_then(|arg| canonical_condition::condition(self, arg, 0))
         {
             return Some(given);
         }
         let exposed = self.facts[call.unit.0 as usize].clocks.exposed();
         let number = exposed.iter().position(|(known, _)| *known == by)?;
-        Some(Decider::CallInternal(id, u32::try_from(number).ok()?))
+        Some(ClockCondition::CallInternal(
+            id,
+            u32::try_from(number).ok()?,
+        ))
     }
 
-    /// Returns the samplings of leaf `k` of a callee's port, in the callee's terms, from its base clock on.
+    /// Returns the samplings of leaf `k` of a port of the called unit, in terms of that unit, from its base clock on.
     pub(super) fn port_path(
         &self,
         call: &Call,
@@ -116,9 +124,9 @@ impl<'u> Solver<'u> {
         // loop here.
         let declared = |at: FlowId| callee.flow(at).clock;
         while let Some(on) = declared(at).filter(|_| path.len() < callee.flows.len()) {
-            let by = Decider::Flow(on.flow);
+            let by = ClockCondition::Flow(on.flow);
             path.push(Sampling {
-                decider: by,
+                condition: by,
                 value: on.value,
             });
             at = on.flow;
@@ -127,9 +135,10 @@ impl<'u> Solver<'u> {
         path
     }
 
-    /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
-    pub(super) fn exposed(&self) -> Vec<(Decider, Clock)> {
-        let mut exposed: Vec<(Decider, Clock)> = Vec::new();
+    /// Returns the flows of the unit that are clock conditions of its outputs, each with its own clock. Callers of the
+    /// unit refer to them by index.
+    pub(super) fn exposed(&self) -> Vec<(ClockCondition, Clock)> {
+        let mut exposed: Vec<(ClockCondition, Clock)> = Vec::new();
         let rows = self
             .unit
             .outputs
@@ -138,9 +147,9 @@ impl<'u> Solver<'u> {
         for clock in rows.flat_map(LeafClocks::iter) {
             let chain = self.chain(clock).unwrap_or_default();
             for tick in chain.iter().filter_map(|clock| self.ticks.sampling(*clock)) {
-                if exposed.iter().all(|(known, _)| *known != tick.decider) {
+                if exposed.iter().all(|(known, _)| *known != tick.condition) {
                     let clock = self.ticks.clock_of(tick).and_then(|at| self.parent(at));
-                    exposed.push((tick.decider, clock.unwrap_or(Clock::BASE)));
+                    exposed.push((tick.condition, clock.unwrap_or(Clock::BASE)));
                 }
             }
         }

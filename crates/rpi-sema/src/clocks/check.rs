@@ -72,7 +72,7 @@ impl<'u> Check<'_, 'u> {
         self.solver.exprs[id.0 as usize].clone()
     }
 
-    /// Checks the operands of an expression.
+    /// Checks the clocks of the operands of an expression.
     fn expr(&mut self, id: ExprId) {
         let unit = self.solver.unit;
         let kind = &unit.expr(id).kind;
@@ -112,8 +112,9 @@ impl<'u> Check<'_, 'u> {
         self.has_error[id.0 as usize] = !fits;
     }
 
-    /// Checks the operands of a strict operator. Outside Lustre, operands of slower clocks are optional, so only the
-    /// last operand of `s - 1 when c` is checked: there the whole was probably meant to be sampled.
+    /// Checks the clocks of the operands of a strict operator, which needs them all. Outside Lustre, operands of slower
+    /// clocks are optional, so only the last operand of `s - 1 when c` is checked: there the whole was probably meant
+    /// to be sampled.
     fn strict(&mut self, id: ExprId, operands: &[ExprId]) -> bool {
         let own = LeafClocks::Uniform(self.row(id).leaf(0));
         match self.sampled_last_operand(id, operands) {
@@ -190,8 +191,8 @@ impl<'u> Check<'_, 'u> {
         false
     }
 
-    /// Returns whether the operand of `when` has the clock of the deciding flow or a faster one in its chain. Outside
-    /// Lustre, a slower operand is optional and always accepted.
+    /// Returns whether the operand of `when` is on the clock of the condition, or on a clock from which that one is
+    /// sampled. Outside Lustre, a slower operand is optional and always accepted.
     fn add_when(&mut self, id: ExprId, value: ExprId) -> bool {
         let unit = self.solver.unit;
         self.sampled_currents.insert(value, unit.expr(id).span);
@@ -317,7 +318,7 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Adds a diagnostic at a place that has no clock diagnostic yet.
+    /// Adds a diagnostic about a location without an earlier clock diagnostic.
     pub(super) fn add(&mut self, diagnostic: Diagnostic) {
         if self.reported.insert(diagnostic.span()) {
             self.diagnostics.push(diagnostic);

@@ -3,27 +3,27 @@
 use crate::hash::{FastMap, FastSet};
 use crate::typed::{ExprId, FlowId};
 
-/// Flow whose value decides whether a clock ticks.
+/// Clock condition: the flow whose value decides in which cycles a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub enum Decider {
+pub enum ClockCondition {
     /// Flow of the unit.
     Flow(FlowId),
-    /// Unnamed decider inside a call: the call expression and the index in [`Clocks::exposed`](super::Clocks::exposed)
-    /// of the called unit.
+    /// Condition inside a call, without a name in the caller: the call expression and the index in
+    /// [`Clocks::exposed`](super::Clocks::exposed) of the called unit.
     CallInternal(ExprId, u32),
 }
 
-/// One sampling: the cycles in which the decider has the given value.
+/// Sampling of a flow: a clock condition, and the value of it for which the sampled flow has a value.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Sampling {
-    /// Decider of the sampling.
-    pub decider: Decider,
-    /// Value of the decider: 0 or 1 for a Boolean, the index of an enum's value.
+    /// Condition of the sampling.
+    pub condition: ClockCondition,
+    /// Value of the condition in the cycles that count: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,
 }
 
 /// Clock of a leaf during inference: any clock, the base clock, or one sampling. The parent of a sampling is the clock
-/// of its decider.
+/// of its condition.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct Clock(u32);
 
@@ -50,17 +50,17 @@ impl Clock {
 pub(super) struct Samplings {
     all: Vec<Sampling>,
     clock_by_sampling: FastMap<Sampling, Clock>,
-    deciders: FastSet<Decider>,
+    conditions: FastSet<ClockCondition>,
 }
 
 impl Samplings {
     /// Returns the clock of a sampling, adding the sampling if it is new.
     pub(super) fn intern(&mut self, tick: Sampling) -> Clock {
         let next = Clock::from_sampling(self.all.len());
-        let (all, deciders) = (&mut self.all, &mut self.deciders);
+        let (all, conditions) = (&mut self.all, &mut self.conditions);
         *self.clock_by_sampling.entry(tick).or_insert_with(|| {
             all.push(tick);
-            deciders.insert(tick.decider);
+            conditions.insert(tick.condition);
             next
         })
     }
@@ -75,9 +75,9 @@ impl Samplings {
         self.clock_by_sampling.get(&tick).copied()
     }
 
-    /// Returns whether a sampling with this decider exists.
-    pub(super) fn is_decider(&self, by: Decider) -> bool {
-        self.deciders.contains(&by)
+    /// Returns whether a sampling with this condition exists.
+    pub(super) fn is_clock_condition(&self, by: ClockCondition) -> bool {
+        self.conditions.contains(&by)
     }
 
     /// Number of samplings.

@@ -1,6 +1,6 @@
 //! Constants take the clock of their readers. In Lustre, so do initialisations of constants.
 
-use super::canonical_decider;
+use super::canonical_condition;
 use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
@@ -36,7 +36,7 @@ pub(super) fn settle_constants(solver: &mut Solver<'_>) {
     }
 }
 
-/// For each expression, whether inference left it without a clock.
+/// For each expression, whether inference left it without a clock of its own.
 struct Undetermined(Vec<bool>);
 
 struct ConstantClocks<'s, 'u> {
@@ -47,8 +47,8 @@ struct ConstantClocks<'s, 'u> {
 }
 
 impl<'u> ConstantClocks<'_, 'u> {
-    /// Gives an expression without a clock the clock of a reader. A second reader lowers it to the common clock of
-    /// both.
+    /// Gives an expression without a clock of its own the clock on which a reader uses it. A second reader lowers it to
+    /// the common clock of both.
     fn set_prim_arg(&mut self, id: ExprId, wanted: &LeafClocks<Clock>) {
         let k = id.0 as usize;
         if !self.open.0[k] {
@@ -177,6 +177,9 @@ impl<'u> ConstantClocks<'_, 'u> {
 
 /// Returns the clock of a case of a `merge`.
 pub(super) fn case_clock(solver: &mut Solver<'_>, on: ExprId, value: u32) -> Option<Clock> {
-    let by = canonical_decider::decider(solver, on, 0)?;
-    Some(solver.ticks.intern(Sampling { decider: by, value }))
+    let by = canonical_condition::condition(solver, on, 0)?;
+    Some(solver.ticks.intern(Sampling {
+        condition: by,
+        value,
+    }))
 }

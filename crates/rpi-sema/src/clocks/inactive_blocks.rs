@@ -33,7 +33,7 @@ impl<'u> InactiveBlocks<'u> {
         self.may_be_inactive.contains(&true)
     }
 
-    /// Returns whether a block that may be inactive lies on the way from block `from` outwards to block `to`. False if
+    /// Returns whether any of the blocks from `from` outwards, up to but not including `to`, may be inactive. False if
     /// `to` does not enclose `from`.
     #[must_use]
     pub fn crosses_inactive(&self, from: BlockId, to: BlockId) -> bool {

@@ -40,7 +40,8 @@ impl Check<'_, '_> {
             false if self.solver.parent(clocks[1]) == Some(clocks[0]) => (clocks[1], sides[0]),
             false => return None,
         };
-        let crate::clocks::Decider::Flow(_) = self.solver.ticks.sampling(slow)?.decider else {
+        let crate::clocks::ClockCondition::Flow(_) = self.solver.ticks.sampling(slow)?.condition
+        else {
             return None;
         };
         let tick = self.solver.ticks.sampling(slow)?;
@@ -59,7 +60,7 @@ impl Check<'_, '_> {
     }
 }
 
-/// Words for the cycles in which a value is present, for use after "is present".
+/// Returns words for the cycles in which a value is present, for use after "is present".
 fn presence_phrase(words: &str) -> String {
     match words.starts_with('`') {
         true => format!("only {words}"),

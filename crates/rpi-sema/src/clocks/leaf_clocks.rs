@@ -38,7 +38,8 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Creates a row from the clocks of successive leaves. A value without leaves gets the clock `otherwise`.
+    /// Creates the clocks of a value from those of its successive leaves. A value without leaves gets the clock
+    /// `otherwise`.
     pub(super) fn from_leaves(leaves: impl Iterator<Item = C>, otherwise: C) -> LeafClocks<C> {
         let leaves: Vec<C> = leaves.collect();
         match leaves.split_first() {
@@ -50,7 +51,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Returns the row of `count` leaves starting at leaf `at`.
+    /// Returns the clocks of `count` leaves, from leaf `at` on.
     pub(super) fn part(&self, at: usize, count: usize) -> LeafClocks<C> {
         match self {
             LeafClocks::Uniform(clock) => LeafClocks::Uniform(*clock),
@@ -61,7 +62,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Returns a row with each clock replaced by `of(clock)`.
+    /// Returns a copy with each clock replaced by `of(clock)`.
     pub(super) fn map_arrays<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> LeafClocks<D> {
         match self {
             LeafClocks::Uniform(clock) => LeafClocks::Uniform(of(*clock)),

@@ -12,13 +12,13 @@
 //! |---|---|
 //! | `clock.rs`, `leaf_clocks.rs` | clocks during inference; the clocks of a value, leaf by leaf |
 //! | `solve.rs`, `calls.rs` | greatest solution; clocks of a callee's ports in the caller's terms |
-//! | `canonical_decider.rs` | canonical names of deciding flows |
+//! | `canonical_condition.rs` | canonical names of deciding flows |
 //! | `constants.rs` | constants take the clock of their readers |
 //! | `check.rs`, `initialisation.rs`, `span_set.rs` | clock mismatches |
 //! | `inactive_blocks.rs` | flows of blocks that may be inactive |
 
 mod calls;
-pub(crate) mod canonical_decider;
+pub(crate) mod canonical_condition;
 mod check;
 mod clock;
 pub(crate) mod constants;
@@ -32,7 +32,7 @@ pub(crate) mod span_set;
 pub use crate::clocks::inactive_blocks::InactiveBlocks;
 pub use crate::clocks::leaf_clocks::LeafClocks;
 pub(crate) use calls::may_be_inactive;
-pub use clock::{Decider, Sampling};
+pub use clock::{ClockCondition, Sampling};
 
 use crate::facts::Facts;
 use crate::hash::FastMap;
@@ -59,8 +59,8 @@ pub struct Clocks {
     flows: Vec<LeafClocks<ClockId>>,
     /// For each call, the clock on which it runs.
     calls: FastMap<ExprId, ClockId>,
-    /// Flows that decide about the clocks of the outputs, each with its own clock.
-    exposed: Vec<(Decider, ClockId)>,
+    /// Flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by index.
+    exposed: Vec<(ClockCondition, ClockId)>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
     reads_inactive: Vec<bool>,
 }
@@ -86,7 +86,8 @@ impl Clocks {
         known.map_or(ClockId::BASE, |row| row.leaf(k))
     }
 
-    /// Returns the clock on which an expression is computed. For a call this may differ from the clocks of its results.
+    /// Returns the clock on which an expression is evaluated. For a call this may differ from the clocks of its
+    /// results.
     #[must_use]
     pub fn computed_on(&self, id: ExprId) -> ClockId {
         match self.calls.get(&id) {
@@ -108,7 +109,7 @@ impl Clocks {
         self.paths.get(clock.0 as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the samplings of `clock` that follow the common prefix with the clock of a reader.
+    /// Returns the samplings of `clock` that the clock of a reader does not share.
     #[must_use]
     pub fn samplings_beyond(&self, clock: ClockId, reader: ClockId) -> &[Sampling] {
         let (own, read) = (self.path(clock), self.path(reader));
@@ -148,9 +149,10 @@ impl Clocks {
             .unwrap_or(false)
     }
 
-    /// Returns the flows that decide about the clocks of the outputs, each with its own clock.
+    /// Returns the flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by
+    /// index.
     #[must_use]
-    pub fn exposed(&self) -> &[(Decider, ClockId)] {
+    pub fn exposed(&self) -> &[(ClockCondition, ClockId)] {
         &self.exposed
     }
 }
@@ -191,10 +193,10 @@ pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampli
     text.trim_start().to_owned()
 }
 
-/// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A decider inside a call is named after its unit,
+/// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A condition inside a call is named after its unit,
 /// `Call.c`.
 fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
-    let Decider::Flow(flow) = tick.decider else {
+    let ClockCondition::Flow(flow) = tick.condition else {
         return format_call_condition(units, facts, unit, tick);
     };
     let flow = unit.flow(flow);
@@ -212,7 +214,7 @@ fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling
 }
 
 fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
-    let Decider::CallInternal(call, number) = tick.decider else {
+    let ClockCondition::CallInternal(call, number) = tick.condition else {
         return String::new();
     };
     let TypedKind::Call(call) = &unit.expr(call).kind else {
@@ -230,7 +232,7 @@ fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sam
         facts,
         callee,
         Sampling {
-            decider: *by,
+            condition: *by,
             ..tick
         },
     );

@@ -1,6 +1,6 @@
 //! Clock of an expression, from those of its operands.
 
-use super::canonical_decider;
+use super::canonical_condition;
 use crate::clocks::LeafClocks;
 use crate::clocks::clock::{Clock, Sampling};
 use crate::clocks::solve::Solver;
@@ -36,9 +36,12 @@ impl Solver<'_> {
             // Presence of a flow may be tested on every clock.
             TypedKind::Present(_) => LeafClocks::Uniform(Clock::ANY),
             TypedKind::When { clock, .. } => {
-                let by = canonical_decider::decider_of(self, clock.flow);
+                let by = canonical_condition::condition_of(self, clock.flow);
                 let value = clock.value;
-                LeafClocks::Uniform(self.ticks.intern(Sampling { decider: by, value }))
+                LeafClocks::Uniform(self.ticks.intern(Sampling {
+                    condition: by,
+                    value,
+                }))
             }
             TypedKind::Merge { on, .. } => LeafClocks::Uniform(self.leaf(*on, 0)),
             TypedKind::Current(operand) => {
@@ -167,8 +170,8 @@ impl Solver<'_> {
         LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
-    /// Returns whether an expression has state with a first cycle of its own. If only constants start it, it runs in
-    /// all cycles.
+    /// Returns whether an expression has state with a first cycle of its own, such as `a -> b`. If all its operands are
+    /// constants, it runs in all cycles.
     pub(super) fn has_first_cycle(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
             TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, operands) => {

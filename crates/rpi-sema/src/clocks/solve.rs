@@ -1,9 +1,9 @@
 //! Greatest solution of the clock equations. Every clock starts as [`Clock::ANY`] and descends to what the operands
 //! allow. A clock only ever becomes faster, so the result does not depend on the order of evaluation.
 
-use super::canonical_decider;
+use super::canonical_condition;
 use super::constants;
-use crate::clocks::clock::{Clock, Decider, Sampling, Samplings};
+use crate::clocks::clock::{Clock, ClockCondition, Sampling, Samplings};
 use crate::clocks::{ClockId, Clocks, InactiveBlocks, LeafClocks};
 use crate::facts::{Definition, Dependents, Facts};
 use crate::hash::FastMap;
@@ -26,18 +26,18 @@ pub(super) struct Solver<'u> {
     pub(super) inferred: Vec<bool>,
     /// For each call, the clock on which it runs.
     pub(super) calls: FastMap<ExprId, Clock>,
-    /// Clock of each exposed decider inside a call.
+    /// Clock of each condition inside a call that is a clock condition of the call's results.
     pub(super) exposed_clocks: FastMap<(ExprId, u32), Clock>,
-    /// Canonical decider of each deciding flow, cached.
-    pub(super) canonical: FastMap<FlowId, Decider>,
+    /// For each flow that is a clock condition, the condition that it stands for, cached.
+    pub(super) canonical: FastMap<FlowId, ClockCondition>,
     /// For each flow, the definitions that define leaves of it.
     pub(super) definitions_of: Vec<Vec<u32>>,
     /// For each expression, whether it reads a flow of a block that may be inactive.
     pub(super) reads_inactive: Vec<bool>,
     /// Whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a constant.
     pub(super) is_last_round: bool,
-    /// Whether the clock of a decider has changed. Meets of clocks sampled by it are then out of date.
-    decider_changed: bool,
+    /// Whether the clock of a clock condition has changed. Common clocks computed from it are then out of date.
+    condition_changed: bool,
     changed: Vec<FlowId>,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Ve
     solver.init_declared();
     solver.resolve_equation();
     solver.is_last_round = true;
-    solver.fix_constant_deciders();
+    solver.fix_constant_conditions();
     solver.resolve_equation();
     constants::settle_constants(&mut solver);
     let diagnostics = crate::clocks::check::check(&mut solver);
@@ -89,7 +89,7 @@ impl<'u> Solver<'u> {
             canonical: FastMap::default(),
             definitions_of: defined,
             is_last_round: false,
-            decider_changed: false,
+            condition_changed: false,
             changed: Vec::new(),
         }
     }
@@ -112,10 +112,12 @@ impl<'u> Solver<'u> {
         }
         for (k, flow) in (0..).map(FlowId).zip(&self.unit.flows) {
             if let Some(on) = flow.clock {
-                let by = canonical_decider::decider_of(self, on.flow);
+                let by = canonical_condition::condition_of(self, on.flow);
                 let value = on.value;
-                self.flows[k.0 as usize] =
-                    LeafClocks::Uniform(self.ticks.intern(Sampling { decider: by, value }));
+                self.flows[k.0 as usize] = LeafClocks::Uniform(self.ticks.intern(Sampling {
+                    condition: by,
+                    value,
+                }));
             }
         }
         for shared in shared {
@@ -130,12 +132,12 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// A decider whose clock is still [`Clock::ANY`] is a constant: puts it on the base clock.
-    fn fix_constant_deciders(&mut self) {
+    /// Puts each clock condition whose clock is still [`Clock::ANY`] on the base clock: it is a constant.
+    fn fix_constant_conditions(&mut self) {
         for k in 0..self.ticks.len() {
             let clock = Clock::from_sampling(k);
             if let Some(Sampling {
-                decider: Decider::Flow(flow),
+                condition: ClockCondition::Flow(flow),
                 ..
             }) = self.ticks.sampling(clock)
             {
@@ -155,7 +157,7 @@ impl<'u> Solver<'u> {
 
     fn resolve_equation(&mut self) {
         loop {
-            self.decider_changed = false;
+            self.condition_changed = false;
             for id in (0..).map(ExprId).take(self.unit.exprs.len()) {
                 let row = self.expr(id);
                 self.exprs[id.0 as usize] = row;
@@ -177,8 +179,8 @@ impl<'u> Solver<'u> {
                     }
                 }
             }
-            // A moved decider changes meets of other expressions than its dependents, so another full round is needed.
-            if !self.decider_changed {
+            // A moved clock condition changes meets of other expressions than its dependents, so another full round is needed.
+            if !self.condition_changed {
                 return;
             }
         }
@@ -229,7 +231,7 @@ impl<'u> Solver<'u> {
         if joined != known {
             self.flows[flow.0 as usize] = joined;
             self.changed.push(flow);
-            self.decider_changed |= self.ticks.is_decider(Decider::Flow(flow));
+            self.condition_changed |= self.ticks.is_clock_condition(ClockCondition::Flow(flow));
         }
     }
 
@@ -247,12 +249,12 @@ impl<'u> Solver<'u> {
         leaves.fold(Clock::ANY, |all, leaf| self.meet(all, leaf))
     }
 
-    /// Returns the clock from which a clock is sampled: the clock of its decider. None for the base clock and for
+    /// Returns the clock from which a clock is sampled: the clock of its condition. `None` for the base clock and for
     /// [`Clock::ANY`].
     pub(super) fn parent(&self, clock: Clock) -> Option<Clock> {
-        match self.ticks.sampling(clock)?.decider {
-            Decider::Flow(flow) => Some(self.flows[flow.0 as usize].leaf(0)),
-            Decider::CallInternal(call, number) => Some(
+        match self.ticks.sampling(clock)?.condition {
+            ClockCondition::Flow(flow) => Some(self.flows[flow.0 as usize].leaf(0)),
+            ClockCondition::CallInternal(call, number) => Some(
                 *self
                     .exposed_clocks
                     .get(&(call, number))
@@ -301,10 +303,10 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Records the clock of an exposed decider inside a call.
+    /// Records the clock of a condition inside a call.
     pub(super) fn set_exposed_clock(&mut self, call: ExprId, number: u32, clock: Clock) {
         let known = self.exposed_clocks.insert((call, number), clock);
-        self.decider_changed |= known.is_some_and(|known| known != clock);
+        self.condition_changed |= known.is_some_and(|known| known != clock);
     }
 
     /// Returns the equation of a definition; none for a flow shared by states.

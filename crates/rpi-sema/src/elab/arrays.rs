@@ -13,7 +13,7 @@ use rpi_net::{Input, Inputs, PortRef, Types};
 use rpi_prims::PrimId;
 use smallvec::smallvec;
 
-/// Returns the input of a port of type `ty` for the given leaves.
+/// Returns the input of a net node for a port of type `ty` with the given leaves.
 pub(super) fn elab_input(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -46,7 +46,7 @@ pub(super) fn one_input(
     }
 }
 
-/// Adds a flow that is never present.
+/// Adds a node whose output is never present; `None` if there is no primitive for the type.
 pub(super) fn absent_leaves(
     elab: &mut Elaborator<'_>,
     scalar: Scalar,
@@ -91,7 +91,7 @@ pub(super) fn elab_element(
     port
 }
 
-/// Adds a primitive that extracts one element of an array.
+/// Adds a node that extracts one element of an array.
 fn extract_element(
     elab: &mut Elaborator<'_>,
     array: PortRef,
@@ -115,8 +115,8 @@ fn extract_element(
     Some(PortRef { node, port: 0 })
 }
 
-/// Returns an array as one input. If some leaves are unresolved aliases, packing is deferred to the end, because
-/// the leaves may turn out to be the elements of an existing array.
+/// Returns an array as one input of a net node. If some leaves are unresolved aliases, packing is deferred to the end,
+/// because the leaves may turn out to be the elements of an existing array.
 fn array_input(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -137,7 +137,7 @@ fn array_input(
     resolved_array(elab, wire, ty, at, span)
 }
 
-/// Returns an array whose leaves are resolved.
+/// Returns an array whose leaves are all known as one input of a net node.
 pub(super) fn resolved_array(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -219,7 +219,7 @@ fn build_array(
     Some(array)
 }
 
-/// Returns the port of a signal, for inputs that accept only ports.
+/// Returns the port of a node with the value of a signal, for inputs that accept only ports; adds a node if necessary.
 pub(super) fn port_of(
     elab: &mut Elaborator<'_>,
     signal: &Signal,
@@ -287,7 +287,7 @@ fn element_params(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     }
 }
 
-/// Returns the type of a port that takes `leaves` leaves. A matrix of unknown shape gets one row.
+/// Returns the type of a port of a primitive for this number of leaves. A matrix of unknown shape gets one row.
 pub(super) fn default_port_type(port: PortType, leaves: usize) -> Type {
     let n = u32::try_from(leaves).unwrap_or(u32::MAX);
     match port {

@@ -23,14 +23,14 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, Restart};
 
-/// State in the next cycle, and whether it is entered with a restart.
+/// State of an automaton in the next cycle, and whether it is entered with a restart.
 #[derive(Clone)]
 struct NextState {
     state: Signal,
     restart: Signal,
 }
 
-/// Transitions of one state, weak or strong.
+/// Transitions out of one state of an automaton, weak or strong.
 struct StateTransitions<'u, 's> {
     transitions: &'u [Transition],
     /// Whether the automaton is in this state.
@@ -81,8 +81,8 @@ pub(super) fn elab_automaton<'u>(
     }
 }
 
-/// Returns the state and restart flag at the start of a cycle, and the aliases to bind to their values for the next
-/// cycle.
+/// Adds the registers of an automaton. Returns the state and restart flag at the start of a cycle, and the aliases to
+/// bind to their values for the next cycle.
 fn state_registers(
     elab: &mut Elaborator<'_>,
     automaton: &Automaton,
@@ -161,8 +161,8 @@ fn strong_transitions<'u>(
     current
 }
 
-/// Returns where the conditions of strong transitions are evaluated. A condition that can fault is guarded by its
-/// state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
+/// Returns the position for evaluating the conditions of strong transitions. A condition that can fault is guarded by
+/// its state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
 fn guard_conditions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -331,7 +331,7 @@ fn state_fragment<'u>(
     call::elab_fragment(elab, &path, at.fragment, activation, restart, block.span)
 }
 
-/// Elaborates a flow defined by several states: the contribution of the active state, or the default.
+/// Elaborates a flow that the states of an automaton share: the value from the active state, or the default.
 fn shared_flow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -353,7 +353,8 @@ fn shared_flow<'u>(
     flows::define(elab, scope, shared.flow, 0, &merged);
 }
 
-/// Returns the contribution of the active state. Contributions of inactive states are absent.
+/// Returns the value of a flow shared by states as defined by the active state. The values from inactive states are
+/// absent.
 fn first_present<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -380,7 +381,8 @@ fn first_present<'u>(
     merged.unwrap_or_else(crate::elab::signal::empty_wire)
 }
 
-/// Returns the contribution of the active state if it defines the flow (it may still be absent), else the default.
+/// Returns the value of a shared flow as defined by the active state if that state defines it (the value may still be
+/// absent), else the default.
 fn with_default<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -432,7 +434,7 @@ fn can_have_pending_restart(automaton: &Automaton, k: usize) -> bool {
         && weak.chain(strong).filter(enters).any(|one| one.resumes)
 }
 
-/// No transition: the automaton keeps its state without a restart.
+/// Returns the next state of an automaton that takes no transition: the same state, without a restart.
 fn no_transition(state: &Signal) -> NextState {
     NextState {
         state: state.clone(),

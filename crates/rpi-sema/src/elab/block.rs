@@ -51,7 +51,8 @@ pub(super) fn body<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, at: Pos
     fragment_outputs::assign_pending_gates(elab, scope);
 }
 
-/// Returns where a contract is elaborated: in the fragment of its parent block. None if claims are switched off.
+/// Returns the position for elaborating a contract: in the fragment of its parent block. `None` if claims are switched
+/// off.
 fn contract_position<'u>(
     elab: &Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -227,7 +228,7 @@ pub(super) fn name_leaves(
     });
 }
 
-/// Names the node of a leaf, if its index is `before` or greater and it has no name yet.
+/// Names the node that computes a leaf, if its index is `before` or greater and it has no name yet.
 fn name_result(elab: &mut Elaborator<'_>, port: PortRef, path: &str, suffix: &str, before: usize) {
     if alias_of(port).is_some() || port.node.index() < before {
         return;

@@ -34,7 +34,7 @@ pub(super) struct ConditionalCall {
     pub(super) is_optional: Vec<bool>,
 }
 
-/// Argument of a call: its wire and its span.
+/// Argument of a call: the signals of its leaves, and its location.
 pub(super) struct CallArgument {
     wire: Wire,
     span: Span,
@@ -146,7 +146,7 @@ fn arguments<'u>(
     args
 }
 
-/// Inlines a call at `at` and binds the deciders that it exposes.
+/// Inlines a call at `at` and returns its results. Binds the clock conditions inside it that the caller refers to.
 fn results_of<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -157,7 +157,7 @@ fn results_of<'u>(
 ) -> Wire {
     let span = scope.unit.expr(id).span;
     let wire = inline_unit(elab, call.unit, args, at, path, span);
-    let exposed = std::mem::take(&mut elab.inlining.exposed_deciders);
+    let exposed = std::mem::take(&mut elab.inlining.exposed_conditions);
     sampled_flows::bind_exposed(elab, scope, id, exposed);
     wire
 }
@@ -206,7 +206,7 @@ pub(super) fn elab_activation(
     }
 }
 
-/// Adds a fragment to the net.
+/// Adds a fragment to the net, with its activation and restart condition.
 pub(super) fn elab_fragment(
     elab: &mut Elaborator<'_>,
     path: &str,
@@ -310,9 +310,9 @@ fn inline_body<'u>(
     let around = std::mem::replace(&mut scope.base, inner.fragment);
     let leaves = outputs_of(elab, &mut scope, is_lifted, span);
     scope.base = around;
-    elab.inlining.exposed_deciders = match elab.mode {
+    elab.inlining.exposed_conditions = match elab.mode {
         ElabMode::Constant => Vec::new(),
-        _ => sampled_flows::exposed_deciders(elab, &mut scope, id, span),
+        _ => sampled_flows::exposed_conditions(elab, &mut scope, id, span),
     };
     fragment_outputs::gate_wire(elab, &leaves, inner.fragment, at.fragment)
 }

@@ -86,7 +86,7 @@ pub(super) fn elab_claim<'u>(
     }
 }
 
-/// Exports whether a claim holds, and the flows that it reads.
+/// Elaborates a claim: an assertion of a body, or a clause of a contract.
 fn export_claim<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -191,7 +191,7 @@ fn fault_primitive(scope: &Scope<'_>, claim: &Claim) -> PrimId {
     }
 }
 
-/// Error for an assumption that is false in every cycle of a call.
+/// Creates the error for an assumption that is false in every cycle of a call.
 fn violated_assumption(call: Span, claim: &Claim, of: &str) -> Diagnostic {
     Diagnostic::new(
         Code::RPI3102,
@@ -202,7 +202,7 @@ fn violated_assumption(call: Span, claim: &Claim, of: &str) -> Diagnostic {
     .help("pass other values, or correct the assumption if it is too strong")
 }
 
-/// Error for a claim that is false for all inputs.
+/// Creates the error for a claim that is false for all inputs.
 fn always_false(claim: &Claim) -> Diagnostic {
     let what = match claim.kind {
         ClaimKind::Assert => "this assertion can never hold",
@@ -216,7 +216,7 @@ fn always_false(claim: &Claim) -> Diagnostic {
         .help("correct the condition, or delete it")
 }
 
-/// Name of the block around a claim. Empty in the body of a unit, and in a test, which owns all its claims.
+/// Returns the name of the block around a claim. Empty in the body of a unit, and in a test, which owns all its claims.
 fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
     if scope.unit.kind == UnitKind::Test {
         return String::new();
@@ -240,7 +240,7 @@ fn reads_past(scope: &Scope<'_>, id: ExprId) -> bool {
     found
 }
 
-/// Range of leaves of a flow, of a device port or of a predeclared flow, as read by a claim.
+/// Part of a flow, of a device port or of a predeclared flow that a claim reads: a range of leaves.
 #[derive(PartialEq)]
 struct ReadPart {
     /// Name as written in the claim.
@@ -309,7 +309,7 @@ fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
     }
 }
 
-/// Qualified name of a flow: with the name of its block if that is not the body.
+/// Returns the qualified name of a flow: with the name of its block if that is not the body.
 fn flow_name(unit: &Unit, flow: FlowId) -> String {
     let flow = unit.flow(flow);
     match unit.block(flow.block) {

@@ -17,7 +17,7 @@ pub(crate) enum NotConstantError {
     Reported,
     /// The expression depends on a value that is known only at run time.
     RunTime(Span),
-    /// The evaluation faults; with the place and the message.
+    /// The evaluation faults, for example by a division by zero; with the location and the message.
     Fault(Span, String),
 }
 

@@ -11,7 +11,7 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Input, PortRef};
 
-/// Array that is packed at the end of the elaboration.
+/// Array whose leaves are unresolved aliases, so that it is packed at the end of the elaboration.
 pub(super) struct DeferredArray {
     alias: PortRef,
     wire: Wire,
@@ -20,7 +20,7 @@ pub(super) struct DeferredArray {
     span: Span,
 }
 
-/// Defers an array of these leaves and returns the alias of the whole array.
+/// Defers the packing of an array until its leaves are known. Returns the alias that stands for the whole array.
 pub(super) fn defer_array(
     elab: &mut Elaborator<'_>,
     wire: Wire,

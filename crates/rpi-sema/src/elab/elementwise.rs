@@ -135,8 +135,7 @@ fn conditional<'u>(
     leaves.into()
 }
 
-/// Elaborates `if c then x else y` on a value whose leaves have different clocks: each leaf is selected on its own
-/// clock.
+/// Elaborates `if c then x else y` on a value whose leaves have different clocks; each leaf keeps its clock.
 fn conditional_per_leaf<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -202,7 +201,8 @@ fn drops_branch<'u>(
             && expr::drops_dead_code(elab, reads_flows(unit, left_out))
 }
 
-/// Returns the guard of each branch that can fault; for other branches the guard of `at`.
+/// Returns the guards of the two branches of an `if`: the condition, or its negation, for a branch that can fault, else
+/// the guard of `at`.
 fn elab_guards<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -421,7 +421,7 @@ pub(super) fn constant_value(elab: &Elaborator<'_>, signal: &Signal) -> Option<V
     }
 }
 
-/// Returns the wire of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
+/// Returns the signals of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
 pub(super) fn expr_leaves<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

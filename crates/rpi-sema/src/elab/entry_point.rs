@@ -29,13 +29,13 @@ pub(super) const UPDATED_PORT: u8 = 1;
 pub enum Argument {
     /// Leaves of the value; for a device, its name.
     Value(Vec<Leaf>),
-    /// Default from the parameter's declaration.
+    /// Leaves of the value; a device is passed by its name.
     Default,
     /// Unknown value: the net is only checked, not run.
     Unknown,
 }
 
-/// External port of an entry point, one leaf.
+/// Scalar part of a port with which the net of a unit communicates: key, type and presence.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PortShape {
     /// Key of the leaf, `x.f[2]`.
@@ -46,7 +46,7 @@ pub struct PortShape {
     pub optional: bool,
 }
 
-/// Local flow that is neither input nor output but can be observed.
+/// Local flow that can be observed although it is neither input nor output; one leaf.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ObservableFlow {
     /// Name and type of the flow.
@@ -55,10 +55,10 @@ pub struct ObservableFlow {
     pub port: ExportPort,
 }
 
-/// Net of an entry point with its external interface.
+/// Net of a unit that is run on its own, with its inputs and outputs.
 #[derive(Clone, Debug)]
 pub struct ElaboratedUnit {
-    /// Elaborated net.
+    /// Net of the unit.
     pub net: Net,
     /// Inputs, leaf by leaf.
     pub inputs: Vec<PortShape>,
@@ -72,8 +72,7 @@ pub struct ElaboratedUnit {
     pub diagnostics: Vec<Diagnostic>,
     /// Operands with state that are not always needed, inner ones first.
     pub stateful_operands: Vec<LazyOperand>,
-    /// Whether a branch was left out only because a constant rules it out. A dependency cycle may lead through that
-    /// branch.
+    /// Whether a branch was left out because a constant rules it out. A dependency cycle may lead through that branch.
     pub dropped_code: bool,
 }
 
@@ -128,7 +127,7 @@ pub fn elaborate_node(
     Elaboration { locals, ..job }.run(ElabMode::Net)
 }
 
-/// Parameters of one elaboration.
+/// Parameters of one elaboration: the units, the arguments and what the net is for.
 struct Elaboration<'u, 'a> {
     units: &'u [Unit],
     facts: &'u [Facts],
@@ -157,7 +156,7 @@ impl<'u, 'a> Elaboration<'u, 'a> {
         }
     }
 
-    /// Runs the elaboration.
+    /// Runs the elaboration in the given mode and returns the net.
     fn run(&self, mode: ElabMode) -> ElaboratedUnit {
         let mut elab = Elaborator::new(self.units, self.facts, mode);
         elab.claim_policy = self.claims;
@@ -270,7 +269,7 @@ fn elab_parameters<'u>(
     unknown
 }
 
-/// Warning for a test that cannot fail, except by a fault.
+/// Creates the warning for a test without an assertion, which cannot fail except by a fault.
 fn no_assertion(unit: &Unit) -> Diagnostic {
     Diagnostic::new(
         Code::RPI9004,

@@ -41,7 +41,7 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     }
 }
 
-/// Returns the wire of an expression, elaborating it on first use.
+/// Returns the signals of an expression, elaborating it on first use.
 pub(super) fn elab_expr<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -194,7 +194,7 @@ pub(super) fn elab_condition<'u>(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Returns an operand as one signal.
+/// Returns an operand of an expression as one signal.
 pub(super) fn elab_operand<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -319,7 +319,7 @@ pub(super) fn drops_dead_code(elab: &mut Elaborator<'_>, reads: bool) -> bool {
     !reads || matches!(elab.mode, ElabMode::Net | ElabMode::Constant)
 }
 
-/// Returns `count` leaves of a wire starting at `at`.
+/// Returns the signals of `count` leaves of a value, from leaf `at` on.
 pub(super) fn sub_wire(wire: &Wire, at: usize, count: usize) -> Wire {
     match wire.get(at..at.saturating_add(count)) {
         Some(leaves) if leaves.len() == wire.len() => wire.clone(),
@@ -328,7 +328,7 @@ pub(super) fn sub_wire(wire: &Wire, at: usize, count: usize) -> Wire {
     }
 }
 
-/// Machine types of the leaves of a type.
+/// Machine types of the leaves (scalar parts) of a type.
 pub(super) type Scalars = SmallVec<[Scalar; 4]>;
 
 /// Returns the machine types of a type's leaves.

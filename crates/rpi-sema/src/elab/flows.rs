@@ -14,7 +14,7 @@ use crate::typed::{Equation, FlowId, FlowRole, Target, TargetPlace};
 use rpi_diag::Span;
 use rpi_net::PortRef;
 
-/// Returns the wire of a flow; aliases if its equation has not been elaborated yet.
+/// Returns the signals of a flow; aliases if its equation has not been elaborated yet.
 pub(super) fn elab_flow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -95,7 +95,7 @@ pub(super) fn define_all<'u>(
     }
 }
 
-/// Defines leaves of a flow, from `at` on, by their signals.
+/// Defines the leaves of a flow, from leaf `at` on, by these signals.
 pub(super) fn define<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

@@ -28,7 +28,7 @@ pub(super) fn add_input_entries<'u>(
     }
 }
 
-/// Returns a flow of an enclosing block as read in a block in place.
+/// Returns a flow of an enclosing block for a reader in a block that has its own fragment in the same unit.
 pub(super) fn read_inside<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -64,7 +64,8 @@ fn entry_wire(elab: &mut Elaborator<'_>, wire: &Wire, fragment: FragmentId) -> W
     wire.iter().map(&mut leaf).collect()
 }
 
-/// Creates an entry alias for an alias that may turn out to refer to an output of the fragment.
+/// Creates an alias for a signal that enters a fragment, where the signal is itself an alias and may turn out to be an
+/// output of that fragment.
 fn new_entry(
     elab: &mut Elaborator<'_>,
     known: usize,
@@ -79,8 +80,8 @@ fn new_entry(
     Signal::Port(port)
 }
 
-/// Returns the signal of a resolved entry alias: a copy node outside the fragment if the fragment itself computes
-/// the signal.
+/// Returns the signal of a resolved alias for a signal that enters a fragment: a copy node outside the fragment if the
+/// fragment itself computes the signal.
 pub(super) fn resolve_entry(elab: &mut Elaborator<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&fragment) = elab.aliases.entries.get(&alias) else {
         return signal;

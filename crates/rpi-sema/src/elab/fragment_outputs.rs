@@ -18,14 +18,14 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Activation, FragmentId, PortRef};
 
-/// Leaf that is read outside a block whose fragment does not exist yet.
+/// Leaf that is read outside a block before the fragment of the block exists.
 pub(super) struct PendingGate {
     alias: usize,
     block: BlockId,
     reader: FragmentId,
 }
 
-/// Returns the wire of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
+/// Returns the signals of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
 /// optional flow.
 pub(super) fn read_flow<'u>(
     elab: &mut Elaborator<'u>,
@@ -91,7 +91,8 @@ fn flow_for_reader<'u>(
     wire.iter().map(&mut leaf).collect()
 }
 
-/// Returns the leaves of fragment `from` for a reader in fragment `reader`.
+/// Returns the signals of a value from fragment `from` for a reader in fragment `reader`: absent while `from` is
+/// inactive.
 pub(super) fn gate_wire(
     elab: &mut Elaborator<'_>,
     wire: &Wire,
@@ -111,7 +112,7 @@ pub(super) fn gate_wire(
     wire.iter().map(&mut leaf).collect()
 }
 
-/// Assigns the pending leaves to their fragments, which all exist now.
+/// Assigns the leaves that were read before their fragments existed to these fragments, which all exist now.
 pub(super) fn assign_pending_gates<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     for leaf in std::mem::take(&mut scope.pending_gates) {
         let from = scope.fragment(leaf.block);
@@ -121,7 +122,8 @@ pub(super) fn assign_pending_gates<'u>(elab: &mut Elaborator<'u>, scope: &mut Sc
     }
 }
 
-/// Creates a gate alias for a leaf that may turn out not to be computed in its fragment.
+/// Creates an alias for a signal that leaves a fragment, where the signal may turn out not to be computed in that
+/// fragment.
 fn new_gate(elab: &mut Elaborator<'_>, signal: &Signal) -> Option<(usize, Signal)> {
     let scalar = match signal {
         Signal::Const(value) => match value.ty()? {
@@ -147,8 +149,8 @@ fn is_gated(elab: &Elaborator<'_>, from: FragmentId, reader: FragmentId) -> bool
     inside.any(|f| matches!(elab.net.fragment(f).activation, Activation::When { .. }))
 }
 
-/// Returns the signal of a resolved gate alias: a node in the fragment if the signal is a constant or computed
-/// elsewhere.
+/// Returns the signal of a resolved alias for a signal that leaves a fragment: a node in the fragment if the signal is
+/// a constant or computed elsewhere.
 pub(super) fn resolve_gate(elab: &mut Elaborator<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&from) = elab.aliases.gates.get(&alias) else {
         return signal;

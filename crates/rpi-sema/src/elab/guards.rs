@@ -13,7 +13,7 @@ use rpi_image::Role;
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// Primitives that can fault, with their guarded variants.
+/// Primitives that can fault, each with its variant that runs only while a guard is true.
 const GUARDED_VARIANTS: &[(&str, &str)] = &[
     ("Core::IntAdd", "Rpi::GuardedIntAdd"),
     ("Rpi::IntSubtract", "Rpi::GuardedIntSubtract"),
@@ -27,7 +27,7 @@ const GUARDED_VARIANTS: &[(&str, &str)] = &[
     ("Rpi::TicksFromSeconds", "Rpi::GuardedTicksFromSeconds"),
 ];
 
-/// Returns the guarded variant of a primitive.
+/// Returns the variant of a primitive that runs only while a guard is true; `None` if it has none.
 pub(super) fn guarded_variant(prim: PrimId) -> Option<PrimId> {
     let desc = prim.desc();
     let row = GUARDED_VARIANTS
@@ -51,7 +51,8 @@ pub(super) struct UnitProperties {
     exprs: Vec<ExprProperties>,
     /// Whether the unit can fault, or has a claim.
     can_fault: bool,
-    /// Whether calls of the unit can be guarded as a whole: it has no state, neither in its body nor in a contract.
+    /// Whether the unit has no state, neither in its body nor in a contract, so that its calls can be guarded as a
+    /// whole.
     is_stateless: bool,
 }
 
@@ -134,7 +135,7 @@ fn compute_unit_properties(elab: &Elaborator<'_>, unit: &Unit) -> UnitProperties
     }
 }
 
-/// Computes the properties of all expressions of a unit. Operands precede their expressions in the table.
+/// Computes the properties of all expressions of a unit. The table contains the operands of an expression before it.
 fn compute_expr_properties(elab: &Elaborator<'_>, unit: &Unit) -> Vec<ExprProperties> {
     let mut all: Vec<ExprProperties> = Vec::with_capacity(unit.exprs.len());
     for expr in &unit.exprs {

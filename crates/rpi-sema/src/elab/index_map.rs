@@ -2,11 +2,11 @@
 
 use crate::hash::FastMap;
 
-/// A value for each index. Values that were never set are `T::default()`.
+/// Map from indices to values. Values that were never set are `T::default()`.
 pub(super) enum IndexMap<T> {
-    /// Full table, for a scope that visits most indices.
+    /// Table with an entry for each index, for a scope that visits most indices.
     Dense(Vec<T>),
-    /// Sparse map for a constant, which visits few indices. A full table for each constant would take quadratic time in
+    /// Hash map, for a constant, which visits few indices. A full table for each constant would take quadratic time in
     /// the length of the text.
     Sparse(FastMap<u32, T>),
 }

@@ -73,28 +73,29 @@ use rpi_prims::PrimId;
 use signal::{Signal, Wire};
 use std::rc::Rc;
 
-/// Purpose of an elaboration.
+/// Purpose of an elaboration, which decides what the net contains.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum ElabMode {
-    /// Net to be run.
+    /// The net is to be run.
     Net,
-    /// Net of the whole source, with branches that a constant never chooses, for the dependency analysis (M5).
+    /// The net is for the dependency analysis (M5): it contains the whole source, with branches that a constant never
+    /// chooses.
     Dependencies,
-    /// Like [`Mode::Whole`], with a node for every equation, including mere copies. Messages about dependency cycles
-    /// are drawn from this net.
+    /// Like [`ElabMode::Dependencies`], with a node for every equation, including mere copies. Messages about
+    /// dependency cycles are drawn from this net.
     DependencySteps,
-    /// Evaluation of a constant.
+    /// No net is made: a constant is evaluated.
     Constant,
 }
 
-/// Position at which an expression is evaluated.
+/// Position in the net at which an expression is evaluated: fragment, guard and branch.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Position {
     /// Fragment of the expression.
     fragment: FragmentId,
     /// Condition under which the enclosing branch of an `if` is chosen. Operations that can fault are guarded by it.
     guard: Option<PortRef>,
-    /// Enclosing branch, if coverage points are recorded.
+    /// Enclosing branch of an `if`, for coverage; `None` unless coverage points are recorded.
     branch: Option<DecisionBranch>,
 }
 
@@ -124,18 +125,18 @@ struct Elaborator<'u> {
     cache: Cache,
     inlining: Inlining,
     naming: Naming,
-    /// Fragments of blocks in place.
+    /// Fragments of blocks that are written in a body, rather than called.
     in_place: FastSet<FragmentId>,
     /// First reason why the constant cannot be evaluated.
     failure: Option<NotConstantError>,
-    /// Remaining budget for expanded code.
+    /// Remaining number of nodes that may be added.
     budget: node_budget::NodeBudget,
     diagnostics: Vec<Diagnostic>,
-    /// Whether any claim was found.
+    /// Whether the unit or a called one contains claims.
     has_claims: bool,
     /// Operands with state that are not always needed.
     lazy_operands: Vec<LazyOperand>,
-    /// Whether code was left out only because a constant rules it out.
+    /// Whether code was left out because a constant rules it out.
     leaves_out_code: bool,
     /// Treatment of claims.
     claim_policy: ClaimPolicy,
@@ -145,7 +146,7 @@ struct Elaborator<'u> {
     kept_exports: Vec<rpi_net::ExportPort>,
 }
 
-/// Ports that stand for signals that are not known when they are read first.
+/// Placeholder ports for signals that are read before they are known.
 #[derive(Default)]
 struct Aliases {
     /// Signal of each alias, once it is known.
@@ -153,10 +154,11 @@ struct Aliases {
     types: Vec<Scalar>,
     /// For each alias, whether it is being resolved, to detect aliases that depend on themselves.
     in_progress: Vec<bool>,
-    /// For each gate alias, the fragment that it leads out of. Outside, its constants are present only while the
-    /// fragment is active.
+    /// For each alias of a signal that leaves a fragment, that fragment. Outside, its constants are present only while
+    /// the fragment is active.
     gates: FastMap<usize, FragmentId>,
-    /// For each entry alias, the fragment that it leads into. To its surroundings this fragment is one vertex.
+    /// For each alias of a signal that enters a fragment, that fragment. To its surroundings the fragment is one
+    /// vertex.
     entries: FastMap<usize, FragmentId>,
     /// For each flow, the alias by which it was known before its equation was reached. Filled only where clocks are
     /// used.
@@ -165,20 +167,20 @@ struct Aliases {
     deferred_arrays: Vec<deferred_arrays::DeferredArray>,
 }
 
-/// Ports and fragments that are made once and used again.
+/// Ports and fragments that are created once and used again.
 #[derive(Default)]
 struct Cache {
     /// Port of `first` in each fragment.
     firsts: FastMap<FragmentId, PortRef>,
     /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
     cycle_inputs: FastMap<(FragmentId, PrimId), signal::Wire>,
-    /// Fragments of clocks.
+    /// Fragments that hold the operations of a clock.
     clock_fragments: FastMap<sampled_flows::ClockKey, FragmentId>,
     /// Elements that have been extracted from array ports.
     elements: FastMap<(PortRef, u32), PortRef>,
     /// Sensor ports that have been read.
     sensors: FastMap<(String, String, u32), PortRef>,
-    /// Properties of units.
+    /// State and faults of units that have been analysed.
     unit_properties: FastMap<UnitId, Rc<guards::UnitProperties>>,
 }
 
@@ -189,20 +191,20 @@ struct Inlining {
     call_stack: Vec<UnitId>,
     /// Guard of the innermost call.
     guard: Option<PortRef>,
-    /// Deciders exposed by the unit that was inlined last.
-    exposed_deciders: Vec<Signal>,
-    /// Whether the next unit's results are kept while it does not run.
+    /// Signals of the clock conditions of the outputs of the unit that was inlined last.
+    exposed_conditions: Vec<Signal>,
+    /// Whether the results of the next unit are kept while the unit does not run.
     keeps_results: bool,
 }
 
-/// Names of nodes: those of the flows that they compute.
+/// Naming of net nodes: nodes get the names of the flows that they compute.
 #[derive(Default)]
 struct Naming {
     /// Name of the flow that is being defined, prefixed by the path of calls.
     name: String,
     /// Expression that is the whole value of that flow.
     top_expr: Option<ExprId>,
-    /// Number of nodes made for that flow.
+    /// Number of nodes added for that flow so far, for numbered names.
     serial: u32,
 }
 

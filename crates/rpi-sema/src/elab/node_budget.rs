@@ -15,16 +15,16 @@ const BASE_BUDGET: usize = 200_000;
 /// Nodes allowed for each byte of an equation.
 const NODES_PER_BYTE: usize = 2;
 
-/// Number of leaves of a value that cost as much as one node.
+/// Number of leaves of a value that count as one node in the budget.
 const LEAVES_PER_NODE: usize = 8;
 
-/// Number of bytes of a node's name that cost as much as the node.
+/// Number of bytes of a node's name that count as one node in the budget.
 const NAME_BYTES_PER_NODE: usize = 256;
 
-/// Remaining budget of a net or constant.
+/// Remaining size budget of a net or constant, in nodes.
 pub(super) struct NodeBudget {
     remaining: usize,
-    /// Units whose text has been counted.
+    /// Units whose text has been added to the budget.
     counted_units: FastSet<UnitId>,
     pub(super) is_exhausted: bool,
 }
@@ -88,7 +88,7 @@ fn report_too_large(elab: &mut Elaborator<'_>, span: Span) {
     elab.fail(NotConstantError::Reported);
 }
 
-/// Returns the total length of a unit's equations in bytes.
+/// Returns the total length of the equations of a unit in bytes.
 fn length(unit: &Unit) -> usize {
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let lengths = equations.map(|equation| (equation.span.end - equation.span.start) as usize);

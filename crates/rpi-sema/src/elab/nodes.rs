@@ -16,8 +16,8 @@ use rpi_net::{FragmentId, Input, Inputs, Node, NodeId, Origin, PortRef, Types};
 use rpi_prims::{FaultCode, PrimId, fold};
 use smallvec::smallvec;
 
-/// Adds a primitive with its inputs connected (`None` if open) and all its parameters. Returns the leaves of its
-/// outputs.
+/// Adds a primitive with its inputs connected (`None` for an unconnected one) and all its parameters. Returns the
+/// leaves of its outputs.
 pub(super) fn add_prim(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -33,7 +33,7 @@ pub(super) fn add_prim(
     add_prim_typed(elab, prim, inputs, params, at, span)
 }
 
-/// Like [`prim`](Self::prim), for inputs whose types are known including sizes.
+/// Like [`add_prim`], for inputs whose types are known including sizes.
 pub(super) fn add_prim_typed(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -53,7 +53,7 @@ pub(super) fn add_prim_typed(
     add_connected(elab, prim, connected, params, at, span)
 }
 
-/// Adds a primitive whose inputs are ports or constants. Returns its folded result if that is constant.
+/// Adds a primitive whose inputs are ports or constants. If its result is constant, it is folded and no node is added.
 fn add_connected(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -98,7 +98,7 @@ pub(super) fn add_simple(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Adds the member of a family for a value type.
+/// Adds the primitive of a family that is for the given value type.
 pub(super) fn add_family_member(
     elab: &mut Elaborator<'_>,
     family: PrimitiveFamily,
@@ -158,7 +158,7 @@ pub(super) fn add_node(
     })
 }
 
-/// Returns the leaves of a node's outputs.
+/// Returns the signals of all outputs of a node.
 pub(super) fn out_wire(elab: &Elaborator<'_>, node: NodeId) -> Wire {
     let outputs = &elab.net.node(node).outputs;
     if let [Type::Scalar(_)] = outputs[..] {

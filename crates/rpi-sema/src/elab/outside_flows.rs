@@ -17,7 +17,7 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 
-/// Returns a flow for a reader in all cycles of its block: absent where the flow's clock does not tick.
+/// Returns a flow for a reader in all cycles of its block: absent where the clock of the flow does not tick.
 pub(super) fn off_clock_absent<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -115,8 +115,8 @@ pub(super) fn on_reader_clock<'u>(
     leaves.into()
 }
 
-/// Returns the operand of `when` where its clock meets that of the decider. Leaves on other clocks are optional
-/// there.
+/// Returns the operand of `when` in the cycles in which both its clock and that of the condition tick. Leaves on other
+/// clocks are optional there.
 pub(super) fn sampled_value<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

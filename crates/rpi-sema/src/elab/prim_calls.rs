@@ -71,7 +71,7 @@ pub(super) fn prim_call<'u>(
     wire
 }
 
-/// Returns the wire of a primitive's argument with its machine type.
+/// Returns the signals of an argument of a primitive with its machine type.
 fn primitive_argument<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

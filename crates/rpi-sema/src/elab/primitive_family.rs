@@ -25,7 +25,7 @@ pub(super) enum PrimitiveFamily {
     Input,
 }
 
-/// For each operation, the prefix and suffix around the name of the value type.
+/// For each operation, the parts of a primitive's name before and after that of the value type.
 const NAMES: &[(PrimitiveFamily, Prefix, &str)] = &[
     (PrimitiveFamily::Value, Prefix::Reference, "Value"),
     (PrimitiveFamily::IsNull, Prefix::Reference, "IsNull"),
@@ -49,16 +49,16 @@ const NAMES: &[(PrimitiveFamily, Prefix, &str)] = &[
     (PrimitiveFamily::Input, Prefix::Reference, "NetcommIn"),
 ];
 
-/// Prefix of a primitive's name.
+/// First part of the names of the primitives in a family.
 #[derive(Clone, Copy)]
 enum Prefix {
-    /// `Core::` or `World::`, as in the reference system.
+    /// The names begin with `Core::` or `World::`, as in the reference system.
     Reference,
-    /// `Rpi::` followed by a word.
+    /// The names begin with `Rpi::` and this word.
     Rpi(&'static str),
 }
 
-/// Cached members of one family, by value type.
+/// Primitives of one family by value type, looked up on first use.
 type FamilyCache = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
 
 /// Returns the primitive of an operation for a value type, if it exists. Lookups are cached and done on demand, because

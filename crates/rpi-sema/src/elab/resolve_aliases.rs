@@ -102,7 +102,7 @@ fn resolve_node(elab: &mut Elaborator<'_>, node: usize) {
     }
 }
 
-/// Returns the input that replaces an alias; none if the port is not an alias.
+/// Returns the input of a net node that replaces an alias; `None` if the port is not an alias.
 fn resolved_input(
     elab: &mut Elaborator<'_>,
     port: PortRef,

@@ -1,7 +1,7 @@
 //! Elaborates sampled flows: an expression on clock c is computed in a fragment that is active when c (M4). This
 //! fragment is not in the source, so dependencies are those of the single operations in it (M5).
 
-use crate::clocks::{ClockId, Decider, LeafClocks, Sampling};
+use crate::clocks::{ClockCondition, ClockId, LeafClocks, Sampling};
 use crate::elab::call;
 use crate::elab::elementwise;
 use crate::elab::expr;
@@ -20,18 +20,19 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
-/// Key of a clock's fragment: the parent fragment, the decider and its value.
-pub(super) type ClockKey = (FragmentId, DeciderSignal, u32);
+/// Key of the fragment that holds the operations of a clock: the parent fragment, the signal of the clock condition and
+/// its value.
+pub(super) type ClockKey = (FragmentId, ConditionSignal, u32);
 
-/// Signal that decides whether a clock ticks.
+/// Signal whose value decides whether a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum DeciderSignal {
+pub(super) enum ConditionSignal {
     Flow(PortRef),
-    /// Constant decider: a Boolean as 0 or 1, or the index of an enum's value.
+    /// Constant clock condition: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
-/// Positions where the leaves of an expression are computed.
+/// Positions in the net at which the leaves of an expression are computed.
 pub(super) enum LeafPositions {
     Uniform(Position),
     PerLeaf(Vec<Position>),
@@ -76,8 +77,8 @@ pub(super) fn leaf_places<'u>(
     }
 }
 
-/// Returns the position in the fragment of a clock. The guard of `at` is kept if the fragment lies inside that of
-/// `at`.
+/// Returns where in the net an expression on a clock is evaluated: in the fragment that runs only when the clock ticks.
+/// The guard of `at` is kept if that fragment lies inside the one of `at`.
 pub(super) fn clock_position<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -99,13 +100,14 @@ pub(super) fn facts_of<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&
     scope.id.and_then(|unit| facts.get(unit.0 as usize))
 }
 
-/// Returns the facts of a unit that has sampled flows; none for other units and for constants.
+/// Returns the clocks and presences of a unit if it has sampled flows; `None` for other units and for constants.
 pub(super) fn clocked_facts<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = facts_of(elab, scope).filter(|facts| facts.clocks.has_samplings());
     facts.filter(|_| elab.mode != ElabMode::Constant)
 }
 
-/// Returns the fragment of a clock in the block that is being elaborated, creating it if necessary.
+/// Returns the fragment that holds the operations of a clock, in the block that is being elaborated; creates it if
+/// necessary.
 pub(super) fn clock_fragment<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -132,12 +134,12 @@ pub(super) fn sampling_fragment<'u>(
     tick: Sampling,
     parent: FragmentId,
 ) -> FragmentId {
-    let (span, name) = decider_source(scope, tick.decider);
-    let deciding = match decider_signal(elab, scope, tick.decider, span) {
-        Signal::Port(port) => Some(DeciderSignal::Flow(first_alias(elab, port))),
+    let (span, name) = condition_source(scope, tick.condition);
+    let deciding = match condition_signal(elab, scope, tick.condition, span) {
+        Signal::Port(port) => Some(ConditionSignal::Flow(first_alias(elab, port))),
         Signal::Const(value) => {
             let value = value.as_bool().map(i64::from).or(value.as_int());
-            value.map(DeciderSignal::Constant)
+            value.map(ConditionSignal::Constant)
         }
         _ => None,
     };
@@ -160,8 +162,8 @@ pub(super) fn sampling_fragment<'u>(
     fragment
 }
 
-/// Returns the first port under which a flow was used as a decider, which may be an alias from before its equation
-/// was reached. Otherwise one clock would get two fragments.
+/// Returns the first port under which a flow was used as a clock condition, which may be an alias from before its
+/// equation was reached. Otherwise one clock would get two fragments.
 fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     use crate::elab::signal::alias_of;
     let mut name = port;
@@ -173,36 +175,36 @@ fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     name
 }
 
-/// Returns the span and name of a decider in the source.
-fn decider_source<'u>(scope: &Scope<'u>, by: Decider) -> (Span, String) {
+/// Returns the span and name of a clock condition in the source.
+fn condition_source<'u>(scope: &Scope<'u>, by: ClockCondition) -> (Span, String) {
     match by {
-        Decider::Flow(flow) => {
+        ClockCondition::Flow(flow) => {
             let flow = scope.unit.flow(flow);
             (flow.span, flow.name.to_string())
         }
-        Decider::CallInternal(call, number) => {
+        ClockCondition::CallInternal(call, number) => {
             (scope.unit.expr(call).span, format!("inside{number}"))
         }
     }
 }
 
-/// Returns the signal of a decider; an alias for a decider inside a call.
-fn decider_signal<'u>(
+/// Returns the signal of a clock condition; an alias for a condition inside a call.
+fn condition_signal<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
-    by: Decider,
+    by: ClockCondition,
     span: Span,
 ) -> Signal {
     match by {
-        Decider::Flow(flow) => {
+        ClockCondition::Flow(flow) => {
             let wire = flows::elab_flow(elab, scope, flow, span);
             wire.first().cloned().unwrap_or(Signal::Absent)
         }
-        Decider::CallInternal(call, number) => {
+        ClockCondition::CallInternal(call, number) => {
             let port = match scope.exposed_aliases.get(&(call, number)) {
                 Some(port) => *port,
                 None => {
-                    let scalar = decider_scalar(elab, scope, by);
+                    let scalar = condition_scalar(elab, scope, by);
                     let port = nodes::new_alias(elab, scalar);
                     scope.exposed_aliases.insert((call, number), port);
                     port
@@ -213,15 +215,15 @@ fn decider_signal<'u>(
     }
 }
 
-/// Returns the machine type of a decider.
-fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> Scalar {
+/// Returns the machine type of a clock condition.
+fn condition_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: ClockCondition) -> Scalar {
     let (mut unit, mut by) = (scope.unit, by);
     loop {
         let (call, number) = match by {
-            Decider::Flow(flow) => {
+            ClockCondition::Flow(flow) => {
                 return unit.flow(flow).ty.scalar().unwrap_or(Scalar::Bool);
             }
-            Decider::CallInternal(call, number) => (call, number),
+            ClockCondition::CallInternal(call, number) => (call, number),
         };
         let TypedKind::Call(call) = &unit.expr(call).kind else {
             return Scalar::Bool;
@@ -234,8 +236,8 @@ fn decider_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: Decider) -> 
     }
 }
 
-/// Returns the deciders that a unit exposes to its caller.
-pub(super) fn exposed_deciders<'u>(
+/// Returns the signals of the clock conditions of a unit's outputs, for its caller.
+pub(super) fn exposed_conditions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
     id: UnitId,
@@ -245,11 +247,11 @@ pub(super) fn exposed_deciders<'u>(
     let exposed = facts.map_or(&[][..], |facts| facts.clocks.exposed());
     let exposed = exposed.iter();
     exposed
-        .map(|(by, _)| decider_signal(elab, scope, *by, span))
+        .map(|(by, _)| condition_signal(elab, scope, *by, span))
         .collect()
 }
 
-/// Binds the aliases of the deciders inside a call.
+/// Binds the aliases for the clock conditions inside a call to their signals.
 pub(super) fn bind_exposed<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -257,14 +259,14 @@ pub(super) fn bind_exposed<'u>(
     exposed: Vec<Signal>,
 ) {
     for (number, signal) in (0..).zip(exposed) {
-        let by = Decider::CallInternal(call, number);
-        if let Signal::Port(alias) = decider_signal(elab, scope, by, Span::NONE) {
+        let by = ClockCondition::CallInternal(call, number);
+        if let Signal::Port(alias) = condition_signal(elab, scope, by, Span::NONE) {
             call::bind_alias(elab, alias, &signal);
         }
     }
 }
 
-/// Returns the condition under which a sampling ticks: the decider has its value.
+/// Returns the Boolean that is true when a sampling ticks: its clock condition has the required value.
 pub(super) fn tick_condition<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -272,8 +274,8 @@ pub(super) fn tick_condition<'u>(
     at: Position,
     span: Span,
 ) -> Signal {
-    let deciding = decider_signal(elab, scope, tick.decider, span);
-    match (decider_scalar(elab, scope, tick.decider), tick.value) {
+    let deciding = condition_signal(elab, scope, tick.condition, span);
+    match (condition_scalar(elab, scope, tick.condition), tick.value) {
         (Scalar::Bool, 0) => {
             nodes::add_simple(elab, prim!("Core::BooleanNot"), &[deciding], at, span)
         }
@@ -285,7 +287,7 @@ pub(super) fn tick_condition<'u>(
     }
 }
 
-/// Elaborates `merge c (...)` as a selection by the decider. Cases that are not selected are absent.
+/// Elaborates `merge c (...)` as a selection by the clock condition. Cases that are not selected are absent.
 pub(super) fn merge_expr<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -384,7 +386,8 @@ pub(super) fn elab_current<'u>(
     leaves.into()
 }
 
-/// Returns an operand of a strict operator or call: absent where the operator's clock ticks and its own does not.
+/// Returns the signals of an operand of a strict operator or call: absent where the clock of the operator ticks and
+/// that of the operand does not.
 pub(super) fn operand_wire<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -398,7 +401,7 @@ pub(super) fn operand_wire<'u>(
     read_at(elab, scope, operand, clock, at)
 }
 
-/// Returns an operand of an elementwise operator, leaf by leaf on the clock of the result.
+/// Returns the signals of an operand of an elementwise operator, each leaf on the clock of the result.
 pub(super) fn read_leaves<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -417,7 +420,7 @@ pub(super) fn read_leaves<'u>(
     outside_flows::on_reader_clock(elab, scope, (&wire, &scalars), pair, expr.span)
 }
 
-/// Returns a value for a reader on one clock.
+/// Returns the signals of a value for a reader on one clock.
 pub(super) fn read_at<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

@@ -10,14 +10,14 @@ use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 use rpi_diag::Span;
 use rpi_net::{FragmentId, PortRef};
 
-/// One instance of a unit during elaboration.
+/// State of the elaboration of one instance of a unit.
 pub(super) struct Scope<'u> {
     pub(super) unit: &'u Unit,
     /// Index of the unit; none for a constant expression outside any unit.
     pub(super) id: Option<UnitId>,
     /// State of each flow.
     flows: IndexMap<FlowState>,
-    /// Wires of the elaborated expressions. An expression that is used more than once is elaborated once.
+    /// Signals of the expressions elaborated so far. An expression that is used more than once is elaborated once.
     memo: IndexMap<Option<Wire>>,
     /// Guards of the elaborated expressions that can fault.
     guards: FastMap<ExprId, PortRef>,
@@ -25,11 +25,11 @@ pub(super) struct Scope<'u> {
     pub(super) fragments: Vec<Option<FragmentId>>,
     /// Leaves that are read outside blocks whose fragments do not exist yet.
     pub(super) pending_gates: Vec<PendingGate>,
-    /// Fragment to which clocks are relative: that of the block being elaborated.
+    /// Fragment in which the base clock of the block being elaborated runs.
     pub(super) base: FragmentId,
     /// Fragments of clocks, by base fragment and clock.
     pub(super) clock_fragments: FastMap<(FragmentId, ClockId), FragmentId>,
-    /// Aliases of the deciders inside calls.
+    /// Aliases for the clock conditions inside calls.
     pub(super) exposed_aliases: FastMap<(ExprId, u32), PortRef>,
     /// Sampled flows that are read outside their blocks, with their aliases.
     pub(super) outside_reads: Vec<(FlowId, Wire)>,
@@ -39,15 +39,15 @@ pub(super) struct Scope<'u> {
     pub(super) call_span: Option<Span>,
 }
 
-/// Progress of a flow.
+/// Progress of elaborating a flow.
 #[derive(Clone, Default, Debug)]
 pub(super) enum FlowState {
-    /// Not reached yet.
+    /// The flow has not been reached yet.
     #[default]
     Unvisited,
-    /// Being evaluated (constants only).
+    /// The flow is being evaluated (in constants only).
     InProgress,
-    /// Wire of the flow, possibly of aliases.
+    /// The flow has these signals, possibly aliases.
     Done(Wire),
 }
 
@@ -82,8 +82,8 @@ impl<'u> Scope<'u> {
         }
     }
 
-    /// Returns the wire of an elaborated expression. A shared expression (a part of a pattern, a mode of a contract)
-    /// may have been elaborated under another guard. The wire is then valid only under that guard.
+    /// Returns the signals of an expression that has been elaborated. A shared expression (a part of a pattern, a mode
+    /// of a contract) may have been elaborated under another guard. Its signals are then valid only under that guard.
     pub(super) fn cached(&self, id: ExprId, guard: Option<PortRef>) -> Option<Wire> {
         let known = self.memo.get(id.0)?.as_ref()?;
         let counts = self.guards.get(&id).is_none_or(|made| Some(*made) == guard);
@@ -94,7 +94,8 @@ impl<'u> Scope<'u> {
         self.memo.get(id.0).is_some_and(Option::is_some)
     }
 
-    /// Stores the wire of an expression. `guard` is the condition under which it is valid, none if it cannot fault.
+    /// Stores the signals of an elaborated expression. `guard` is the condition under which they are valid, `None` if
+    /// the expression cannot fault.
     pub(super) fn cache(&mut self, id: ExprId, wire: &Wire, guard: Option<PortRef>) {
         *self.memo.get_mut(id.0) = Some(wire.clone());
         match guard {

@@ -41,12 +41,12 @@ impl ShortCircuitOp {
         .find_map(|(one, logic)| (one == prim).then_some(logic))
     }
 
-    /// Value of the left operand that decides the result.
+    /// Returns the value of the left operand that decides the result.
     fn deciding_value(self) -> bool {
         self == ShortCircuitOp::Or
     }
 
-    /// Result if the left operand decides it.
+    /// Returns the result if the left operand decides it.
     fn const_condition(self) -> bool {
         self != ShortCircuitOp::And
     }
@@ -57,7 +57,7 @@ impl ShortCircuitOp {
 pub struct LazyOperand {
     /// Span of the operand.
     pub span: Span,
-    /// Range of the numbers of the operand's nodes.
+    /// Range of the numbers of the nodes that compute the operand.
     pub nodes: Range<u32>,
 }
 

@@ -7,20 +7,21 @@ use smallvec::SmallVec;
 use std::ops::Deref;
 use std::rc::Rc;
 
-/// Source of one leaf.
+/// Source of the value of one leaf (scalar part) of a flow in the net.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Signal {
-    /// Constant or text.
+    /// Constant or text, the same in every cycle.
     Const(Leaf),
-    /// Output port of a node, or an alias.
+    /// Out-port of a node, or an alias that stands for a signal not known yet.
     Port(PortRef),
-    /// Element of an array output port, not extracted yet.
+    /// Element of an array out-port that has not been extracted yet.
     Element(PortRef, u32),
-    /// Absent in every cycle.
+    /// Value that is absent in every cycle.
     Absent,
 }
 
-/// Leaves of a value. A single leaf, the most frequent case, is stored inline; several leaves are shared.
+/// Signals of all leaves (scalar parts) of a value. A single one, the most frequent case, is stored inline; several are
+/// shared.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Wire {
     One(Signal),
@@ -63,20 +64,20 @@ impl From<&[Signal]> for Wire {
     }
 }
 
-/// Types and wires of a primitive's inputs; `None` for an open input.
+/// Type and signals of each input of a primitive; `None` for an unconnected one.
 pub(super) type PrimInputs = SmallVec<[Option<(Type, Wire)>; 2]>;
 
-/// Returns a wire of one leaf.
+/// Returns the signals of a value with one leaf.
 pub(super) fn single_wire(signal: Signal) -> Wire {
     Wire::One(signal)
 }
 
-/// Returns a wire without leaves.
+/// Returns the signals of a value without leaves.
 pub(super) fn empty_wire() -> Wire {
     Wire::Many(Rc::from([]))
 }
 
-/// Bit that marks an alias. Aliases are numbered above all nodes.
+/// Bit in a node number that marks an alias.
 const ALIAS: u32 = 1 << 31;
 
 /// Returns the port that represents an alias until it is resolved.

@@ -20,7 +20,7 @@ pub const MAX_STEPS: usize = 20_000;
 /// Greatest depth of tasks that run one another.
 pub const MAX_TASK_DEPTH: usize = 400;
 
-/// Remaining budget of nodes for a program.
+/// Remaining number of net nodes that a program may have, over all its nets.
 #[derive(Debug)]
 pub struct SizeBudget {
     remaining: Cell<usize>,
@@ -46,7 +46,7 @@ impl SizeBudget {
         self.remaining.get() > 0
     }
 
-    /// Subtracts the nodes of a net.
+    /// Subtracts the nodes of a net from the budget.
     pub fn extract_element(&self, nodes: usize) {
         self.remaining
             .set(self.remaining.get().saturating_sub(nodes));

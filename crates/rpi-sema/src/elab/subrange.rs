@@ -13,7 +13,7 @@ use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::{Input, prim};
 
-/// Context of a check of a value against its declared type.
+/// Context of a check that a value lies in the subrange of its declared type.
 #[derive(Clone, Copy)]
 struct SubrangeCheck {
     at: Position,
@@ -63,7 +63,7 @@ pub(super) fn check_targets<'u>(
     signals.into()
 }
 
-/// Checks the inputs of a call. An error is reported at the caller's argument.
+/// Checks the inputs of a called unit against their subranges. An error is reported at the caller's argument.
 pub(super) fn check_inputs<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -83,7 +83,7 @@ pub(super) fn check_inputs<'u>(
     }
 }
 
-/// Checks an input that is set from outside the program.
+/// Checks an input that is set from outside the program against its subrange.
 pub(super) fn check_external_input<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -122,7 +122,7 @@ fn check_input<'u>(
     *scope.state(flow) = FlowState::Done(signals.into());
 }
 
-/// Checks a value for field number `field` of a struct that is built here.
+/// Checks the value of a field of a struct literal against its subrange; `of` is the struct type and `field` the index.
 pub(super) fn check_field(
     elab: &mut Elaborator<'_>,
     wire: Wire,
@@ -142,7 +142,7 @@ pub(super) fn check_field(
     }
 }
 
-/// Checks some leaves of a value that comes from outside, or that has new parts of structs.
+/// Checks leaves of a value against their subranges, if it comes from outside or has new parts of structs.
 pub(super) fn check_leaves(
     elab: &mut Elaborator<'_>,
     wire: Wire,
@@ -179,7 +179,7 @@ fn elab_check(
     }
 }
 
-/// Returns a signal behind its check; the signal itself if it is known to lie in the range.
+/// Returns the output of a subrange check of a signal; the signal itself if it is known to lie in the range.
 fn check_signal(
     elab: &mut Elaborator<'_>,
     signal: &Signal,
@@ -247,7 +247,7 @@ fn report_out_of_subrange(
     });
 }
 
-/// Returns the position of a leaf of a flow: in the fragment of its clock.
+/// Returns where in the net a leaf of a flow is computed: in the fragment of its clock.
 fn leaf_position<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

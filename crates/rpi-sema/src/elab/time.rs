@@ -52,7 +52,7 @@ fn fixed_ticks(elab: &mut Elaborator<'_>, seconds: Leaf, at: Position, span: Spa
 }
 
 /// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
-/// ticks have no value; none for primitives without durations.
+/// ticks have no value; `None` for primitives without durations.
 pub(super) fn constant_duration<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

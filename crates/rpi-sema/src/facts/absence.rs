@@ -5,7 +5,7 @@ use std::rc::Rc;
 /// For each leaf of a value, whether it can be absent. Most values are uniform.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Absence {
-    /// The same for all leaves.
+    /// All leaves can be absent, or none can.
     Uniform(bool),
     /// One flag for each leaf; not all are equal.
     PerLeaf(Rc<[bool]>),

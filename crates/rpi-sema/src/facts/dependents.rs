@@ -7,20 +7,21 @@ use crate::typed::{BlockId, Equation, ExprId, FlowId, SharedFlow, Unit};
 /// Definition of a flow.
 #[derive(Clone, Copy)]
 pub(crate) enum Definition<'u> {
-    /// Equation, with its block.
+    /// Definition by an equation, with the block of the equation.
     Equation(BlockId, &'u Equation),
-    /// Flow defined by several states.
+    /// Definition by several states of an automaton.
     Shared(&'u SharedFlow),
 }
 
-/// Readers of a unit's expressions and flows.
+/// Readers of the expressions and flows of a unit, for the iteration of analyses.
 pub(crate) struct Dependents<'u> {
     pub(crate) definitions: Vec<Definition<'u>>,
     /// Block of each expression.
     pub(crate) blocks: Vec<BlockId>,
     parents: AdjacencyLists,
     flow_readers: AdjacencyLists,
-    /// Definitions by value: first for each expression, then for each flow.
+    /// Definitions whose value is an expression (one list for each expression), then those that read a flow (one list
+    /// for each flow).
     definitions_by_value: AdjacencyLists,
     exprs: usize,
 }
@@ -145,7 +146,7 @@ fn checkpoint(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId])
     }
 }
 
-/// Lists of indices, stored contiguously in one vector.
+/// Lists of indices, one for each vertex of a graph, stored contiguously in one vector.
 struct AdjacencyLists {
     first: Vec<u32>,
     items: Vec<u32>,

@@ -13,7 +13,7 @@ use rpi_diag::suppression::{self, Cause, suppress};
 use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
 use rpi_image::Presence;
 
-/// Results of the analyses of a unit.
+/// Results of the analyses of a unit: clocks, and which values may be absent.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
     exprs: Vec<Absence>,
@@ -113,7 +113,7 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
     order
 }
 
-/// Removes diagnostics about absence that only follow from others, or from the `mismatches` of clocks.
+/// Removes diagnostics about absent values that only follow from others, or from mismatches of clocks.
 fn remove_consequences(absent: &mut Vec<Diagnostic>, mismatches: &[Diagnostic]) {
     let several_clocks = mismatches.iter().map(Diagnostic::span).collect();
     suppress(absent, Cause::ClockMismatch(&several_clocks));
@@ -277,7 +277,8 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Returns the absence of a flow for a reader in a block. Outside a block that may be inactive it may be absent.
+    /// Returns the absence of a flow for a reader in a block. A flow of an inner block that may be inactive can be
+    /// absent for a reader outside.
     pub(super) fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
         match self.inactive_blocks.is_outside(flow, reader) {
             true => Absence::MAYBE,

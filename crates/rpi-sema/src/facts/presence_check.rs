@@ -31,7 +31,7 @@ pub(super) fn check_presence(
     }
 }
 
-/// Returns whether an expression reads one of these flows.
+/// Returns whether an expression reads one of these flows in its operands.
 fn reads_one_of(inference: &PresenceInference<'_>, id: ExprId, flows: &BTreeSet<FlowId>) -> bool {
     if flows.is_empty() {
         return false;
@@ -234,7 +234,8 @@ fn warn_needless_coalesce(
     if sure && !matches!(unit.expr(first).kind, TypedKind::Error) {
         let diagnostic = Diagnostic::new(Code::RPI3002, "the right side of `??` is never used")
             .primary(unit.expr(second).span, "never used")
-            .secondary(unit.expr(first).span, "this is always present");
+            .secondary(unit.expr(first).span, "this is always present")
+            .help("delete `??` and its right side");
         diagnostics.push(diagnostic);
     }
 }
@@ -302,15 +303,15 @@ fn reads_on_own_clocks(kind: &TypedKind) -> bool {
     matches!(kind, Current(_) | Merge { .. } | Part { .. } | Build(_))
 }
 
-/// Cause of the absence of a call's result.
+/// Cause for which the result of a call may be absent.
 enum CallAbsenceCause {
-    /// The call itself, with a label.
+    /// The call itself is the cause; with a label for its location.
     Here(String),
-    /// A place in the callee, with a label.
+    /// A location in the called unit is the cause; with a label.
     Callee(Span, String),
-    /// This operand.
+    /// This operand of the call may be absent.
     Operand(ExprId),
-    /// Any operand that may be absent.
+    /// Any operand of the call that may be absent is the cause.
     Operands,
 }
 

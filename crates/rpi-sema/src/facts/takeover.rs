@@ -28,7 +28,7 @@ pub(super) fn value_sources(
     }
 }
 
-/// Returns whether the value must be present.
+/// Returns whether a value that a command takes over must be present.
 fn must_be_present(units: &[Unit], step: &TaskStep, handed: &TakenOverValue) -> bool {
     let flow = units[step.unit.0 as usize].flow(handed.flow);
     flow.optional != FlowPresence::Declared(true)
@@ -47,7 +47,7 @@ fn may_be_absent(units: &[Unit], facts: &[Facts], handed: &TakenOverValue) -> bo
             .any(|c| c != ClockId::BASE)
 }
 
-/// Returns the export that provides the value.
+/// Returns the export of a preceding command that provides a value.
 fn export<'u>(units: &'u [Unit], handed: &TakenOverValue) -> &'u Export {
     &units[handed.predecessor.0 as usize]
         .block(BlockId::ROOT)

@@ -4,35 +4,35 @@ use rpi_image::Value;
 use rpi_net::{FragmentId, NodeId, PortRef};
 use std::rc::Rc;
 
-/// Condition in the same cycle: a Boolean flow and the value that it must have.
+/// Condition on a cycle: a Boolean flow and the value that it must have.
 pub(super) type Condition = (PortRef, bool);
 
-/// Cycles in which a possibly uninitialised flow has a value.
+/// Condition under which a flow that may be uninitialised has a value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DefinedWhen {
-    /// Cycles in which the condition holds.
+    /// The flow has a value in the cycles in which the condition holds.
     Now(Condition),
-    /// Cycles of this fragment from the first one on in which the condition holds, for the held value of a sampled
-    /// flow.
+    /// The flow has a value from the first cycle of this fragment on in which the condition holds. This is the held
+    /// value of a sampled flow.
     Since(Condition, FragmentId),
 }
 
-/// Abstract value of a flow, an element of a lattice. Later variants allow more.
+/// Abstract value of a flow in the analysis of initialisation, an element of a lattice. Later variants allow more.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum AbstractValue {
-    /// No such cycle exists.
+    /// The flow is not computed in any cycle (bottom).
     Unreachable,
-    /// Known value.
+    /// The flow has this value.
     Value(Rc<Value>),
-    /// One of these integers, in ascending order: possible states of an automaton.
+    /// The flow has one of these integers, in ascending order: possible states of an automaton.
     OneOf(Rc<[i64]>),
-    /// An unknown value.
+    /// The flow has a value, which is unknown.
     Defined,
-    /// Possibly no value.
+    /// The flow may have no value, because a delay is not initialised.
     Undefined {
         /// Delay that is not initialised yet.
         root: NodeId,
-        /// Cycles in which there is a value nevertheless.
+        /// Cycles in which the flow has a value nevertheless.
         defined_when: Option<DefinedWhen>,
     },
 }
@@ -43,7 +43,7 @@ impl AbstractValue {
         AbstractValue::Value(Rc::new(value))
     }
 
-    /// Least upper bound of two abstract values.
+    /// Returns the least upper bound of two abstract values.
     pub(super) fn join(&self, other: &AbstractValue) -> AbstractValue {
         use AbstractValue::{Defined, Undefined, Unreachable};
         match (self, other) {
@@ -108,7 +108,8 @@ impl AbstractValue {
         }
     }
 
-    /// Returns `Defined` if `holds` is true for the condition under which this flow has a value.
+    /// Returns the abstract value under an assumption: `Defined` if `holds` is true for the condition under which this
+    /// flow has a value, else the same value.
     pub(super) fn assuming(self, holds: impl FnOnce(DefinedWhen) -> bool) -> AbstractValue {
         match self {
             AbstractValue::Undefined {

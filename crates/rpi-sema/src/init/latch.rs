@@ -18,7 +18,7 @@ const MAX_STEPS: usize = 1000;
 /// Greatest depth to which conditions are compared.
 const MAX_DEPTH: usize = 8;
 
-/// Returns whether `unless` holds for a reader in cycles in which all given conditions hold.
+/// Returns whether the condition `unless` holds for a reader in all cycles in which the given conditions hold.
 pub(super) fn holds(
     all: &Solution<'_>,
     reader: NodeId,
@@ -42,7 +42,8 @@ pub(super) fn holds(
     }
 }
 
-/// Returns whether a conditional holds its value otherwise: `c`, a value, and the delay of the conditional itself.
+/// Returns whether a conditional holds its last value unless its condition is true: its other branch is a delay of the
+/// conditional itself.
 pub(super) fn is_latch(net: &Net, choice: NodeId) -> bool {
     let node = net.node(choice);
     let otherwise = node.inputs.get(2).and_then(Input::port);
@@ -55,7 +56,7 @@ pub(super) fn is_latch(net: &Net, choice: NodeId) -> bool {
     })
 }
 
-/// Proof search for a condition that implies that another one holds or has held.
+/// Search for a proof that one condition implies that another one holds or has held.
 struct LatchProof<'s, 'n> {
     all: &'s Solution<'n>,
     condition: Condition,
@@ -68,7 +69,7 @@ struct LatchProof<'s, 'n> {
 }
 
 impl LatchProof<'_, '_> {
-    /// Returns whether a flow having this value proves the goal.
+    /// Returns whether a flow having this value proves the condition of the search.
     fn proves(&mut self, (port, value): Condition) -> bool {
         let (port, value) = self.all.strip_negations(port, value);
         if value == self.condition.1 && is_equal(self.all.net(), port, self.condition.0, MAX_DEPTH)

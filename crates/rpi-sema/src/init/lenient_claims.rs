@@ -8,7 +8,8 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use std::collections::BTreeSet;
 
-/// Returns the condition ports of Lustre claims, each with the fragment of the claim.
+/// Returns the conditions of Lustre claims that may be undefined in the first cycle, each with the fragment of the
+/// claim.
 pub(super) fn lenient_claims(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
     let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();

@@ -82,7 +82,8 @@ pub fn check(net: &Net) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Merges uninitialised parts of one value with the same roots (by span) into a diagnostic for the whole value.
+/// Merges the uninitialised delays of parts of one value into one group for the whole value, if they are at the same
+/// locations, so that one diagnostic reports them.
 fn merge_parts(
     net: &Net,
     by_flow: Vec<(Option<&str>, Vec<NodeId>)>,
@@ -108,7 +109,7 @@ fn merge_parts(
     all
 }
 
-/// Length in bytes of the common prefix of two names of parts, cut at a whole component.
+/// Returns the length in bytes of the common prefix of two names of parts, cut at a whole component.
 fn common_prefix_len(a: &str, b: &str) -> usize {
     let starts = a.match_indices(['[', '.']).map(|(at, _)| at);
     let starts = starts.chain([a.len()]);
@@ -116,7 +117,7 @@ fn common_prefix_len(a: &str, b: &str) -> usize {
     both.next_back().unwrap_or(a.len())
 }
 
-/// Summary of the analysis for a net without errors.
+/// Returns the summary of the analysis of initialisation for a net without errors.
 #[must_use]
 pub fn summary(net: &Net) -> String {
     let delays = net
@@ -134,7 +135,7 @@ pub fn summary(net: &Net) -> String {
     )
 }
 
-/// Conditions of claims that are assumed without proof.
+/// Returns the conditions of claims that are assumed without proof.
 fn assumed_claims(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let given = net.claims.iter().filter(|claim| claim.kind.is_assumed());
     let keys: FastSet<&str> = given.map(|claim| claim.key.as_str()).collect();
@@ -143,13 +144,14 @@ fn assumed_claims(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     claimed.map(|export| export.source)
 }
 
-/// Greatest number of rounds that search for delays hidden by others.
+/// Greatest number of rounds that search for delays that are uninitialised but hidden by other ones.
 const MAX_ROUNDS: usize = 20;
 
 /// Greatest number of nodes visited in all these rounds together.
 const MAX_NODES: usize = 400_000;
 
-/// Returns the delays that are read before they are initialised, including those that others hide.
+/// Returns the delays that are read before they are initialised, including those that are only read through other such
+/// delays.
 fn uninitialised_delays(
     solution: &Solution<'_>,
     rules: &[TransferRule],
@@ -200,7 +202,8 @@ fn asserted_conditions(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     checks.filter_map(|node| node.inputs.first().and_then(Input::port))
 }
 
-/// Returns the delays that are read before they are initialised by sinks, in the order of the net.
+/// Returns the delays that outputs and activations of the net read before they are initialised, in the order of the
+/// net.
 fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     let net = solution.net();
     let mut roots = Vec::new();

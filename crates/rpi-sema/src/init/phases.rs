@@ -3,10 +3,10 @@
 
 use crate::init::abstract_value::AbstractValue;
 
-/// Number of phases. The last one stands for all cycles from there on.
+/// Number of phases into which the run of a fragment is divided: its first cycles, one by one, and all later ones.
 pub(super) const PHASES: usize = 5;
 
-/// Last phase, which covers all later cycles.
+/// Index of the last phase, which covers all later cycles.
 pub(super) const LAST_PHASE: usize = PHASES - 1;
 
 /// One value for each phase.
@@ -51,7 +51,7 @@ impl PhaseSet {
     }
 }
 
-/// Activity of a fragment in one phase of its parent.
+/// Whether a fragment is active in one phase of its parent: never, always or possibly.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Activity {
     Never,

@@ -70,8 +70,8 @@ impl<'n> Precheck<'n> {
         }
     }
 
-    /// Returns the phases of a port for a reader. Any phase of another fragment may coincide with any phase of the
-    /// reader's.
+    /// Returns the phases of the reader's fragment in which a port may be uninitialised for it. Any phase of another
+    /// fragment may coincide with any phase of the reader's.
     fn port_phases(&self, port: PortRef, from: FragmentId) -> PhaseSet {
         let without = self.uninitialised[port.node.index()];
         match without.is_empty() || self.net.node(port.node).fragment == from {

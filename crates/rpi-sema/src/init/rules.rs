@@ -11,34 +11,34 @@ use rpi_net::{Input, Net, Node, NodeId, PortRef};
 use rpi_prims::{PrimId, fold};
 use std::rc::Rc;
 
-/// Transfer function of a primitive.
+/// Transfer function of a primitive in the analysis of initialisation: how its abstract output follows from its inputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum TransferRule {
-    /// Delay of a flow that is not optional: uninitialised in the first phase.
+    /// Delay of a flow that is always present: uninitialised in the first phase.
     Delay,
     /// Delay that starts absent, or whose missing initial value has been reported.
     OptionalDelay,
-    /// True in the first phase.
+    /// `first`: true in the first phase, else false.
     First,
     /// `if inCondition then inTrue else inFalse`
     Conditional,
-    /// Conjunction; `true` is neutral.
+    /// Conjunction, in which `true` is neutral.
     And,
-    /// Disjunction; `false` is neutral.
+    /// Disjunction, in which `false` is neutral.
     Or,
-    /// Implication.
+    /// Implication of the second input by the first.
     Implies,
-    /// Negation.
+    /// Negation of the input.
     Not,
-    /// First present value of two.
+    /// First present value of two inputs, `x ?? y`.
     Coalesce,
-    /// A guard, then operands that are ignored where the guard is false.
+    /// Operation with a guard as first input: the other inputs are not needed while the guard is false.
     Guarded,
-    /// All inputs are needed.
+    /// Operation that needs all its inputs.
     Strict,
 }
 
-/// Rules by suffix of the primitive's name.
+/// Transfer functions by suffix of the primitive's name.
 const RULES_BY_NAME: &[(&str, TransferRule)] = &[
     ("Conditional", TransferRule::Conditional),
     ("::BooleanAnd", TransferRule::And),
@@ -48,7 +48,7 @@ const RULES_BY_NAME: &[(&str, TransferRule)] = &[
     ("Coalesce", TransferRule::Coalesce),
 ];
 
-/// Returns the rules of all nodes. Each primitive is looked up once.
+/// Returns the transfer functions of all nodes of a net.
 pub(super) fn rules(net: &Net) -> Vec<TransferRule> {
     let mut known: FastMap<PrimId, TransferRule> = FastMap::default();
     let nodes = net.nodes.iter();
@@ -70,7 +70,7 @@ pub(super) fn is_by_first(net: &Net, rules: &[TransferRule], choice: NodeId) -> 
     })
 }
 
-/// Returns the rule of a node's primitive.
+/// Returns the transfer function of a node's primitive.
 pub(super) fn rule(node: &Node) -> TransferRule {
     rule_of_prim(node.desc())
 }
@@ -242,7 +242,8 @@ fn coalesce_leaf(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue 
     }
 }
 
-/// Computes a strict operator. Constant inputs are read only if the values of all flows are known, which is rare.
+/// Computes the abstract value of an operation that needs all its inputs. Constant inputs are read only if the values
+/// of all flows are known, which is rare.
 fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
     let inputs = &all.net().node(id).inputs;
     let input = |k: usize| all.input(id, k, phase).value;

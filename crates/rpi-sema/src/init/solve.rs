@@ -12,7 +12,7 @@ use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 /// Greatest number of conditions implied by a condition that are visited.
 const MAX_IMPLIED: usize = 1000;
 
-/// Abstract values of a net's flows, during and after the iteration.
+/// Abstract values of the flows of a net in each phase, during and after the iteration to a fixed point.
 pub(super) struct Solution<'n> {
     net: &'n Net,
     values: Vec<PerPhase<AbstractValue>>,
@@ -21,7 +21,7 @@ pub(super) struct Solution<'n> {
     active: Vec<PerPhase<Activity>>,
     /// For each phase of each fragment, the possible phases of its parent.
     parents: Vec<PerPhase<PhaseSet>>,
-    /// Values that claims state: node, phase and value, sorted.
+    /// Values that claims state for flows: node, phase and value, sorted.
     claimed_values: Vec<(NodeId, usize, bool)>,
 }
 
@@ -221,7 +221,7 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// Returns the rule of a node.
+    /// Returns the transfer function of a node.
     pub(super) fn rule_of(&self, id: NodeId) -> TransferRule {
         self.rules[id.index()]
     }

@@ -43,9 +43,9 @@ fn topological_order(net: &Net) -> Vec<u32> {
 pub(super) struct Worklist {
     order: Vec<u32>,
     sorted: Vec<NodeId>,
-    /// Number of nodes of the first round that have been returned.
+    /// Number of nodes that have been returned for the first time.
     visited_count: u32,
-    /// For each position, whether its node is queued again.
+    /// For each position in the order, whether its node is queued again.
     is_queued: Vec<bool>,
     queue: BinaryHeap<Reverse<u32>>,
 }
@@ -93,11 +93,11 @@ impl Worklist {
     }
 }
 
-/// Dependents of nodes and fragments.
+/// Readers of the flows of nodes, and nodes that depend on fragments.
 pub(super) struct Dependents {
     users: Readers,
     activated_by: FastMap<NodeId, Vec<FragmentId>>,
-    /// For each fragment, the nodes that read across its border.
+    /// For each fragment, the nodes that read flows across its border.
     across: Vec<Vec<NodeId>>,
 }
 

@@ -55,7 +55,7 @@ impl<'a> Program<'a> {
 
 struct Collector<'a> {
     library: Library,
-    /// Syntax mode of the current file.
+    /// Dialect of the current file: RPI or Lustre.
     mode: Dialect,
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
@@ -273,7 +273,7 @@ fn last_id(decls: &[Decl<'_>]) -> DeclId {
     DeclId(u32::try_from(decls.len() - 1).unwrap_or(u32::MAX))
 }
 
-/// Error for a name that is declared a second time.
+/// Creates the error for a name that is declared a second time.
 pub(crate) fn duplicate_name_error(name: &Name, again: Span, first: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI1002, format!("`{name}` is declared twice"))
         .primary(again, "declared again here")

@@ -7,9 +7,9 @@ use rpi_syntax::{Dialect, Name};
 /// Result of a name lookup.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Lookup {
-    /// Declaration with this name.
+    /// The name is that of this declaration.
     Found(DeclId),
-    /// Undefined name.
+    /// The name is undefined.
     Missing,
 }
 

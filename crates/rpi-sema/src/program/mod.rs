@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 pub struct Source<'a> {
     /// Name of the module in `use`.
     pub name: Name,
-    /// Syntax mode of the module's own file. An included file may have another mode.
+    /// Dialect of the module's own file. An included file may have another one.
     pub mode: Dialect,
     /// File of the module, then the files that it includes.
     pub files: Vec<&'a File>,
@@ -42,7 +42,7 @@ pub struct ModuleId(pub u32);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DeclId(pub u32);
 
-/// Named declaration.
+/// Declaration with a name: its kind, location and syntax tree.
 #[derive(Clone, Debug)]
 pub struct Decl<'a> {
     /// Name of the declaration.
@@ -53,7 +53,7 @@ pub struct Decl<'a> {
     pub doc: Option<&'a Doc>,
     /// Module of the declaration.
     pub module: ModuleId,
-    /// Syntax mode of the file.
+    /// Dialect of the file that contains the declaration.
     pub mode: Dialect,
     /// Kind and syntax tree of the declaration.
     pub kind: DeclKind<'a>,
@@ -70,14 +70,14 @@ pub enum DeclKind<'a> {
     EnumValue {
         /// Declaration of the enum.
         ty: DeclId,
-        /// Index among the values.
+        /// Index among the values of the enum, in text order.
         index: u32,
     },
     /// Constructor of a `datatype`.
     Constructor {
         /// Declaration of the type.
         ty: DeclId,
-        /// Index among the constructors.
+        /// Index among the constructors of the type, in text order.
         index: u32,
     },
     /// Node or function.
@@ -121,7 +121,7 @@ impl DeclKind<'_> {
     }
 }
 
-/// Use of a module by another module.
+/// Use of a module by another one, as written in a `use` clause.
 #[derive(Debug)]
 struct ModuleUse {
     module: ModuleId,
@@ -143,7 +143,7 @@ pub struct Module {
     pub decls: Vec<DeclId>,
     /// Modules that the module uses, in text order.
     uses: Vec<ModuleUse>,
-    /// Whether the module uses a missing module. Undefined names may then be a consequence.
+    /// Whether the module uses a module that does not exist. Undefined names may then be a consequence.
     pub lacks_use: bool,
     names: FastMap<Name, DeclId>,
     /// In Lustre, the names of each name space: a type and a node may have the same name.
@@ -153,13 +153,13 @@ pub struct Module {
 /// Name space of a lookup. In Lustre each has separate names.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NameSpace {
-    /// Constants and values of enums.
+    /// Name space of constants and values of enums.
     Value,
-    /// Types.
+    /// Name space of types.
     Type,
-    /// Nodes and functions.
+    /// Name space of nodes and functions.
     Callable,
-    /// Contracts.
+    /// Name space of contracts.
     Contract,
 }
 
@@ -182,7 +182,7 @@ impl NameSpace {
 /// All declarations of a program.
 #[derive(Debug)]
 pub struct Program<'a> {
-    /// Modules. The first is the root module.
+    /// Modules of the program. The first one is the root module.
     pub modules: Vec<Module>,
     /// Declarations of all modules.
     pub decls: Vec<Decl<'a>>,
@@ -196,12 +196,12 @@ pub struct Program<'a> {
     pub extents: Vec<Extent>,
 }
 
-/// Source range of a declaration.
+/// Location of a declaration as a whole.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// Span of the whole declaration.
     pub span: Span,
-    /// Whether the declaration becomes units. An error inside it then affects only these units.
+    /// Whether the declaration is compiled to units. An error inside it then affects only these units.
     pub is_of_units: bool,
 }
 

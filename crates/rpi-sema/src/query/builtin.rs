@@ -4,16 +4,16 @@ use crate::check;
 use rpi_image::Scalar;
 use rpi_prims::PrimId;
 
-/// Predeclared name.
+/// Predeclared name of the language, with its documentation for editors.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Builtin {
     /// Name.
     pub name: &'static str,
-    /// Usage: `time: real[s]`, `hold(x, init)`.
+    /// Syntax of a use: `time: real[s]`, `hold(x, init)`.
     pub usage: String,
     /// Description.
     pub doc: String,
-    /// Whether it has call syntax.
+    /// Whether the name is used like a function.
     pub is_call: bool,
 }
 

@@ -17,7 +17,7 @@ pub struct Def {
     pub kind: DefKind,
     /// Span of the name in the declaration.
     pub span: Span,
-    /// Span of the whole declaration.
+    /// Span of the whole declaration, with its body.
     pub full_span: Span,
     /// Doc comment above the declaration.
     pub doc: Option<Doc>,
@@ -32,41 +32,41 @@ pub struct Def {
 /// Kind of a definition.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum DefKind {
-    /// File, as named by `use`.
+    /// Module: a file, as named by `use`.
     Module,
-    /// `const`
+    /// Constant, declared by `const`.
     Const,
-    /// `type`
+    /// Type, declared by `type`.
     Type,
     /// Value of an enum.
     EnumValue,
     /// Field of a struct.
     Field,
-    /// `node`
+    /// Node, declared by `node`.
     Node,
-    /// `function`
+    /// Function, declared by `function`.
     Function,
     /// `fragment` declared at the top level.
     Fragment,
-    /// `primitive`
+    /// Primitive, declared by `primitive`.
     Primitive,
-    /// `device`
+    /// Device type, declared by `device`.
     Device,
     /// Port of a device.
     Port,
-    /// `frame`
+    /// Coordinate frame, declared by `frame`.
     Frame,
-    /// `command`
+    /// Command, declared by `command`.
     Command,
     /// Result with which a command ends.
     Result,
-    /// `task`
+    /// Task, declared by `task`.
     Task,
     /// Named step of a task.
     Step,
-    /// `test`
+    /// Test, declared by `test`.
     Test,
-    /// Static parameter.
+    /// Static parameter, in `<<...>>`.
     StaticParam,
     /// Parameter of a command or task.
     Param,
@@ -78,7 +78,7 @@ pub enum DefKind {
     Output,
     /// Flow inside a body.
     Local,
-    /// Fragment in place.
+    /// Fragment declared inside a body.
     Block,
     /// State of an automaton.
     State,

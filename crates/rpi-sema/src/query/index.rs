@@ -6,7 +6,7 @@ use crate::query::def::{Def, DefId};
 use rpi_diag::{FileId, Span};
 use rpi_syntax::Name;
 
-/// Occurrence of a name.
+/// Occurrence of a name in the source, with the definition that it refers to.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Reference {
     /// Span of the name.
@@ -19,7 +19,7 @@ pub struct Reference {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct ScopeId(pub(super) u32);
 
-/// Scope of names.
+/// Scope of names: a module, or a declaration with a body.
 #[derive(Debug)]
 pub(super) struct Scope {
     /// Source range of the scope; for a module, its whole first file.
@@ -36,7 +36,7 @@ pub(super) struct Scope {
     pub(super) uses: Vec<ScopeId>,
 }
 
-/// Inner scopes of a definition.
+/// Scopes inside a definition, in which its members and parameters are found.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct InnerScopes {
     /// Scope that contains the members.
@@ -45,7 +45,7 @@ pub(super) struct InnerScopes {
     pub(super) parameters: Option<ScopeId>,
 }
 
-/// Every definition and reference of a program.
+/// Index of every definition and reference of a program, for editors and documentation.
 #[derive(Debug)]
 pub struct Index {
     pub(super) defs: Vec<Def>,

@@ -9,32 +9,32 @@ use std::rc::Rc;
 /// Bindings of the free names of a signature in one call: types and frames.
 #[derive(Clone, Default, Debug)]
 pub struct Substitution {
-    /// Static parameters that are types.
+    /// Types bound to the type parameters of the signature.
     pub types: BTreeMap<Name, Ty>,
-    /// Frames that the signature names but no declaration does; none if not bound yet.
+    /// Frames bound to the free frames of the signature; `None` if not bound yet.
     pub frames: BTreeMap<Name, Option<Name>>,
 }
 
-/// Reason for a type mismatch.
+/// Reason why a type is not assignable to another.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TypeMismatchError {
-    /// Different kinds of types.
+    /// The types are of different kinds, such as a real and a Boolean.
     Kind,
-    /// Reals of different dimensions.
+    /// The types are reals of different dimensions.
     Dimension {
         /// Expected dimension.
         expected: Dimension,
         /// Dimension found.
         found: Dimension,
     },
-    /// Spatial values in different frames.
+    /// The types are spatial values in different frames.
     Frame {
         /// Expected frame.
         expected: Name,
         /// Frame found.
         found: Name,
     },
-    /// Arrays of different sizes.
+    /// The types are arrays of different sizes.
     Size {
         /// Expected number of elements.
         expected: u32,
@@ -44,7 +44,7 @@ pub enum TypeMismatchError {
 }
 
 impl TypeMismatchError {
-    /// Returns the mismatch with expected and found exchanged.
+    /// Returns the mismatch with the expected and the found type exchanged.
     #[must_use]
     pub fn swapped(self) -> TypeMismatchError {
         match self {
@@ -99,14 +99,14 @@ pub fn check_assignable(
     }
 }
 
-/// Returns whether a struct type is an instance of the generic declaration of another one whose parameters are not
+/// Returns whether the struct type `closed` is an instance of the generic struct `open`, whose parameters are not
 /// bound.
 fn is_instance(closed: &StructTy, open: &StructTy) -> bool {
     open.fields.iter().any(|field| field.ty.has_generic())
         && declaration_name(closed) == declaration_name(open)
 }
 
-/// Name of the struct's declaration, without static arguments.
+/// Returns the name of the struct's declaration, without static arguments.
 fn declaration_name(of: &StructTy) -> Option<&str> {
     of.name.split("<<").next()
 }
@@ -171,7 +171,8 @@ fn check_frame(
     }
 }
 
-/// Tuples are flat: `(a, (b, c))` has the same leaves in the same order as `(a, b, c)`.
+/// Checks that a tuple is assignable to another. Tuples are flat: `(a, (b, c))` has the same leaves in the same order
+/// as `(a, b, c)`.
 fn check_tuples(
     expected: &[Member],
     found: &[Member],

@@ -23,9 +23,9 @@ use std::rc::Rc;
 pub enum Ty {
     /// Unknown type, after an error or for `none`. It matches every type, so that one error causes one message.
     Unknown,
-    /// Boolean.
+    /// Type `bool`.
     Bool,
-    /// 64-bit signed integer.
+    /// Type `int`: 64-bit signed integers.
     Int,
     /// Machine integer of Kind 2, only in Lustre.
     Machine(MachineInt),
@@ -33,38 +33,39 @@ pub enum Ty {
     Subrange(Subrange),
     /// IEEE 754 double with a dimension, in coherent SI units.
     Real(Dimension),
-    /// Point in time.
+    /// Type of a point in time.
     Time,
-    /// Duration `time`, a number of ticks.
+    /// Type `time`: a duration in ticks.
     Duration,
-    /// Text, only for parameters.
+    /// Type of texts, only for parameters.
     Text,
     /// `Vector`, `Rotation`, `Pose`, `Twist` or `Wrench`, with its known geometry.
     Spatial(Scalar, Rc<Geometry>),
-    /// Enum.
+    /// Enum type.
     Enum(Rc<EnumTy>),
-    /// Struct.
+    /// Struct type.
     Struct(Rc<StructTy>),
-    /// Array with its number of elements.
+    /// Array type: element type and number of elements.
     Array(Rc<Ty>, u32),
-    /// Tuple, or the results of a call with several outputs. Outputs have names, elements of `(x, y)` have none.
+    /// Tuple type, also that of the results of a call with several outputs. Outputs have names, elements of `(x, y)`
+    /// have none.
     Tuple(Rc<[Member]>),
-    /// Device, as a parameter of a command.
+    /// Device type, only for parameters of a command.
     Device(Rc<DeviceTy>),
-    /// Result of a command, the type of `predecessor`.
+    /// Type of `predecessor`: the result with which a command ended.
     Result,
     /// Static type parameter that is not bound yet.
     Generic(Name),
 }
 
-/// Known geometry of a spatial value. An unknown part matches everything.
+/// Unit and frames of a spatial value, as far as they are known. An unknown part matches everything.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Geometry {
     /// Dimension of a vector's components.
     pub dim: Option<Dimension>,
-    /// Frame that is located or that moves.
+    /// Frame whose position, orientation or velocity the value describes.
     pub of: Option<Name>,
-    /// Frame of reference.
+    /// Frame in whose coordinates the value is given.
     pub in_frame: Option<Name>,
 }
 
@@ -146,9 +147,9 @@ pub struct DevicePortTy {
     pub ty: Option<Ty>,
     /// Whether the port may have no sample in a cycle.
     pub optional: bool,
-    /// Whether the port is an actuator port, which is written.
+    /// Whether the port is an actuator port, which programs write.
     pub is_actuator: bool,
-    /// Index of the actuator. Ports with the same actuator exclude one another.
+    /// Index of the actuator that the port drives. Ports with the same actuator exclude one another.
     pub actuator: u32,
 }
 
@@ -164,13 +165,13 @@ impl Ty {
     /// Dimensionless real.
     pub const REAL: Ty = Ty::Real(Dimension::ONE);
 
-    /// Spatial type with unknown geometry.
+    /// Returns a spatial type with unknown unit and frames.
     #[must_use]
     pub fn spatial(scalar: Scalar) -> Ty {
         Ty::Spatial(scalar, Rc::default())
     }
 
-    /// Tuple of unnamed elements.
+    /// Returns a tuple type of unnamed elements.
     #[must_use]
     pub fn tuple(elements: impl IntoIterator<Item = Ty>) -> Ty {
         let member = |ty| Member { name: None, ty };
@@ -227,7 +228,7 @@ impl Ty {
         })
     }
 
-    /// Number of leaves of the type, each carried by one link of the net.
+    /// Returns the number of leaves (scalar parts) of the type, each carried by one link of the net.
     #[must_use]
     pub fn leaf_count(&self) -> usize {
         match self {

@@ -10,7 +10,7 @@ use rpi_diag::Span;
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// Expression of a unit.
+/// Expression of a unit after type checking.
 #[derive(Clone, Debug)]
 pub struct Expr {
     /// Kind of the expression, with its operands.
@@ -24,21 +24,21 @@ pub struct Expr {
 /// Kind of an expression, with its operands.
 #[derive(Clone, Debug)]
 pub enum TypedKind {
-    /// Error that has been reported.
+    /// Expression with an error that has been reported.
     Error,
-    /// Constant, leaf by leaf.
+    /// Constant value, leaf by leaf.
     Const(Rc<[Leaf]>),
     /// Literal with a single leaf.
     Literal(Leaf),
-    /// `none`
+    /// The value `none`, which is always absent.
     None,
-    /// Arbitrary value, which the program leaves open.
+    /// Value that the program leaves open, such as `any` of Kind 2.
     Arbitrary,
     /// Read of a flow.
     Flow(FlowId),
     /// Read of a sensor or status port of a device.
     Sensor {
-        /// Device.
+        /// Expression of the device.
         device: ExprId,
         /// Index of the port in the device type.
         port: u32,
@@ -70,20 +70,20 @@ pub enum TypedKind {
     Build(Box<[ExprId]>),
     /// Array of equal elements.
     Repeat(ExprId),
-    /// Composite value with the leaves from `at` on replaced.
+    /// Composite value in which the leaves from `at` on are replaced.
     Replace {
         /// Composite value.
         base: ExprId,
-        /// Index of the first leaf.
+        /// Index of the first replaced leaf.
         at: u32,
-        /// Replacement.
+        /// New value of these leaves.
         value: ExprId,
     },
-    /// Elementwise operator with its operands.
+    /// Operator that is applied to each leaf of its operands separately.
     Each(ElementwiseOp, Box<[ExprId]>),
     /// `x = y` or `x <> y` on values of any type.
     Equal {
-        /// Operands.
+        /// Left and right operand.
         operands: [ExprId; 2],
         /// Whether the operator is `<>`.
         negated: bool,
@@ -96,23 +96,23 @@ pub enum TypedKind {
     Call(Box<Call>),
     /// `x when c`
     When {
-        /// Sampled expression.
+        /// Expression that is sampled.
         value: ExprId,
-        /// Clock of the result.
+        /// Clock of the result: the condition and its value.
         clock: DeclaredClock,
     },
     /// `merge c (...)`: exactly one case is present in each cycle.
     Merge {
-        /// Deciding flow.
+        /// Flow whose value selects the case.
         on: ExprId,
-        /// Cases, each with the value of the deciding flow.
+        /// Cases, each with the value of the selecting flow.
         cases: Box<[(u32, ExprId)]>,
     },
     /// `current x`
     Current(ExprId),
 }
 
-/// Elementwise operator, implemented by one primitive per value type.
+/// Operator that works on each leaf of its operands separately, and is implemented by one primitive per value type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ElementwiseOp {
     /// `if c then x else y`
@@ -132,11 +132,11 @@ pub enum ElementwiseOp {
 /// Call of a registered primitive.
 #[derive(Clone, Debug)]
 pub struct PrimCall {
-    /// Called primitive.
+    /// The primitive that is called.
     pub prim: PrimId,
-    /// Arguments of the inputs; none for an open input.
+    /// Arguments of the inputs; `None` for an input that is not connected.
     pub inputs: Box<[Option<ExprId>]>,
-    /// Values of the parameters; none for a default. Constant once the command's parameters are known.
+    /// Values of the parameters; `None` for a default. Constant once the command's parameters are known.
     pub params: Box<[Option<ExprId>]>,
 }
 
@@ -154,20 +154,21 @@ pub struct Call {
 /// Cycles in which a called unit runs.
 #[derive(Clone, Debug)]
 pub enum Activation {
-    /// In every cycle in which the call is reached.
+    /// The unit runs in every cycle in which the call is reached.
     Always,
-    /// While the condition holds. Otherwise the result is that of the last run, or the default before the first run.
+    /// The unit runs while a condition holds. Otherwise the result is that of its last run, or the default before the
+    /// first run.
     Condact {
-        /// Condition.
+        /// Condition under which the unit runs.
         every: ExprId,
         /// Result before the first run.
         default: Option<ExprId>,
         /// Condition under which the state restarts.
         restart: Option<ExprId>,
     },
-    /// In every cycle. The state restarts when the condition holds.
+    /// The unit runs in every cycle. Its state restarts when a condition holds.
     Restart {
-        /// Condition.
+        /// Condition under which the state restarts.
         every: ExprId,
     },
 }

@@ -5,18 +5,18 @@ use crate::typed::{BlockId, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_syntax::Name;
 
-/// Role of a flow.
+/// Role of a flow in its unit: parameter, input, output or local.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FlowRole {
     /// Value or device that is fixed when the command is loaded.
     Param,
-    /// Input.
+    /// Input of the unit, an in-port.
     Input,
     /// Value taken over from the preceding command.
     TakenOver,
-    /// Output.
+    /// Output of the unit, an out-port.
     Output,
-    /// Local flow.
+    /// Flow that is only used inside the unit.
     Local,
 }
 
@@ -28,12 +28,12 @@ impl FlowRole {
     }
 }
 
-/// Declared or inferred presence of a flow.
+/// Whether a flow may be absent, and whether that is declared or inferred.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FlowPresence {
-    /// Declared; `true` if the flow may be absent.
+    /// The presence is declared; `true` if the flow may be absent.
     Declared(bool),
-    /// Inferred from the flow's equation.
+    /// The presence is inferred from the flow's equation.
     Inferred,
 }
 
@@ -58,10 +58,10 @@ pub struct Flow {
     pub span: Span,
 }
 
-/// Declared clock: the cycles in which a flow has a given value.
+/// Clock in a declaration or `when`: the cycles in which a flow has a given value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DeclaredClock {
-    /// Flow that decides about the clock.
+    /// Flow whose value is the condition of the clock.
     pub flow: FlowId,
     /// Value of the flow: 0 or 1 for a Boolean, the index of an enum's value.
     pub value: u32,

@@ -53,7 +53,7 @@ pub enum UnitKind {
     Function,
     /// Node: inlined, with its state in the caller's fragment.
     Node,
-    /// Fragment: a net of its own, one vertex in its caller.
+    /// Fragment: active or inactive as a whole, with state of its own; one vertex in its caller.
     Fragment,
     /// Command: the root of a net.
     Command,
@@ -73,7 +73,7 @@ impl UnitKind {
     }
 }
 
-/// Callable for one choice of static arguments.
+/// Callable, such as a node or command, for one choice of static arguments, after type checking.
 #[derive(Clone, Debug)]
 pub struct Unit {
     /// Name, with the chosen static arguments.
@@ -90,7 +90,8 @@ pub struct Unit {
     pub outputs: Vec<FlowId>,
     /// Expressions. Operands precede the expressions that use them.
     pub exprs: Vec<Expr>,
-    /// Conditions of `if` that depend on static parameters, in ascending order. Other arguments may choose otherwise.
+    /// Conditions of `if` that depend on static parameters, in ascending order. Other static arguments may choose the
+    /// other branch.
     pub static_conditions: Vec<ExprId>,
     /// Body, fragments in place, and states; parents first.
     pub blocks: Vec<Block>,
@@ -102,7 +103,7 @@ pub struct Unit {
     pub is_lustre: bool,
     /// Frames that the signature names but no declaration does. Each stands for the frame of an argument.
     pub free_frames: Vec<Name>,
-    /// Steps of a task, by what they run.
+    /// Steps of a task: the commands and tasks that it runs.
     pub steps: Vec<TaskStep>,
     /// Repetition counts of a task, each with the span of the number.
     pub repeat_counts: Vec<(Span, ExprId)>,
@@ -111,11 +112,11 @@ pub struct Unit {
 /// Body, fragment in place, or state of an automaton.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Name; empty for the body.
+    /// Name of the block; empty for the body.
     pub name: Name,
-    /// Enclosing block; none for the body.
+    /// Enclosing block; `None` for the body.
     pub parent: Option<BlockId>,
-    /// Condition of activation; none if the block is active whenever its parent is.
+    /// Condition under which the block is active; `None` if it is active whenever its parent is.
     pub when: Option<ExprId>,
     /// Whether the state of the block restarts on each activation.
     pub restart: bool,
@@ -137,18 +138,18 @@ pub struct Block {
     pub span: Span,
 }
 
-/// `x, arm.tcp = e`
+/// Equation such as `x, arm.tcp = e`.
 #[derive(Clone, Debug)]
 pub struct Equation {
     /// Targets in order. Together they cover all leaves of the value.
     pub targets: Vec<Target>,
-    /// Defining expression.
+    /// Expression on the right side.
     pub value: ExprId,
     /// Span of the whole equation.
     pub span: Span,
 }
 
-/// Target of an equation.
+/// Flow, or part of one, on the left side of an equation.
 #[derive(Clone, Debug)]
 pub struct Target {
     /// Flow or port that is defined.
@@ -159,33 +160,33 @@ pub struct Target {
     pub span: Span,
 }
 
-/// Destination of an equation's value.
+/// What an equation defines: leaves of a flow, or an actuator port.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TargetPlace {
-    /// Leaves of a flow, from `at` on.
+    /// The equation defines the leaves of a flow from `at` on.
     Flow {
-        /// Flow.
+        /// Flow that is defined.
         flow: FlowId,
         /// Index of the first leaf.
         at: u32,
     },
-    /// Actuator port of a device.
+    /// The equation defines a set-point for an actuator port of a device.
     Port {
-        /// Device.
+        /// Flow that holds the device.
         device: FlowId,
         /// Index of the port in the device type.
         port: u32,
     },
-    /// No destination: after an error, or for `_`.
+    /// The equation defines nothing: after an error, or for `_`.
     Nowhere,
 }
 
-/// Condition that is stated to hold in every cycle.
+/// Assertion or clause of a contract: a condition that is stated to hold in every cycle.
 #[derive(Clone, Debug)]
 pub struct Claim {
     /// Kind of the claim, which says who must ensure it.
     pub kind: ClaimKind,
-    /// Condition.
+    /// Condition that is stated to hold.
     pub condition: ExprId,
     /// Mode of the contract, for an `ensure`. The condition is then `require => ensure`.
     pub mode: Option<Name>,
@@ -195,12 +196,12 @@ pub struct Claim {
     pub span: Span,
 }
 
-/// `finish result when condition`
+/// Statement that ends a command, such as `finish result when condition`.
 #[derive(Clone, Debug)]
 pub struct End {
     /// Kind of the end.
     pub kind: rpi_syntax::ast::CommandEndKind,
-    /// Name of the result.
+    /// Name of the result with which the command ends.
     pub result: Name,
     /// Condition under which the command ends.
     pub condition: ExprId,
@@ -208,7 +209,7 @@ pub struct End {
     pub span: Span,
 }
 
-/// Exported flow.
+/// Flow that a command exports, under a key.
 #[derive(Clone, Debug)]
 pub struct Export {
     /// Key of the export.
@@ -246,7 +247,7 @@ pub struct State {
 /// Transition between states.
 #[derive(Clone, Debug)]
 pub struct Transition {
-    /// Condition; none for `otherwise`.
+    /// Condition of the transition; `None` for `otherwise`.
     pub condition: Option<ExprId>,
     /// Whether the target state resumes instead of restarting.
     pub resumes: bool,
@@ -261,17 +262,17 @@ pub struct Transition {
 pub struct SharedFlow {
     /// Flow as read outside the automaton.
     pub flow: FlowId,
-    /// Flow inside each state that defines it, in the order of the states.
+    /// For each state that defines the flow, the flow inside that state, in the order of the states.
     pub states: Vec<FlowId>,
     /// States that may be active and do not define the flow. Truncated if there are many.
     pub missing: Vec<BlockId>,
-    /// Flow of an equation beside the automaton, used in states that do not define the flow. Without a default the flow
-    /// is absent there.
+    /// Flow of an equation beside the automaton, which applies in states that do not define the flow. Without a default
+    /// the flow is absent there.
     pub default: Option<FlowId>,
 }
 
 impl SharedFlow {
-    /// Iterates over the flows that contribute: those of the states, then the default.
+    /// Returns the flows that contribute to this one: those of the states, then the default.
     pub fn contributions(&self) -> impl Iterator<Item = FlowId> + '_ {
         self.states.iter().copied().chain(self.default)
     }

@@ -4,7 +4,7 @@ use crate::program::DeclId;
 use crate::typed::{ExprId, FlowId, UnitId};
 use rpi_diag::Span;
 
-/// Step of a task: the command or task that it runs, with arguments.
+/// Step of a task after checking: the command or task that it runs, with its arguments.
 #[derive(Clone, Debug)]
 pub struct TaskStep {
     /// Span of the name in the step.

@@ -5,8 +5,8 @@ use crate::hash::FastSet;
 use crate::typed::{Expr, TypedKind};
 use crate::typed::{ExprId, Unit};
 
-/// State of a traversal. A part is returned before its operands, which are visited only if [`enter`](Parts::enter) is
-/// called.
+/// Traversal of the expressions below some roots. An expression is returned before its operands, which are visited only
+/// if [`enter`](Traversal::enter) is called.
 pub(crate) struct Traversal<'u> {
     unit: &'u Unit,
     open: Vec<ExprId>,
@@ -14,7 +14,7 @@ pub(crate) struct Traversal<'u> {
 }
 
 impl Unit {
-    /// Starts a traversal at an expression.
+    /// Starts a traversal at one expression.
     pub(crate) fn traverse(&self, root: ExprId) -> Traversal<'_> {
         Traversal {
             unit: self,
@@ -25,13 +25,13 @@ impl Unit {
 }
 
 impl<'u> Traversal<'u> {
-    /// Returns the next part.
+    /// Returns the next expression of the traversal; `None` at the end.
     pub(crate) fn next(&mut self) -> Option<(ExprId, &'u Expr)> {
         let id = self.open.pop()?;
         Some((id, self.unit.expr(id)))
     }
 
-    /// Adds the operands of a part, unless they were added before.
+    /// Adds the operands of an expression to the traversal, unless they were added before.
     pub(crate) fn enter(&mut self, id: ExprId) {
         let before = self.open.len();
         let kind: &TypedKind = &self.unit.expr(id).kind;
@@ -42,7 +42,7 @@ impl<'u> Traversal<'u> {
         }
     }
 
-    /// Adds further roots.
+    /// Adds further roots to the traversal.
     pub(crate) fn add_roots(&mut self, roots: impl IntoIterator<Item = ExprId>) {
         self.open.extend(roots);
     }

@@ -3,7 +3,7 @@
 use crate::units::Ratio;
 use std::fmt;
 
-/// Base dimension, named after its quantity.
+/// Base dimension of the unit system, named after its quantity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum BaseDim {
     /// Mass, `kg`.
@@ -24,17 +24,17 @@ pub enum BaseDim {
     Angle,
 }
 
-/// Number of base dimensions in [`Base`].
+/// Number of base dimensions in [`BaseDim`].
 const BASE_COUNT: usize = 8;
 
-/// Number of free dimensions: those of type parameters while a generic declaration is checked. Three do not enlarge
-/// [`crate::ty::Ty`]. A declaration with more of them is checked in several rounds.
+/// Number of free dimensions: placeholders for the units of type parameters while a generic declaration is checked.
+/// Three do not enlarge [`crate::ty::Ty`]. A declaration with more of them is checked in several rounds.
 pub const FREE_COUNT: usize = 3;
 
 const EXPONENT_COUNT: usize = BASE_COUNT + FREE_COUNT;
 
-/// Units of the base dimensions, in the order of [`Base`], in which they are printed. Free dimensions have private-use
-/// characters, which the checker replaces by the names of the parameters.
+/// Units of the base dimensions, in the order of [`BaseDim`], in which they are printed. Free dimensions have
+/// private-use characters, which the checker replaces by the names of the parameters.
 const BASE_UNITS: [&str; EXPONENT_COUNT] = [
     "kg", "m", "s", "A", "K", "mol", "cd", "rad", "\u{E000}", "\u{E001}", "\u{E002}",
 ];
@@ -75,21 +75,21 @@ const QUANTITIES: [(&str, [i32; BASE_COUNT]); 20] = [
     ("a temperature", [0, 0, 0, 0, 1, 0, 0, 0]),
 ];
 
-/// Dimension: exponents of the base dimensions.
+/// Physical dimension: exponents of the base dimensions.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Dimension([Ratio; EXPONENT_COUNT]);
 
 impl Dimension {
-    /// Dimensionless.
+    /// Dimension of a plain number: all exponents are 0.
     pub const ONE: Dimension = Dimension([Ratio::ZERO; EXPONENT_COUNT]);
-    /// Length, m.
+    /// Dimension of a length, m.
     pub const LENGTH: Dimension = Dimension::base(BaseDim::Length);
-    /// Time, s.
+    /// Dimension of a time, s.
     pub const TIME: Dimension = Dimension::base(BaseDim::Time);
-    /// Plane angle, rad.
+    /// Dimension of a plane angle, rad.
     pub const ANGLE: Dimension = Dimension::base(BaseDim::Angle);
 
-    /// Dimension of a base quantity.
+    /// Returns the dimension of a base quantity.
     #[must_use]
     pub const fn base(base: BaseDim) -> Dimension {
         let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
@@ -97,7 +97,7 @@ impl Dimension {
         Dimension(exponents)
     }
 
-    /// Free dimension number `place`, below [`FREE_COUNT`]. It equals only itself.
+    /// Returns free dimension number `place`, below [`FREE_COUNT`]. It equals only itself.
     #[must_use]
     pub fn free(place: usize) -> Dimension {
         let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
@@ -129,13 +129,13 @@ impl Dimension {
         Some(dim)
     }
 
-    /// Exponent of a base dimension.
+    /// Returns the exponent of a base dimension.
     #[must_use]
     pub fn exponent(self, base: BaseDim) -> Ratio {
         self.0[base as usize]
     }
 
-    /// Product; none if an exponent is out of range.
+    /// Returns the dimension of a product; `None` if an exponent is out of range.
     #[must_use]
     pub fn times(self, other: Dimension) -> Option<Dimension> {
         let mut dim = self;
@@ -145,7 +145,7 @@ impl Dimension {
         Some(dim)
     }
 
-    /// Power; none if an exponent is out of range.
+    /// Returns the dimension of a power; `None` if an exponent is out of range.
     #[must_use]
     pub fn power(self, exponent: Ratio) -> Option<Dimension> {
         let mut dim = self;
@@ -155,13 +155,13 @@ impl Dimension {
         Some(dim)
     }
 
-    /// Quotient; none if an exponent is out of range.
+    /// Returns the dimension of a quotient; `None` if an exponent is out of range.
     #[must_use]
     pub fn divided_by(self, other: Dimension) -> Option<Dimension> {
         self.times(other.inverse())
     }
 
-    /// Reciprocal.
+    /// Returns the dimension of a reciprocal.
     #[must_use]
     pub fn inverse(self) -> Dimension {
         Dimension(self.0.map(Ratio::negate))
@@ -180,7 +180,7 @@ impl Dimension {
         self.is_compatible(Dimension::ONE)
     }
 
-    /// Common name of a quantity of this dimension, with an article: `a speed`.
+    /// Returns the common name of a quantity of this dimension, with an article: `a speed`.
     #[must_use]
     pub fn quantity_literal(self) -> Option<&'static str> {
         find_name(&QUANTITIES, self)
@@ -200,7 +200,8 @@ impl Dimension {
         dim
     }
 
-    /// Factors with exponents of one sign, printed without the sign.
+    /// Returns the factors of the dimension whose exponents are positive, or those whose exponents are negative, as
+    /// text without the sign.
     fn vector_product(self, negative: bool) -> Vec<String> {
         let signed = |e: Ratio| !e.is_zero() && e.is_negative() == negative;
         let factor = |(unit, e): (&str, Ratio)| {

@@ -10,9 +10,9 @@ pub struct Ratio {
 }
 
 impl Ratio {
-    /// Zero.
+    /// The number 0.
     pub const ZERO: Ratio = Ratio { num: 0, den: 1 };
-    /// One.
+    /// The number 1.
     pub const ONE: Ratio = Ratio { num: 1, den: 1 };
     /// One half, the exponent of a square root.
     pub const HALF: Ratio = Ratio { num: 1, den: 2 };
@@ -48,7 +48,7 @@ impl Ratio {
         })
     }
 
-    /// Sum; none if out of range.
+    /// Returns the sum; `None` if it is out of range.
     #[must_use]
     pub fn plus(self, other: Ratio) -> Option<Ratio> {
         if self.den == 1 && other.den == 1 {
@@ -59,7 +59,7 @@ impl Ratio {
         Ratio::new(a.0 * b.1 + b.0 * a.1, a.1 * b.1)
     }
 
-    /// Product; none if out of range.
+    /// Returns the product; `None` if it is out of range.
     #[must_use]
     pub fn times(self, other: Ratio) -> Option<Ratio> {
         if self.den == 1 && other.den == 1 {
@@ -70,7 +70,7 @@ impl Ratio {
         Ratio::new(a.0 * b.0, a.1 * b.1)
     }
 
-    /// Negation.
+    /// Returns the number with the opposite sign.
     #[must_use]
     pub fn negate(self) -> Ratio {
         Ratio {

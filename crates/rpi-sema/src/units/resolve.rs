@@ -5,7 +5,7 @@ use crate::units::{Dimension, Ratio};
 use rpi_diag::{Span, suggest};
 use rpi_syntax::ast::{Unit, UnitFactor};
 
-/// Meaning of a unit.
+/// Meaning of a unit in the source: its dimension and its factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ResolvedUnit {
     /// Dimension.
@@ -17,16 +17,16 @@ pub struct ResolvedUnit {
 /// Error in a unit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UnitError {
-    /// Undefined unit.
+    /// The unit is undefined.
     Unknown {
         /// Name in the source.
         name: String,
         /// Span of the name.
         span: Span,
-        /// Suggested unit.
+        /// Similar unit that may have been meant, if there is one.
         near: Option<String>,
     },
-    /// Exponent out of range.
+    /// An exponent in the unit is out of range.
     Exponent {
         /// Span of the unit.
         span: Span,

@@ -13,10 +13,10 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// One.
+    /// Factor of a coherent SI unit: 1.
     pub const ONE: Factor = Factor { num: 1.0, den: 1.0 };
 
-    /// Product.
+    /// Returns the product of two factors.
     #[must_use]
     pub fn times(self, other: Factor) -> Factor {
         Factor {
@@ -25,7 +25,7 @@ impl Factor {
         }
     }
 
-    /// Integer power.
+    /// Returns an integer power of the factor.
     #[must_use]
     pub fn power(self, exponent: i32) -> Factor {
         let (num, den) = match exponent < 0 {
@@ -42,7 +42,7 @@ impl Factor {
     }
 }
 
-/// Unit of measure.
+/// Unit of measure in the table of units, without prefix.
 #[derive(Debug)]
 pub struct UnitDef {
     /// Symbol in the source.
@@ -128,7 +128,7 @@ pub const UNITS: &[UnitDef] = &[
     row("ppm",    "part per million",   (1.0, 1e6),            false, [0; 8]),
 ];
 
-/// Other names and spellings of units, each with the unit to suggest.
+/// Other names and spellings of units that users may try, each with the unit to suggest.
 pub(super) const ALIASES: &[(&str, &str)] = &[
     ("meter", "m"),
     ("metre", "m"),

@@ -40,7 +40,7 @@ pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
     found.into_values().collect()
 }
 
-/// Spans of the local flows that are read, or not read, in some instance.
+/// Returns the spans of the local flows that are read (`wanted`), or not read, in some instance of their unit.
 fn local_flow_spans<'u>(
     units: &'u [(&Unit, Vec<bool>)],
     wanted: bool,
@@ -92,7 +92,8 @@ fn defined<'u>(
     })
 }
 
-/// Returns whether the only value of an equation may have a side effect. Other such values are checked on the net.
+/// Returns whether the only value of an equation may have a side effect, so that it need not be read. Other such values
+/// are checked on the net.
 fn may_have_side_effect(unit: &Unit, equation: &Equation) -> bool {
     let is_effect = |kind: &TypedKind| match kind {
         TypedKind::Call(_) => true,
@@ -112,7 +113,8 @@ fn may_have_side_effect(unit: &Unit, equation: &Equation) -> bool {
     false
 }
 
-/// Creates the warning. For one of several results it points at the name, because the other results may be needed.
+/// Creates the warning about an unused flow. For one of several results it points at the name, because the other
+/// results may be needed.
 fn diagnostic(unit: &Unit, flow: &Flow, equation: &Equation) -> Diagnostic {
     let at = match &equation.targets[..] {
         [_] => unit.expr(equation.value).span,

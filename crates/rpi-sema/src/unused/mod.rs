@@ -40,7 +40,7 @@ pub fn unused_warnings(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic>
     diagnostics
 }
 
-/// Visits the parts of a declaration that can contain unused items.
+/// Visits the expressions and statements of a declaration that can contain unused items.
 fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visitor<'a>) {
     let mut walk = Walker::new(visitor);
     match kind {

@@ -24,7 +24,7 @@ pub(super) fn unreached(
     places.map(diagnostic).collect()
 }
 
-/// Step of a task and its successors.
+/// Step of a task as a vertex of the graph of steps, with its successors.
 #[derive(Default)]
 struct StepVertex<'a> {
     /// Name of the step and span of what it runs; for several steps, of the first. None for a step that runs nothing.
@@ -32,7 +32,7 @@ struct StepVertex<'a> {
     leads: Vec<usize>,
 }
 
-/// Steps of a task. Steps of inner lists follow those of the list around them.
+/// Graph of the steps of a task. Steps of inner lists follow those of the list around them.
 struct Steps<'p, 'a> {
     program: &'p Program<'p>,
     module: ModuleId,
@@ -122,7 +122,7 @@ fn named(names: &[(&Name, usize)], label: &Name) -> Option<usize> {
     found.map(|(_, at)| *at)
 }
 
-/// The name of a step, and where it runs something first.
+/// Returns the label of a step, and the span of what it runs first; `None` for a step that runs nothing.
 fn place_of(step: &Step) -> Option<(Option<&Ident>, Span)> {
     match &step.kind {
         StepKind::Run(run) => Some((run.label.as_ref(), run.callee.span)),

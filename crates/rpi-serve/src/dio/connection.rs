@@ -21,7 +21,7 @@ const VERSION: &str = "2.0";
 /// states at once, so without the delay they would see the end before the result that caused it.
 const END_DELAY: Duration = Duration::from_millis(20);
 
-/// DirectIO connection of one client.
+/// Connection of one client that uses the DirectIO protocol of the reference system.
 pub(crate) struct DioConnection {
     state: SharedState,
     client: Client,
@@ -125,7 +125,7 @@ impl DioConnection {
         self.outbox.put_device(answer(tag, Err(error)))
     }
 
-    /// Returns a callback that sends the result with this tag.
+    /// Returns a callback that sends the result of a request with this tag.
     fn reply(&self, tag: &str) -> Reply {
         let (out, tag) = (self.outbox.clone(), tag.to_owned());
         Box::new(move |result| {
@@ -317,7 +317,7 @@ fn texts_arg(message: &Message, at: usize) -> Result<Vec<&str>, ApiError> {
     })
 }
 
-/// Removes the prefix `out` from the export keys of a condition.
+/// Removes the prefix `out` that the protocol puts before export keys in a condition.
 fn without_prefix(expr: Expr) -> Expr {
     let inner = |expr: Box<Expr>| Box::new(without_prefix(*expr));
     match expr {

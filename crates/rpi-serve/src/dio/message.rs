@@ -8,7 +8,7 @@
 
 use std::fmt::{self, Write};
 
-/// A message: a request, an answer, or an update of a subscription.
+/// Message of the DirectIO protocol: a request, an answer, or an update of a subscription.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Message {
     /// Tag chosen by the client; answers and updates carry the tag of their request.

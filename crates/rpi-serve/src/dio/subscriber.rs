@@ -6,7 +6,7 @@ use super::message::{Arg, Message};
 use crate::state::{DeviceInfo, Phase, RuleState, Subscriber, Update};
 use crate::transport::SubscriptionSender;
 
-/// Subscriber that sends updates with the tag of its subscription.
+/// Subscriber of a DirectIO client, which sends updates with the tag of the subscription.
 pub(super) struct DioSubscriber {
     pub(super) tag: String,
     pub(super) out: SubscriptionSender,
@@ -57,8 +57,8 @@ impl DioSubscriber {
     }
 }
 
-/// Returns the protocol's word for the state of a device: operational, or safe-operational (reports its state but does
-/// not move).
+/// Returns the word of the DirectIO protocol for the state of a device: operational, or safe-operational (reports its
+/// state but does not move).
 fn condition_word(code: i64) -> &'static str {
     match code {
         0 => "op",
@@ -66,7 +66,7 @@ fn condition_word(code: i64) -> &'static str {
     }
 }
 
-/// Returns the protocol's word for the life-cycle state of a command.
+/// Returns the word of the DirectIO protocol for the life-cycle state of a command.
 fn phase_word(phase: Phase) -> &'static str {
     match phase {
         Phase::Core(CommandState::Loading) => "LOADING",

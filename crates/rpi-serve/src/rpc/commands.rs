@@ -7,7 +7,7 @@ use super::params::{literal, object_type};
 use super::subscriber;
 use crate::state::{CommandRecord, Reply, ServerState};
 
-/// Loads a command of a program or a net.
+/// Method that loads a command of a program or a net.
 pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("command")?;
     let answer = call.period_answer(front, load.period_ns);
@@ -17,7 +17,7 @@ pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Applies an operation to a command, after a check that the client may act on it.
+/// Carries out a method that applies an operation to one command, after a check that the client may act on it.
 pub(super) fn one(
     front: &mut RpcConnection,
     call: &Call<'_>,
@@ -30,7 +30,7 @@ pub(super) fn one(
     Ok(None)
 }
 
-/// Sets inputs of a command, all between the same two cycles.
+/// Method that sets inputs of a command, all between the same two cycles.
 pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let command = call.text("command")?;
     front.ensure_may_act(&[command])?;
@@ -50,7 +50,7 @@ pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Returns the state, the ports and the values of a command.
+/// Method that returns the state, the ports and the values of a command.
 pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let (_, record) = state.objects.commands.find(call.text("command")?)?;
@@ -61,7 +61,7 @@ pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     Ok(Some(description))
 }
 
-/// Returns all commands with their states.
+/// Method that returns all commands with their states.
 pub(super) fn list_commands(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let commands = state.objects.commands.all().map(|(name, record)| {

@@ -9,14 +9,14 @@ use super::params::{literal, object_type};
 use super::subscriber;
 use crate::state::{ApiError, NewDevice, PARAMETERS};
 
-/// Returns all devices.
+/// Method that returns all devices.
 pub(super) fn list_devices(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let devices: Value = state.devices.all().map(subscriber::device).collect();
     Ok(Some(json!({"devices": devices})))
 }
 
-/// Adds a simulated device.
+/// Method that adds a simulated device.
 pub(super) fn add_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let parameters = call.optional("parameters", object_type())?;
     let parameters = parameters.into_iter().flatten();
@@ -43,7 +43,7 @@ pub(super) fn add_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodRe
     Ok(None)
 }
 
-/// Removes a simulated device.
+/// Method that removes a simulated device.
 pub(super) fn remove_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let reply = call.deferred_reply(|_| json!({}));
     front.state.lock().remove_device(call.text("name")?, reply);

@@ -22,7 +22,7 @@ pub(super) struct Method {
 const COMMAND: &[&str] = &["command"];
 const TASK: &[&str] = &["task"];
 
-/// All methods.
+/// Table of all methods of the JSON-RPC interface.
 pub(super) const METHODS: &[Method] = &[
     method(
         "session.open",

@@ -9,7 +9,8 @@ use super::connection::{Call, RpcConnection};
 use crate::state::{ApiError, Language, LoadRequest};
 
 impl<'a> Call<'a> {
-    /// Returns the load request. `named` is the parameter with the name of the command or task within the text.
+    /// Returns the request to load a command or task, from the parameters. `named` is the parameter with the name of
+    /// the command or task within the text.
     pub(super) fn load(&self, named: &str) -> Result<LoadRequest<'a>, ApiError> {
         let languages = [("rpi", Language::Rpi), ("rpinet", Language::Rpinet)];
         let language = self.one_of("language", &languages)?;
@@ -24,7 +25,7 @@ impl<'a> Call<'a> {
         })
     }
 
-    /// Returns the overrun policy, if there is one.
+    /// Returns the overrun policy in the parameters, if there is one.
     fn on_overrun(&self) -> Result<Option<CommandOverrunPolicy>, ApiError> {
         let text = self.optional("on_overrun", text_type())?;
         let policy = text.map(str::parse).transpose();

@@ -22,7 +22,7 @@ enum Delivery {
     Batch(Arc<Mutex<Batch>>),
 }
 
-/// Answers of a batch, sent together once all requests are answered.
+/// Answers to the requests of a JSON-RPC batch, sent together once all are answered.
 struct Batch {
     left: usize,
     answers: Vec<Value>,

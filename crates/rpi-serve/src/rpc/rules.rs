@@ -6,7 +6,8 @@ use super::connection::{Call, MethodResult, RpcConnection};
 use crate::condition::{self, Expr, FactExpr};
 use crate::state::RuleRequest;
 
-/// Schedules `command` as the successor of `after`, for all regular ends of `after` or for some of its results.
+/// Method that schedules `command` as the successor of `after`, for all regular ends of `after` or for some of its
+/// results.
 pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let after = call.text("after")?;
     let fact = |fact| Expr::Fact(after.to_owned(), fact);
@@ -35,7 +36,7 @@ pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     Ok(None)
 }
 
-/// Creates a rule, which starts or stops commands when its condition holds.
+/// Method that creates a rule, which starts or stops commands when its condition holds.
 pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let when = condition::parse(call.text("when")?)?;
     let make = RuleRequest {
@@ -57,7 +58,7 @@ pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodRes
     Ok(None)
 }
 
-/// Withdraws a rule.
+/// Method that withdraws a rule.
 pub(super) fn withdraw(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let reply = call.deferred_reply(|_| json!({}));
     let rule = call.text("rule")?;

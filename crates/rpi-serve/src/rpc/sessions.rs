@@ -7,7 +7,7 @@ use super::params::text_type;
 use crate::limits::OnLoss;
 use crate::state::ApiError;
 
-/// Opens a session, to which the commands of a client belong.
+/// Method that opens a session, to which the commands of a client belong.
 pub(super) fn open_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let on_loss = call.one_of("on_loss", &OnLoss::ALL)?;
     let name = call.optional("name", text_type())?;
@@ -19,7 +19,7 @@ pub(super) fn open_session(front: &mut RpcConnection, call: &Call<'_>) -> Method
     Ok(Some(json!({"session": session})))
 }
 
-/// Aborts all commands of a session and closes it.
+/// Method that aborts all commands of a session and closes it.
 pub(super) fn close_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let session = call.text("session")?;
     front.ensure_may_act(&[session])?;

@@ -9,7 +9,7 @@ use crate::state::{
 };
 use crate::transport::SubscriptionSender;
 
-/// Subscriber that sends updates about one object.
+/// Subscriber of a JSON-RPC client, which sends updates about one object.
 pub(super) struct RpcSubscriber {
     /// Kind (`command`, `task`, `rule` or `session`) and name of the object; `None` for devices and the emergency stop.
     pub(super) about: Option<(&'static str, String)>,
@@ -42,7 +42,7 @@ impl Subscriber for RpcSubscriber {
     }
 }
 
-/// Returns exported values as texts that keep every bit.
+/// Returns the exported values of a command as texts that keep every bit.
 pub(super) fn values(values: &[(String, String)]) -> Value {
     let entries = values
         .iter()
@@ -83,7 +83,7 @@ fn position(place: Option<&SourceLocation>) -> Option<&str> {
     place.and_then(|place| place.position.as_deref())
 }
 
-/// Returns whether everything is stopped, and who requested it.
+/// Returns the state of the emergency stop as JSON: whether everything is stopped, and who requested it.
 pub(super) fn emergency(by: Option<&str>) -> Value {
     json!({"stopped": by.is_some(), "by": by})
 }

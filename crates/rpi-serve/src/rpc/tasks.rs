@@ -6,7 +6,7 @@ use super::connection::{Call, MethodResult, RpcConnection};
 use super::subscriber;
 use crate::state::{ApiError, ServerState};
 
-/// Loads a task of a program.
+/// Method that loads a task of a program.
 pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("task")?;
     let answer = call.period_answer(front, load.period_ns);
@@ -16,7 +16,7 @@ pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Applies an operation to a task, after a check that the client may act on it.
+/// Carries out a method that applies an operation to one task, after a check that the client may act on it.
 pub(super) fn task_op(
     front: &mut RpcConnection,
     call: &Call<'_>,
@@ -28,7 +28,7 @@ pub(super) fn task_op(
     Ok(Some(json!({})))
 }
 
-/// Returns the progress of a task.
+/// Method that returns the progress of a task.
 pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     Ok(Some(subscriber::task(
@@ -36,7 +36,7 @@ pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     )))
 }
 
-/// Subscribes to a task.
+/// Method that subscribes to a task.
 pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("task")?;
     let sink = front.sink(Some(("task", name)))?;
@@ -47,7 +47,7 @@ pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult 
     Ok(None)
 }
 
-/// Returns all tasks with their progress.
+/// Method that returns all tasks with their progress.
 pub(super) fn list(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let tasks = state.objects.tasks.all().map(|(name, title, status)| {
@@ -59,7 +59,7 @@ pub(super) fn list(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     Ok(Some(json!({"tasks": tasks.collect::<Value>()})))
 }
 
-/// Emergency stop. Every authenticated client may request it.
+/// Method that requests an emergency stop. Every authenticated client may use it.
 pub(super) fn stop(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     // A malformed `by` must not prevent the stop.
     let by = call.params.get("by").and_then(Value::as_str);
@@ -69,20 +69,20 @@ pub(super) fn stop(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Resets an emergency stop.
+/// Method that resets an emergency stop.
 pub(super) fn reset(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     front.state.lock().reset_emergency()?;
     Ok(Some(json!({})))
 }
 
-/// Returns whether an emergency stop is in force, and who requested it.
+/// Method that returns whether an emergency stop is in force, and who requested it.
 pub(super) fn state(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     Ok(Some(subscriber::emergency(
         front.state.lock().emergency.by(),
     )))
 }
 
-/// Subscribes to the emergency stop.
+/// Method that subscribes to the emergency stop.
 pub(super) fn watch_emergency(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let sink = front.sink(None)?;
     call.answer(json!({}));

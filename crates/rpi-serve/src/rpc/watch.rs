@@ -8,7 +8,7 @@ use super::connection::{Call, MethodResult, RpcConnection};
 use super::subscriber::RpcSubscriber;
 use crate::state::{ApiError, TOO_MANY_SUBSCRIPTIONS, WatchRequest};
 
-/// Subscribes to a command.
+/// Method that subscribes to a command.
 pub(super) fn watch_command(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("command")?;
     let watching = WatchRequest {
@@ -23,7 +23,7 @@ pub(super) fn watch_command(front: &mut RpcConnection, call: &Call<'_>) -> Metho
     Ok(None)
 }
 
-/// Subscribes to a rule.
+/// Method that subscribes to a rule.
 pub(super) fn watch_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("rule")?;
     let sink = front.sink(Some(("rule", name)))?;
@@ -34,7 +34,7 @@ pub(super) fn watch_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodRe
     Ok(None)
 }
 
-/// Subscribes to a session.
+/// Method that subscribes to a session.
 pub(super) fn watch_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("session")?;
     let sink = front.sink(Some(("session", name)))?;
@@ -42,7 +42,7 @@ pub(super) fn watch_session(front: &mut RpcConnection, call: &Call<'_>) -> Metho
     Ok(Some(json!({})))
 }
 
-/// Subscribes to all devices.
+/// Method that subscribes to all devices.
 pub(super) fn watch_devices(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let sink = front.sink(None)?;
     call.answer(json!({}));

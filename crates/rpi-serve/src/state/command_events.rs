@@ -14,7 +14,8 @@ use super::record::{CommandRecord, has_yielded, results};
 use super::source_location::SourceLocation;
 use super::types::{ApiError, Phase, cause_text, fault_text};
 
-/// A command is in the core's table. `may_start` is an error during an emergency stop.
+/// Handles the event that a command has been inserted in the core's table. `may_start` is an error during an emergency
+/// stop.
 pub(super) fn on_inserted(
     commands: &mut Commands,
     number: u64,
@@ -34,14 +35,14 @@ pub(super) fn on_inserted(
     }
 }
 
-/// A command has changed its state.
+/// Handles the event that a command has changed its state.
 pub(super) fn set_phase(commands: &mut Commands, id: CommandId, state: CommandState) {
     if let Some(record) = commands.record_of(id) {
         record.set_phase(Phase::Core(state));
     }
 }
 
-/// A command has left a device moving, which brakes on its own.
+/// Handles the event that a command has left a device moving, which brakes on its own.
 pub(super) fn on_braked(commands: &mut Commands, id: CommandId, device: String) {
     let Some(record) = commands.record_of(id) else {
         return;
@@ -58,7 +59,8 @@ pub(super) fn on_braked(commands: &mut Commands, id: CommandId, device: String) 
     }
 }
 
-/// The first set-points of a command do not continue those of its predecessor. Reported even if the policy allows it.
+/// Handles the event that the first set-points of a command do not continue those of its predecessor. Reported even if
+/// the policy allows it.
 pub(super) fn on_discontinuity(
     commands: &mut Commands,
     id: CommandId,
@@ -79,7 +81,7 @@ pub(super) fn on_discontinuity(
     log.write(format_args!("{line}"));
 }
 
-/// A command has ended. `stopped` says that a rule has stopped it and started a successor.
+/// Handles the event that a command has ended. `stopped` is whether a rule has stopped it and started a successor.
 pub(super) fn on_ended(
     commands: &mut Commands,
     id: CommandId,

@@ -16,8 +16,8 @@ use super::record::CommandRecord;
 use super::subscriptions::{Exported, WatchRequest};
 use super::types::{ApiError, Phase};
 
-/// The commands by number. A command that the core knows can also be found by its id there; each id belongs to one
-/// command.
+/// Table of the commands by number. A command that the core knows can also be found by its id there; each id belongs to
+/// one command.
 #[derive(Default)]
 pub(crate) struct Commands {
     records: BTreeMap<u64, CommandRecord>,

@@ -19,16 +19,18 @@ use super::event_log::EventLog;
 use super::record::CommandRecord;
 use super::types::Phase;
 
-/// For each Boolean export of a net, the conjunction of flows under which it is true.
+/// For each Boolean export of a net, the conjunction of flows under which it is true; used to find the result that
+/// means completion.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ResultConditions(BTreeMap<String, Conjunction>);
 
-/// Reason why the completion result cannot be determined.
+/// Reason why the result that means completion cannot be determined.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum CompletionError {
-    /// Several pairs of results differ only in the cancel flag.
+    /// Several pairs of results differ only in whether the net was cancelled.
     Ambiguous,
-    /// No pair does, and there is no single result that could mean completion.
+    /// No pair of results differs only in whether the net was cancelled, and there is no single result that could mean
+    /// completion.
     NotFound,
 }
 
@@ -84,7 +86,7 @@ fn is_boolean(node: &Node) -> bool {
     port.is_some_and(|p| matches!(p.ty, PortType::Scalar(Scalar::Bool)))
 }
 
-/// What is known about the completion result of one command.
+/// Knowledge about which result of a command means its completion.
 #[derive(Default)]
 pub(super) struct Completion {
     /// For each exported Boolean, the conditions under which it can be true.

@@ -11,7 +11,8 @@ use super::types::{ApiError, Reply};
 /// Entries of the request queue reserved for the server itself.
 const RESERVED_ENTRIES: usize = 1024;
 
-/// The connection to the control core, with the requests that it has not answered and those that are not sent yet.
+/// Connection of the server state to the control core, with the requests that the core has not answered and those that
+/// are not sent yet.
 pub(crate) struct CoreLink {
     pub(super) control: Control,
     pending: PendingRequests,
@@ -28,13 +29,13 @@ impl CoreLink {
         }
     }
 
-    /// Returns the next event of the cycle.
+    /// Returns the next event of the core, if any.
     pub(super) fn poll(&mut self) -> Option<Event> {
         self.control.poll()
     }
 
-    /// Registers what follows once the cycle has answered a request. If the request could not be sent, reports the
-    /// error to `reply` and returns false.
+    /// Registers the action that follows once the core has answered a request. If the request could not be sent,
+    /// reports the error to `reply` and returns false.
     pub(super) fn track_request(
         &mut self,
         ticket: Result<Ticket, RequestError>,
@@ -44,7 +45,7 @@ impl CoreLink {
         self.pending.track(ticket, then, reply)
     }
 
-    /// Sends a request about a command.
+    /// Sends a request about a command to the core.
     pub(super) fn send_request(
         &mut self,
         commands: &Commands,
@@ -79,12 +80,12 @@ impl CoreLink {
         self.pending.is_empty()
     }
 
-    /// Applies an operation to a command, as soon as the queue has room.
+    /// Sends an operation on a command to the core as soon as the queue has room.
     pub(super) fn defer_by_id(&mut self, id: CommandId, op: CommandOp) {
         self.push_deferred(DeferredOp::Command(id, op));
     }
 
-    /// Withdraws a rule, as soon as the queue has room.
+    /// Sends the withdrawal of a rule to the core as soon as the queue has room.
     pub(super) fn defer_withdrawal(&mut self, id: RuleId) {
         self.push_deferred(DeferredOp::Rule(id));
     }

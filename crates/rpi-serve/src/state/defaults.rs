@@ -2,7 +2,7 @@
 
 use rpi_core::{CommandOverrunPolicy, Continuity};
 
-/// Tick and policies of the server for commands.
+/// Tick length, and policies that apply to commands unless their clients specify others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CommandDefaults {
     /// Length of a tick in nanoseconds; at least 1.

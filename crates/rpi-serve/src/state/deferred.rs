@@ -10,14 +10,14 @@ use rpi_runtime::control::{AbortReason, CommandId, Control, RequestError, RuleId
 
 use super::pending::{OnAnswer, PendingRequests};
 
-/// Deferred operation on a command.
+/// Operation on a command that is sent to the core once the queue has room.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum CommandOp {
-    /// Cancel it.
+    /// Cancels the command.
     Cancel,
-    /// Abort it.
+    /// Aborts the command, for this reason.
     Abort(AbortReason),
-    /// Unload it.
+    /// Unloads the command.
     Unload,
 }
 
@@ -25,7 +25,7 @@ pub(super) enum CommandOp {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DeferredOp {
     Command(CommandId, CommandOp),
-    /// Withdraw the rule.
+    /// Withdraws the rule with this id.
     Rule(RuleId),
 }
 

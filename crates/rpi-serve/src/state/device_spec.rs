@@ -18,7 +18,7 @@ pub(crate) const PARAMETERS: [&str; 5] = [
     "max_acc",
 ];
 
-/// A request to add a device.
+/// Request of a client to add a device.
 #[derive(Debug)]
 pub(crate) struct NewDevice<'a> {
     /// Peer of the client.

@@ -18,7 +18,7 @@ use crate::fair_share::Usage;
 use crate::limits::Limits;
 use crate::peer::Peer;
 
-/// The devices by slot, their replica for the loader, and the subscribers to changes.
+/// Table of the devices by slot, with the copy of the devices for the loader and the subscribers to changes.
 pub(crate) struct Devices {
     slots: Vec<Option<DeviceInfo>>,
     /// Peer of the client that added the device in each slot. A device outlives the connection of its client.
@@ -220,14 +220,15 @@ impl Devices {
         }
     }
 
-    /// Called when the cycle has added a device. Returns its name.
+    /// Handles the answer that the cycle has added a device. Returns its name.
     pub(super) fn on_added(&mut self, info: DeviceInfo, log: &mut EventLog) -> String {
         self.subscribers.notify(&Update::DeviceAdded(&info));
         log.write(format_args!("device {} was added", info.name));
         info.name
     }
 
-    /// Called when the error code of the device in a slot changes, or when the device starts or stops moving.
+    /// Handles the event that the error code of the device in a slot has changed, or that it has started or stopped
+    /// moving.
     pub(super) fn on_changed(&mut self, place: usize, code: i64, moving: bool, log: &mut EventLog) {
         let Some(Some(info)) = self.slots.get_mut(place) else {
             return;
@@ -242,7 +243,7 @@ impl Devices {
         }
     }
 
-    /// Called when the cycle has removed a device.
+    /// Handles the answer that the cycle has removed a device.
     pub(super) fn on_removed(&mut self, name: &str, log: &mut EventLog) {
         self.subscribers.notify(&Update::DeviceRemoved(name));
         log.write(format_args!("device {name} was removed"));

@@ -12,12 +12,12 @@ use super::pending::{OnAnswer, answer};
 use super::subscribers::Subscribers;
 use super::types::{ApiError, Reply, Subscriber, Update};
 
-/// State of the emergency stop.
+/// State of the emergency stop in the server.
 #[derive(Default)]
 pub(crate) struct Emergency {
-    /// Flag read by the cycle.
+    /// Flag by which the cycle is requested to stop everything.
     stop_flag: Arc<AtomicBool>,
-    /// Whether the request that marks the end of all earlier ones is still to be sent.
+    /// Whether the stop must still be sent as a request, whose answer shows that all earlier requests are done.
     must_repeat: bool,
     /// Who requested the stop; `None` after a reset.
     requested_by: Option<String>,
@@ -53,7 +53,7 @@ impl Emergency {
         self.requested_by.get_or_insert(by);
     }
 
-    /// Sends the stop as an ordinary request too, which is carried out after all pending ones.
+    /// Sends the stop as an ordinary request too, which the core carries out after all pending ones.
     pub(super) fn send_stop_request(&mut self, core: &mut CoreLink, reply: Option<Reply>) {
         let ticket = core.control.emergency_stop();
         self.must_repeat = ticket.is_err();
@@ -66,14 +66,14 @@ impl Emergency {
         }
     }
 
-    /// Repeats the request if the queue was full.
+    /// Sends the request of [`Emergency::send_stop_request`] again if the queue was full.
     pub(super) fn repeat_stop_request(&mut self, core: &mut CoreLink) {
         if self.must_repeat {
             self.send_stop_request(core, None);
         }
     }
 
-    /// Called when all earlier requests were carried out: clears the flag.
+    /// Clears the flag. Called when all requests made before the stop were carried out.
     pub(super) fn clear_stop_flag(&mut self) {
         self.stop_flag.store(false, Ordering::Relaxed);
     }

@@ -12,7 +12,7 @@ use super::types::{ApiError, Phase, Reply};
 /// Callback for the exports after one cycle: key and value.
 pub(crate) type EvalCallback = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
 
-/// A client that waits for the single cycle.
+/// Evaluation of a net for a single cycle that a client has requested.
 pub(crate) struct Eval {
     /// Callback for the error, if the cycle does not take place.
     pub(super) reply: Reply,
@@ -52,8 +52,8 @@ fn finish_eval(commands: &mut Commands, number: u64, core: &mut CoreLink) {
     commands.defer(number, CommandOp::Unload, core);
 }
 
-/// Starts the command of an evaluation. `may_start` is an error during an emergency stop; then only a command without
-/// actuators is started.
+/// Starts the command of an evaluation for a single cycle. `may_start` is an error during an emergency stop; then only
+/// a command without actuators is started.
 pub(super) fn start_eval(
     commands: &mut Commands,
     number: u64,

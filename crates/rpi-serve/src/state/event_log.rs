@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Instant;
 
-/// Maximum number of lines.
+/// Maximum number of lines that the log keeps.
 const MAX_LINES: usize = 1000;
 /// Maximum number of characters per line: names given by clients may be long.
 const MAX_LINE_CHARS: usize = 300;

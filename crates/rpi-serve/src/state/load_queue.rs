@@ -7,7 +7,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use super::loader::LoadJob;
 use crate::fair_share::Client;
 
-/// The queue between the server state and the loader.
+/// Queue of load jobs between the server state and the loader thread, in which clients take turns.
 pub(super) struct LoadQueue {
     waiting: Mutex<QueueState>,
     changed: Condvar,

@@ -18,28 +18,28 @@ use crate::task_bundle::TaskBundle;
 /// Language of the text of a command or task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Language {
-    /// A net of the reference system.
+    /// Net in the text format of the reference system (`.rpinet`).
     Rpinet,
-    /// An RPI program.
+    /// Program in RPI.
     Rpi,
 }
 
 /// Kind of object to load from a text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum JobKind {
-    /// A command of the program.
+    /// The text contains a command to load.
     Command,
-    /// A task of the program.
+    /// The text contains a task to load.
     Task,
 }
 
-/// Request to load a command or task, for the loader.
+/// Job for the loader thread: load a command or task from a text.
 pub(crate) struct LoadJob {
     pub(crate) kind: JobKind,
     /// Number of the command or task.
     pub(crate) number: u64,
     pub(crate) session: u64,
-    /// Client whose turn the job takes in the queue.
+    /// Client to which the job counts in the queue.
     pub(crate) client: Option<Client>,
     pub(crate) origin: Source,
     pub(crate) period_ns: u64,
@@ -48,7 +48,7 @@ pub(crate) struct LoadJob {
     pub(crate) on_overrun: CommandOverrunPolicy,
 }
 
-/// Source of a command or task.
+/// Text of a command or task with the name and the period to load.
 #[derive(Clone)]
 pub(crate) struct Source {
     pub(crate) language: Language,
@@ -59,24 +59,24 @@ pub(crate) struct Source {
 
 /// Result of a load job.
 pub(crate) enum LoadOutput {
-    /// A command, ready to run.
+    /// Command that is ready to run.
     Command(LoadedCommand),
-    /// A task, ready to run.
+    /// Task that is ready to run.
     Task(TaskBundle),
 }
 
-/// A loaded command with its analysis results.
+/// Command that has been loaded, with the analysis results that the server needs.
 pub(crate) struct LoadedCommand {
     pub(crate) command: Box<Command>,
     pub(crate) image: Arc<Image>,
     pub(super) reasons: ResultConditions,
     /// Inputs that are taken over when the command starts (after `given`).
     pub(super) takeover_inputs: Vec<CommandInput>,
-    /// Generation of the devices for which the names were resolved: see [`Twin`].
+    /// Generation of the devices for which the names were resolved; see [`DeviceReplica`].
     pub(crate) generation: u64,
 }
 
-/// A copy of the cycle's devices in the same slots, for resolving names outside the cycle thread.
+/// Copy of the cycle's devices in the same slots, with which names are resolved outside the cycle thread.
 pub(crate) struct DeviceReplica {
     pub(crate) bank: SimBank,
     /// Number of changes of the devices.

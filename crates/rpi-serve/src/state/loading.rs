@@ -20,7 +20,7 @@ use super::tasks::TaskRecord;
 use super::types::{ApiError, Phase, Reply, truncated};
 use crate::task_bundle::TaskBundle;
 
-/// A request to load a command or task.
+/// Request of a client to load a command or task.
 pub(crate) struct LoadRequest<'a> {
     pub(crate) session: &'a str,
     pub(crate) title: &'a str,
@@ -41,7 +41,7 @@ impl LoadRequest<'_> {
     }
 }
 
-/// The parts of the state that take part in loading.
+/// View of the parts of the server state that loading needs.
 pub(super) struct Loading<'s> {
     pub(super) objects: &'s mut Objects,
     pub(super) core: &'s mut CoreLink,
@@ -167,7 +167,7 @@ impl Loading<'_> {
         self.objects.reject(number, why, self.log);
     }
 
-    /// Called when loading is finished: inserts the command into the core, or reports why it failed.
+    /// Handles the result of a load job: inserts the command into the core, or reports why loading failed.
     pub(super) fn loaded(&mut self, job: LoadJob, loaded: Result<LoadOutput, Vec<String>>) {
         match loaded {
             Err(reasons) => self.reject(job.number, ApiError::Rejected(reasons)),

@@ -9,7 +9,7 @@ use super::{Client, ServerState};
 use crate::limits::OnLoss;
 
 impl ServerState {
-    /// Called when a client has disconnected: ends its sessions and subscriptions.
+    /// Handles the loss of a client: ends its sessions and subscriptions.
     pub(crate) fn on_client_lost(&mut self, client: Client, sessions: &[String]) {
         self.rules.drop_idle(client, &mut self.core);
         for name in sessions {

@@ -17,7 +17,7 @@ use crate::fair_share::Client;
 use crate::limits::{Limits, OnLoss};
 use crate::peer::Peer;
 
-/// The sessions with their commands and tasks. Numbers are given in the order of loading and never twice.
+/// Tables of the sessions with their commands and tasks. Numbers are given in the order of loading and never twice.
 pub(crate) struct Objects {
     pub(crate) sessions: Sessions,
     pub(crate) commands: Commands,
@@ -89,7 +89,8 @@ impl Objects {
         Ok(self.sessions.open(number, shown, on_loss, owner))
     }
 
-    /// Makes room for a command or task with this many bytes of text.
+    /// Ensures that the quotas allow one more command or task with this many bytes of text; removes ended ones of the
+    /// client if necessary.
     pub(super) fn make_room(
         &mut self,
         session: u64,
@@ -105,7 +106,8 @@ impl Objects {
         })
     }
 
-    /// Makes room for the memory of a loaded command or task.
+    /// Ensures that the quotas allow the memory of a loaded command or task; removes ended ones of the client if
+    /// necessary.
     pub(super) fn ensure_memory(
         &mut self,
         number: u64,
@@ -118,8 +120,8 @@ impl Objects {
         })
     }
 
-    /// Makes room for the memory of the next command of a task. Only the total limit applies, not the share of the
-    /// client, so that other clients cannot stop a running task.
+    /// Ensures that the limits allow the memory of the next command of a task. Only the total limit applies, not the
+    /// share of the client, so that other clients cannot stop a running task.
     pub(super) fn ensure_total_memory(
         &mut self,
         number: u64,

@@ -6,32 +6,32 @@ use rpi_runtime::control::{RequestError, RuleId, Ticket};
 
 use super::types::{ApiError, DeviceInfo, Reply};
 
-/// A request to the cycle that is not answered yet.
+/// Request to the core that is not answered yet, with the action that follows.
 pub(super) struct PendingRequest {
     pub(super) then: OnAnswer,
     pub(super) reply: Option<Reply>,
 }
 
-/// Action after a request was carried out.
+/// Action that follows when the core has carried out a request.
 pub(super) enum OnAnswer {
     Nothing,
     CommandInserted(u64),
     RuleMade(RuleId),
-    /// A command for a single cycle was started.
+    /// Reports the start of a command that runs for a single cycle.
     Eval(u64),
     DeviceAdded(DeviceInfo),
     DeviceRemoved(String),
-    /// All requests made before an emergency stop were carried out.
+    /// Clears the emergency stop flag: all requests made before the stop were carried out.
     Stopped,
 }
 
-/// The pending requests by ticket. Each one is removed by exactly one answer.
+/// Requests to the core that are not answered yet, by ticket. Each one is removed by exactly one answer.
 #[derive(Default)]
 pub(super) struct PendingRequests(BTreeMap<Ticket, PendingRequest>);
 
 impl PendingRequests {
-    /// Registers what follows once the cycle has answered a request. If the request could not be sent, reports the
-    /// error to `reply` and returns false.
+    /// Registers the action that follows once the core has answered a request. If the request could not be sent,
+    /// reports the error to `reply` and returns false.
     pub(super) fn track(
         &mut self,
         ticket: Result<Ticket, RequestError>,
@@ -61,7 +61,7 @@ impl PendingRequests {
     }
 }
 
-/// Sends a result to its receiver, if there is one.
+/// Sends a result to the callback that waits for it, if there is one.
 pub(super) fn answer(reply: Option<Reply>, result: Result<String, ApiError>) {
     if let Some(reply) = reply {
         reply(result);

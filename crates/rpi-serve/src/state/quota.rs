@@ -10,7 +10,7 @@ use crate::fair_share::Client;
 /// Session number of commands that belong to no session: evaluations, and those that are only waiting to be freed.
 pub(super) const NO_SESSION: u64 = 0;
 
-/// Read-only view of everything that counts for the quotas.
+/// Read-only view of all commands, tasks and sessions, which count for the quotas.
 pub(super) struct QuotaView<'a> {
     pub(super) sessions: &'a Sessions,
     pub(super) commands: &'a Commands,

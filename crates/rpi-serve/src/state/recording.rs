@@ -6,7 +6,7 @@ use rpi_runtime::run::RecordingStats;
 
 use super::event_log::EventLog;
 
-/// The writer of the recording, if the run is recorded.
+/// Recording of the run as seen by the server state: its writer, if the run is recorded.
 pub(super) struct Recording {
     recorder: Option<Recorder>,
     /// Whether the recording is still being written.

@@ -223,7 +223,7 @@ impl ServerState {
         Ok(())
     }
 
-    /// Returns the core as seen by the task with this number.
+    /// Returns the adapter through which the task with this number uses the core.
     pub(super) fn task_core(&mut self, number: u64) -> TaskCoreAdapter<'_> {
         TaskCoreAdapter {
             objects: &mut self.objects,

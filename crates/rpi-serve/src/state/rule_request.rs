@@ -14,7 +14,7 @@ use super::types::{ApiError, RuleState};
 use crate::condition::{Expr, FactExpr};
 use crate::fair_share::Client;
 
-/// A request to make a rule.
+/// Request of a client to make a rule.
 pub(crate) struct RuleRequest<'a> {
     pub(crate) when: &'a Expr,
     pub(crate) stop: &'a [&'a str],

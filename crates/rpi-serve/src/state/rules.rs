@@ -15,13 +15,13 @@ use super::types::{ApiError, RuleState, Subscriber, Update};
 use crate::fair_share::{Client, Holder, Usage};
 use crate::limits::Limits;
 
-/// State of a rule in the server.
+/// Record of a rule in the server: what it acts on, who made it, and who subscribes to it.
 pub(super) struct RuleRecord {
     pub(super) state: RuleState,
-    /// Commands that it stops.
+    /// Commands that the rule stops.
     pub(super) stop: Vec<CommandId>,
     pub(super) cancel: Vec<CommandId>,
-    /// Commands that it starts.
+    /// Commands that the rule starts.
     pub(super) start: Vec<CommandId>,
     /// Client that made the rule.
     pub(super) client: Client,
@@ -48,7 +48,7 @@ const RULE_SIZE_LIMIT: &str = "facts and commands in all rules";
 /// Number of inactive rules that are kept, for clients that subscribe late.
 const MAX_INACTIVE_RULES: usize = 4096;
 
-/// The rules, and those of them whose outcome is being reported.
+/// Table of the rules, with those whose outcome is being reported.
 pub(crate) struct Rules {
     records: BTreeMap<RuleId, RuleRecord>,
     /// Rules whose outcome was reported to a subscriber in this round.
@@ -165,7 +165,7 @@ impl Rules {
         rule.map(|r| r.stop.clone()).unwrap_or_default()
     }
 
-    /// Called when a rule has fired. The report is delayed until the order of updates is correct.
+    /// Handles the event that a rule has fired. The report is delayed until the order of updates is correct.
     pub(super) fn on_fired(&mut self, id: RuleId, commands: &mut Commands, log: &mut EventLog) {
         record_takeover(commands, &self.stopped_by(id), log);
         self.report_fired(id, commands);
@@ -190,7 +190,7 @@ impl Rules {
         }
     }
 
-    /// Called when a rule has become inactive.
+    /// Handles the event that a rule has become inactive.
     pub(super) fn on_ended(&mut self, id: RuleId, state: RuleState) {
         let Some(rule) = self.records.get_mut(&id) else {
             return;

@@ -33,7 +33,7 @@ impl Session {
     }
 }
 
-/// The sessions by number. A closed session stays until it owns nothing any more.
+/// Table of the sessions by number. A closed session stays until it owns nothing any more.
 pub(crate) struct Sessions {
     records: BTreeMap<u64, Session>,
     /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
@@ -118,7 +118,7 @@ impl Sessions {
         sessions.map(|(number, session)| (format!("s{number}"), session.name.as_str()))
     }
 
-    /// Called when the client of a session has disconnected: closes it. Returns its number and policy.
+    /// Handles the loss of the client of a session: closes the session. Returns its number and policy.
     pub(super) fn lose(&mut self, name: &str, log: &mut EventLog) -> Option<(u64, OnLoss)> {
         let number = parse_number(name, 's')?;
         log.write(format_args!(

@@ -65,7 +65,7 @@ fn parse_slots(input: &InputPort, text: &str) -> Result<Box<[u64]>, ApiError> {
     Ok(value.slots().into())
 }
 
-/// Marks an input as no longer needed.
+/// Marks an input of a command as set, so that the command can start without a predecessor that provides it.
 pub(super) fn mark_input_set(commands: &mut Commands, (name, key, _): &Value<'_>) {
     let number = commands.find(name).map(|(number, _)| number);
     let record = number.ok().and_then(|n| commands.get_mut(n));

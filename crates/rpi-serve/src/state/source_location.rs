@@ -3,7 +3,7 @@
 use rpi_diag::{SourceMap, Span};
 use rpi_image::image;
 
-/// A location in a program.
+/// Location in the program of a command, as reported to clients.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct SourceLocation {
     /// Path of the node or fragment.

@@ -8,7 +8,7 @@ use rpi_runtime::control::{CommandState, ExportSnapshot};
 
 use super::types::{ApiError, Phase, Status, Subscriber, Update};
 
-/// A request to subscribe to a command.
+/// Request of a client to subscribe to a command.
 pub(crate) struct WatchRequest {
     /// Minimum time between two updates of values.
     pub(crate) period: Duration,
@@ -23,7 +23,7 @@ pub(super) struct Subscription {
     period: Duration,
     end_delay: Duration,
     due: Instant,
-    /// An end of the command that is not reported yet, with the time to report it.
+    /// End of the command that is not reported yet, with the time at which it is to be reported.
     delayed_end: Option<(Instant, Status)>,
     /// Memory slots of the exports at the latest report.
     last_slots: Vec<u64>,
@@ -31,7 +31,8 @@ pub(super) struct Subscription {
 }
 
 impl Subscription {
-    /// Reports a state, after a delayed end. If there is a settling time, an end is delayed by it.
+    /// Reports a state of the command, after a delayed end. An end is itself delayed if the subscription has an end
+    /// delay.
     fn report_state(&mut self, status: &Status, now: Instant) -> bool {
         let listens = self.report_delayed_end(None);
         if status.phase == Phase::Core(CommandState::Terminated) && !self.end_delay.is_zero() {
@@ -69,12 +70,12 @@ impl Subscription {
 pub(crate) const TOO_MANY_SUBSCRIPTIONS: ApiError = ApiError::Limit("subscriptions of one client");
 
 /// Maximum time for which values of a command started by a rule are withheld until the firing of the rule was reported.
-/// Clients with a settling time need the updates in this order.
+/// Clients with an end delay need the updates in this order.
 const MAX_WITHHOLD: Duration = Duration::from_millis(200);
 /// Minimum period of a subscription.
 const MIN_PERIOD: Duration = Duration::from_millis(1);
 
-/// The latest exports of a command, if it has run.
+/// View of the latest exports of a command, if it has run.
 pub(super) struct Exported<'a> {
     snapshot: Option<&'a ExportSnapshot>,
     image: Option<&'a Image>,
@@ -102,12 +103,13 @@ impl<'a> Exported<'a> {
     }
 }
 
-/// The subscriptions to one command. Values can be withheld from subscribers with a settling time, so that they get
-/// updates in the order in which they understand them.
+/// All subscriptions to one command. Clients that handle values and states separately get them in an order that cannot
+/// be misunderstood: values of a command can be withheld, and its end delayed.
 #[derive(Default)]
 pub(super) struct Subscriptions {
     list: Vec<Subscription>,
-    /// Until when values are withheld from subscribers that depend on the order of updates.
+    /// Time until which values are withheld from subscribers that depend on the order of updates; `None` if they are
+    /// not withheld.
     held: Option<Instant>,
 }
 
@@ -155,7 +157,7 @@ impl Subscriptions {
         self.list.retain_mut(notify);
     }
 
-    /// Called when the firing of the rule that started the command was reported: ends withholding its values.
+    /// Ends the withholding of values. Called when the firing of the rule that started the command was reported.
     pub(super) fn stop_withholding(&mut self) {
         self.held = None;
     }
@@ -167,7 +169,7 @@ impl Subscriptions {
         self.publish(now, exported);
     }
 
-    /// Reports a value of a Boolean export to subscribers with a settling time, regardless of its actual value.
+    /// Reports a value of a Boolean export to subscribers with an end delay, regardless of its actual value.
     pub(super) fn report_flag(&mut self, key: &str, value: bool) {
         let values = [(key.to_owned(), value.to_string())];
         let slow = |s: &&mut Subscription| !s.end_delay.is_zero();

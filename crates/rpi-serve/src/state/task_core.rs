@@ -19,7 +19,7 @@ use super::record::CommandRecord;
 use super::tasks::TaskRecord;
 use super::types::Phase;
 
-/// The core as seen by a running task.
+/// Adapter through which a running task uses the core.
 pub(super) struct TaskCoreAdapter<'s> {
     pub(super) objects: &'s mut Objects,
     pub(super) core: &'s mut CoreLink,

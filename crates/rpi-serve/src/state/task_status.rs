@@ -10,7 +10,7 @@ use super::types::{cause_text, fault_text};
 /// Life-cycle state of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TaskPhase {
-    /// Its commands are being compiled.
+    /// The commands of the task are being compiled.
     Loading,
     /// The task can be started.
     Ready,
@@ -40,7 +40,7 @@ impl TaskPhase {
     }
 }
 
-/// An ended command of a task.
+/// Ended command of a task, as reported to clients.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Step {
     pub(super) id: CommandId,
@@ -71,7 +71,7 @@ pub(crate) struct TaskStatus {
     pub(crate) steps: Vec<Step>,
     /// Number of successors that were not scheduled when their predecessors ended.
     pub(crate) late: u64,
-    /// Number of those that could have taken over in motion.
+    /// Number of late successors that could have taken over while the devices moved.
     pub(crate) missed_in_motion: u64,
     /// Commands that could not be started, and the reason.
     pub(crate) error: Option<String>,
@@ -121,7 +121,7 @@ impl TaskStatus {
         }
     }
 
-    /// Notes that a branch of the task handles the error of a command.
+    /// Notes that a branch of the task handles the error with which a command ended.
     pub(super) fn handled(&mut self, id: CommandId) {
         let mut steps = self.steps.iter_mut().rev();
         if let Some(step) = steps.find(|step| step.id == id) {

@@ -133,7 +133,7 @@ impl Tasks {
         self.records.values().any(|r| r.session == session)
     }
 
-    /// Called when loading is finished: makes the task ready.
+    /// Makes a task ready, after its loading is finished.
     pub(super) fn loaded(&mut self, number: u64, script: TaskBundle, bytes: usize) {
         if let Some(record) = self.records.get_mut(&number) {
             record.script = Some(script);
@@ -197,12 +197,12 @@ impl Tasks {
         under_way.map(|(number, _)| *number).collect()
     }
 
-    /// Takes the execution state of a running task, to work on it. [`Tasks::put_back`] must follow.
+    /// Takes the execution state of a running task out of its record, to work on it. [`Tasks::put_back`] must follow.
     pub(super) fn take(&mut self, number: u64) -> Option<Task<ExecutablePlan>> {
         self.records.get_mut(&number)?.task.take()
     }
 
-    /// Returns the execution state of a running task to it.
+    /// Puts the execution state of a running task back into its record.
     pub(super) fn put_back(&mut self, number: u64, task: Task<ExecutablePlan>) {
         if let Some(record) = self.records.get_mut(&number) {
             record.task = Some(task);

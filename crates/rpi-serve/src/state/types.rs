@@ -14,9 +14,9 @@ use crate::fair_share::QuotaError;
 /// Life-cycle state of a command, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Phase {
-    /// In the command table, or on its way into it.
+    /// The command is in the command table, or on its way into it, in this state.
     Core(CommandState),
-    /// Removed from the table.
+    /// The command has been removed from the table.
     Unloaded,
 }
 
@@ -80,7 +80,7 @@ pub(crate) struct DeviceInfo {
     pub(crate) interfaces: Vec<(&'static str, Vec<(String, String)>)>,
 }
 
-/// An update to a subscriber.
+/// Update about an object, for its subscribers.
 #[derive(Debug)]
 pub(crate) enum Update<'a> {
     /// State of the command.
@@ -93,7 +93,7 @@ pub(crate) enum Update<'a> {
     Rule(RuleState),
     /// Whether the session is open.
     Session(bool),
-    /// Who requested the emergency stop in force; `None` if there is none.
+    /// Name of the client that requested the emergency stop in force; `None` if there is none.
     Emergency(Option<&'a str>),
     /// Progress of the task.
     Task(&'a TaskStatus),
@@ -117,11 +117,11 @@ pub(crate) trait Subscriber: Send {
 /// Error answer to a request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum ApiError {
-    /// Unknown name of an object; the text is its kind and name.
+    /// The request names an object that does not exist; the text is its kind and name.
     Unknown(String),
-    /// Invalid request; the text is the whole message.
+    /// The request is invalid; the text is the whole message.
     Invalid(String),
-    /// The command or task cannot be loaded; all reasons.
+    /// The command or task cannot be loaded, for these reasons.
     Rejected(Vec<String>),
     /// The control core refused the request.
     Refused(CommandError),
@@ -131,7 +131,7 @@ pub(crate) enum ApiError {
     ResourceHeld(String),
     /// The session of this object belongs to another client.
     NotOwner(String),
-    /// Emergency stop in force; the text says who requested it.
+    /// An emergency stop is in force; the text names who requested it.
     EmergencyStop(String),
     /// A limit of the server is reached.
     Limit(&'static str),
@@ -246,7 +246,8 @@ fn state_hint(state: CommandState) -> &'static str {
     }
 }
 
-/// Describes why the core refused a request. `actuator` is the display name of the held actuator.
+/// Returns the reason for which the core refused a request, as text. `actuator` is the display name of the held
+/// actuator.
 pub(crate) fn refusal_text(why: CommandError, actuator: &str) -> String {
     match why {
         CommandError::Unknown => "unknown command or rule".to_owned(),
@@ -277,7 +278,7 @@ pub(crate) fn cause_text(ending: &Ending) -> &'static str {
     }
 }
 
-/// Describes the fault or the reason of an abort; `None` if the command ended regularly.
+/// Returns the fault or the reason of an abort as text; `None` if the command ended regularly.
 pub(crate) fn fault_text(ending: &Ending) -> Option<&'static str> {
     match ending.cause {
         Cause::Fault(fault) => Some(rpi_runtime::run::fault_text(fault.code)),

@@ -5,7 +5,7 @@ use std::net::IpAddr;
 use super::auth_throttle::RejectReason;
 use super::http_head::Head;
 
-/// Check of the token that a client must show.
+/// Policy that decides from the token in a request whether the client is accepted.
 #[derive(Clone, Default)]
 pub(crate) struct AuthPolicy {
     /// Expected token. `None` accepts every client; allowed on loopback only.
@@ -13,8 +13,8 @@ pub(crate) struct AuthPolicy {
 }
 
 impl AuthPolicy {
-    /// Returns why a request is rejected, if it is. The token is in the header `Authorization: Bearer ...` (RFC 6750)
-    /// or in the query `?token=...`.
+    /// Returns the reason for which a request is rejected; `None` if it is accepted. The token is in the header
+    /// `Authorization: Bearer ...` (RFC 6750) or in the query `?token=...`.
     pub(crate) fn check_token(&self, head: &Head) -> Option<RejectReason> {
         let token = self.token.as_ref()?;
         let in_header = head.header("authorization");

@@ -10,18 +10,18 @@ use std::time::{Duration, Instant};
 
 use crate::peer::Peer;
 
-/// Maximum number of entries.
+/// Maximum number of peers and reasons for which rejections are counted.
 const MAX_ENTRIES: usize = 256;
-/// An entry is removed after this time without a further rejection.
+/// Time without a further rejection after which the count of a peer is removed.
 const ENTRY_LIFETIME: Duration = Duration::from_secs(60);
 /// Maximum number of delayed answers per peer. Each occupies a connection.
 const MAX_DELAYED: usize = 8;
 
-/// Recent rejections by peer and reason.
+/// Counts of recent rejections by peer and reason, by which logging and guessing of tokens are slowed down.
 #[derive(Clone, Default)]
 pub(crate) struct AuthThrottle(Arc<Mutex<BTreeMap<(Peer, RejectReason), ThrottleEntry>>>);
 
-/// Reason for a rejection.
+/// Reason for rejecting a request or connection.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum RejectReason {
     /// The request has no token.
@@ -38,7 +38,7 @@ struct ThrottleEntry {
     waiting: usize,
 }
 
-/// A delayed answer. Dropping it decrements the count of its peer.
+/// Reservation of a delayed answer. Dropping it decrements the count of its peer.
 pub(super) struct DelayedAnswer(AuthThrottle, Peer);
 
 impl RejectReason {

@@ -16,7 +16,7 @@ pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(2);
 /// Time to wait for the answer to a received message before the next read.
 const ANSWER_WAIT: Duration = Duration::from_millis(4);
 
-/// Protocol handler of a connection.
+/// Handler of the messages of one connection, which implements a protocol.
 pub(crate) trait ConnectionHandler {
     /// Handles a message. Returns false to close the connection.
     fn on_message(&mut self, text: &str) -> bool;
@@ -25,7 +25,7 @@ pub(crate) trait ConnectionHandler {
     fn on_error(&mut self, _: &str) {}
 }
 
-/// A stream whose reads time out after [`TURN`].
+/// A stream whose reads time out after [`READ_TIMEOUT`].
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
@@ -46,7 +46,7 @@ pub(crate) enum CloseReason {
     TooLong,
     /// The client has not sent anything within the timeout.
     Timeout,
-    /// The server closes.
+    /// The server is being closed.
     Closing,
 }
 
@@ -150,7 +150,7 @@ fn send_queued(out: &OutboxReceiver, send: impl FnOnce() -> io::Result<()>) -> O
     }
 }
 
-/// Liveness of a client: the time of its latest message.
+/// Monitor of a client's liveness: the time of its latest message.
 struct Liveness {
     timeout: Option<Duration>,
     latest: Instant,

@@ -3,7 +3,7 @@
 use std::io::{self, Read};
 use std::time::{Duration, Instant};
 
-/// Head of a request, and the bytes read beyond it.
+/// Head of an HTTP request, and the bytes that were read after it.
 #[derive(Debug)]
 pub(crate) struct Head {
     pub(crate) method: String,
@@ -19,9 +19,10 @@ pub(crate) struct Head {
 const MAX_HEAD_BYTES: usize = 16 << 10;
 
 impl Head {
-    /// Reads a head from a stream, for at most `patience`.
+    /// Reads the head of an HTTP request from a stream, for at most `timeout`.
     ///
     /// # Errors
+    ///
     /// If the head is incomplete, too long, too slow or malformed.
     pub(crate) fn read(stream: &mut dyn Read, timeout: Duration) -> io::Result<Head> {
         let begin = Instant::now();
@@ -73,10 +74,11 @@ impl Head {
         found.map(|(_, value)| value.as_str())
     }
 
-    /// Reads the body, of the length announced in the head.
+    /// Reads the body of the request, of the length announced in the head.
     ///
     /// # Errors
-    /// If the body is longer than `most` bytes, or not complete within `patience`.
+    ///
+    /// If the body is longer than `most` bytes, or not complete within `timeout`.
     pub(crate) fn body(
         &self,
         stream: &mut dyn Read,

@@ -24,7 +24,7 @@ use crate::rpc::RpcConnection;
 use crate::state::SharedState;
 use crate::web;
 
-/// State shared by all connections.
+/// Data shared by all connections, with which new ones are accepted.
 #[derive(Clone)]
 pub(crate) struct Acceptor {
     pub(crate) state: SharedState,
@@ -248,7 +248,7 @@ fn is_websocket_upgrade(head: &Head) -> bool {
     upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"))
 }
 
-/// A counted connection. Dropping it decrements the count of its peer.
+/// Place of a connection in the count of its peer. Dropping it decrements the count.
 struct ConnectionSlot(Arc<Mutex<BTreeMap<Peer, usize>>>, Peer);
 
 impl ConnectionSlot {

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Sender side of the queue. A client that does not read its messages is disconnected once the queue is full.
+/// Sender side of the queue of messages to a client. A client that does not read its messages is disconnected once the
+/// queue is full.
 #[derive(Clone)]
 pub(crate) struct Outbox {
     messages: SyncSender<String>,
@@ -13,10 +14,10 @@ pub(crate) struct Outbox {
     subscriptions_left: Arc<AtomicUsize>,
 }
 
-/// Sender for one subscription. Dropping it frees the subscription's place.
+/// Sender of the messages of one subscription. Dropping it allows the client another subscription.
 pub(crate) struct SubscriptionSender(Outbox);
 
-/// Receiver side of the queue, owned by the connection.
+/// Receiver side of the queue of messages to a client, owned by the connection.
 pub(crate) struct OutboxReceiver {
     pub(crate) messages: Receiver<String>,
     closed: Arc<AtomicBool>,
@@ -70,7 +71,7 @@ impl Outbox {
 }
 
 impl SubscriptionSender {
-    /// Queues a message, as [`Outbox::put`].
+    /// Queues a message, as [`Outbox::put`]. Returns false if the client is disconnected.
     pub(crate) fn send(&self, message: String) -> bool {
         self.0.put_device(message)
     }

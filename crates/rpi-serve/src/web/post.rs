@@ -11,7 +11,7 @@ use crate::state::{ApiError, NewDevice, Reply, SharedState};
 
 type Form = BTreeMap<String, String>;
 
-/// Runs a net for one cycle and returns its exports as XML.
+/// Runs a net for one cycle and returns its exports as an XML response.
 pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Response {
     let Some(net) = form.get("dionet") else {
         return Response::error(400, "expected a form with dionet=...");
@@ -36,7 +36,7 @@ pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Resp
     }
 }
 
-/// Adds or removes a device.
+/// Adds or removes a device, as requested by a form.
 pub(crate) fn device(
     (shared, peer): (&SharedState, Peer),
     form: &Form,
@@ -62,7 +62,7 @@ pub(crate) fn device(
     }
 }
 
-/// Ends a session.
+/// Ends a session, as requested by a form.
 pub(crate) fn session((shared, peer): (&SharedState, Peer), name: &str, form: &Form) -> Response {
     if form
         .get("action")

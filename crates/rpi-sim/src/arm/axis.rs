@@ -5,13 +5,13 @@ use crate::cell::EnforcedLimits;
 use crate::error_code::ErrorCode;
 use rpi_kin::AxisLimits;
 
-/// An axis: its limits, its commanded, driven and measured positions, and its error code.
+/// An axis of a simulated arm: its limits, its commanded, driven and measured positions, and its error code.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     pub(super) limits: AxisLimits,
     /// State commanded by the last accepted set-point, or by braking.
     pub(super) commanded: AxisState,
-    /// State of the checked set-point of this tick.
+    /// State that the set-point accepted in this tick would lead to; `None` without a set-point.
     pub(super) staged: Option<AxisState>,
     /// Position of the drive on its way to the commanded position, in rad.
     pub(super) driven: f64,

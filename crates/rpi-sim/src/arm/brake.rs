@@ -4,7 +4,7 @@ use super::limits::AxisState;
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 use rpi_kin::{AxisLimits, MAX_AXES};
 
-/// A stop in progress.
+/// Stop of an arm on its own: a stop profile for each axis, and the progress.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Brake {
     axes: [StopProfile; MAX_AXES],

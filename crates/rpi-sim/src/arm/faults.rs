@@ -19,14 +19,14 @@ pub(super) struct FaultEffects {
     pub(super) contact: Vector6<f64>,
 }
 
-/// Failures of the arm as a whole and of its axes.
+/// Failures of an arm as a whole and of single axes.
 pub(super) struct Failures {
     /// Error code of the arm as a whole.
     pub(super) whole: ErrorCode,
     pub(super) axes: [bool; MAX_AXES],
 }
 
-/// Scheduled faults of an arm and the surface under its tool, with their present effects.
+/// Scheduled faults of an arm and the surface under its tool, with their effects in this tick.
 #[derive(Clone, Debug)]
 pub(super) struct FaultState {
     scheduled: Vec<ScheduledFault>,

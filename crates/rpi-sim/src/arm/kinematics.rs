@@ -12,7 +12,7 @@ use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose, jaco
 /// A value for each axis, with the length of the longest arm; unused entries are zero.
 pub(super) type PerAxis = [f64; MAX_AXES];
 
-/// Kinematics of an arm with a tool.
+/// Kinematics of an arm with a tool, in joint positions and poses of the tool.
 #[derive(Clone, Debug)]
 pub(super) struct ArmKinematics {
     model: &'static ArmModel,

@@ -7,7 +7,7 @@ use crate::cell::EnforcedLimits;
 use crate::error_code::ErrorCode;
 use rpi_kin::AxisLimits;
 
-/// Position, velocity and acceleration of an axis, in rad and s.
+/// Position, velocity and acceleration of an axis, in rad, rad/s and rad/s² (m instead of rad for a linear axis).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisState {
     /// Position, rad.
@@ -23,7 +23,7 @@ pub struct AxisState {
 pub struct Violation {
     /// Error code of the limit.
     pub code: ErrorCode,
-    /// The violating value, in rad and s.
+    /// The value that violates the limit, in rad and s.
     pub value: f64,
     /// The limit, in rad and s.
     pub limit: f64,
@@ -38,7 +38,7 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 const POSITION_TOLERANCE: f64 = 1e-9;
 
 impl Violation {
-    /// A violation without a value and a limit.
+    /// Creates a violation that has no value and no limit.
     #[must_use]
     pub const fn from_code(code: ErrorCode) -> Self {
         Self {
@@ -50,7 +50,7 @@ impl Violation {
 }
 
 impl AxisState {
-    /// A state at rest.
+    /// Creates the state of an axis at rest.
     #[must_use]
     pub const fn at_rest(position: f64) -> Self {
         Self {

@@ -16,7 +16,7 @@ use rpi_motion::path::{Arc, Piece, ToolPath};
 use rpi_motion::stop_margin::stopping_distances;
 use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint, scan_path};
 
-/// Kind of a path.
+/// Kind of a path that a motion function follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathKind {
     /// A straight line of the tool.
@@ -29,16 +29,17 @@ pub(super) enum PathKind {
     Joints,
 }
 
-/// A set-point of a motion other than its joints: travelled, progress, speed, on the path, done, error.
+/// Number of slots in the result of a motion function besides the joints and the pose: travelled way, progress, speed,
+/// whether the tool is on the path, whether the motion is done, error.
 pub(super) const STATUS_SLOTS: u32 = 6;
 
-/// Slots of the result beside the joints: number of the motion, pose, status.
+/// Number of slots in the result of a motion function besides the joints: number of the motion, pose, status.
 pub(super) const RESULT_SLOTS: u32 = 1 + 7 + STATUS_SLOTS;
 
 /// Shortest way (m, or rad) of a motion along a path; a shorter one only holds its end.
 const SHORTEST_WAY: f64 = 1e-7;
 
-/// Periods after its computation in which a set-point may be the arm's present one.
+/// Number of periods after its computation for which a set-point counts as the arm's present one.
 const PRESENT_PERIODS: f64 = 2.5;
 
 /// The motion core of an arm, and its present motion.
@@ -50,21 +51,21 @@ pub(super) struct Motion {
     number: i64,
     /// Simulated time at which the last set-point was computed, s.
     computed: f64,
-    /// Period of its set-points, s.
+    /// Period of the set-points of the motion, s.
     period: f64,
     /// Period of the last set-points that the arm accepted, s.
     accepted_period: f64,
     /// The last two set-points, the newest first.
     last: [PerAxis; 2],
-    /// Length of the way, m, or rad on a joint line.
+    /// Length of the path, m, or rad on a joint line.
     way: f64,
-    /// Why the motion cannot be made: it comes to rest.
+    /// Error for which the motion cannot be made and comes to rest; `None` if it can.
     rejected: Option<ErrorCode>,
-    /// The error that the program sees: once the arm rests.
+    /// Error that the program sees; it is set once the arm is at rest.
     error: ErrorCode,
-    /// The last set-point was the end of the motion.
+    /// Whether the last set-point was the end of the motion.
     at_end: bool,
-    /// Set while the arm brakes on its own, on the path of the motion.
+    /// Stop of the arm on its own, on the path of the motion; `None` while it follows set-points.
     brake: Option<PathBrake>,
 }
 
@@ -73,11 +74,11 @@ pub(super) struct Motion {
 struct PathBrake {
     /// Time since the newest set-point of the motion, s.
     elapsed: f64,
-    /// Ticks at rest.
+    /// Number of ticks for which the arm has been at rest.
     rested: u32,
 }
 
-/// Arguments of a call.
+/// Arguments of a call of a motion function.
 struct Request<'a> {
     motion: i64,
     target: &'a [u64],
@@ -146,7 +147,7 @@ impl Motion {
         self.accepted_period = period;
     }
 
-    /// Whether the next set-point is due at a time, s: no cycle was left out.
+    /// Returns whether the next set-point of the motion is due at a time, s, so that no cycle was left out.
     fn is_due(&self, time: f64) -> bool {
         let due = self.computed + self.period;
         self.number > 0 && (time - due).abs() < self.period / 2.0
@@ -216,7 +217,8 @@ impl Motion {
         }
     }
 
-    /// Begins a motion from the state of the arm, or prepares to come to rest and returns why there is none.
+    /// Begins a motion from the state of the arm. If it cannot be made, prepares to come to rest and returns the
+    /// reason.
     fn begin(
         &mut self,
         kind: PathKind,
@@ -317,7 +319,7 @@ impl Motion {
         Some(at)
     }
 
-    /// Notices that the path cannot be followed to its end. Returns what is new.
+    /// Checks whether the path can be followed to its end. Returns an error that was not reported before.
     fn check_path(&mut self) -> Option<PathFault> {
         let error = self.core.path_error().filter(|_| self.rejected.is_none())?;
         let fault = self.fault(&error, self.core.path());
@@ -327,7 +329,7 @@ impl Motion {
 }
 
 impl Arm {
-    /// Calls a function that moves the arm along a path. False if the arguments do not fit.
+    /// Calls the function that moves the arm along a path of this kind. Returns false if the arguments do not fit.
     pub(super) fn call_motion(
         &mut self,
         kind: PathKind,
@@ -404,7 +406,7 @@ impl Arm {
     }
 }
 
-/// Writes the result of a call that gives no set-point.
+/// Writes the result of a call of a motion function that gives no set-point.
 fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut SlotWriter<'_>) {
     out.put_bits(number.cast_unsigned());
     out.put_reals(core::iter::repeat_n(f64::NAN, axes + 7));
@@ -414,7 +416,7 @@ fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut SlotWriter<'_
     out.put_bits(error.0.cast_unsigned());
 }
 
-/// The path over a via pose to another one, with a zone in m.
+/// Returns the path over a via pose to another pose, with a zone in m.
 fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     let (via, rest) = target.split_at(target.len() / 2);
     let (via, to) = (pose_from(via), pose_from(rest));
@@ -431,7 +433,7 @@ fn rests(at: &SetPoint) -> bool {
     at.on_path && at.path.velocity == 0.0 && at.path.acceleration == 0.0
 }
 
-/// Whether two positions are the same set-point.
+/// Returns whether two joint positions are the same set-point.
 fn same_joints(one: &PerAxis, other: &PerAxis) -> bool {
     /// Difference by which a pose and its inverse may differ, rad.
     const ROUNDING: f64 = 1e-9;

@@ -3,7 +3,7 @@
 use super::port_table::Parameter;
 use rpi_kin::MAX_AXES;
 
-/// Number of parameters with several values: tool, impedance and sine at the tool, impedance of each joint.
+/// Number of stored parameter values: tool, impedance and sine at the tool, and the impedance of each joint.
 const PARAMETERS: usize = 3 + MAX_AXES;
 const LARGEST_PARAMETER: usize = 18;
 
@@ -14,7 +14,8 @@ const POSITION_CONTROL: i64 = 10;
 /// inertia, tool centre point as a pose. Only the positions of the poses are used.
 const LOAD_INDICES: [usize; 10] = [0, 1, 2, 3, 8, 9, 10, 11, 12, 13];
 
-/// The latest values of all parameters. They have no effect on the simulated motion.
+/// Latest values of the parameters that programs set, such as the tool load. They have no effect on the simulated
+/// motion.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     values: [[f64; LARGEST_PARAMETER]; PARAMETERS],

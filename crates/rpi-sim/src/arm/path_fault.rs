@@ -6,7 +6,7 @@ use crate::error_code::ErrorCode;
 use rpi_kin::{AxisLimits, InverseKinematicsError};
 use rpi_motion::{Path, PathError, PathErrorKind};
 
-/// Why a motion cannot be made, and the axis that it concerns. On a path of the tool the value is the place and the
+/// Error: a motion cannot be made; with the axis that it concerns. On a path of the tool the value is the place and the
 /// limit the length, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PathFault {
@@ -56,7 +56,7 @@ impl From<InverseKinematicsError> for PathFault {
     }
 }
 
-/// A target of an axis outside its range.
+/// Creates the error for a target that lies outside the range of an axis.
 fn out_of_range(axis: usize, value: f64, limits: &[AxisLimits]) -> PathFault {
     let range = limits.get(axis).map(|limits| limits.position);
     let limit = range.map_or(0.0, |range| {

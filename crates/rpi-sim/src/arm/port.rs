@@ -127,7 +127,7 @@ fn port_row(slot: PortIndex) -> Option<&'static PortRow> {
     PORTS.get(usize::from(slot.row))
 }
 
-/// States of the axes that a set-point sets.
+/// State of each axis after a set-point; `None` for an axis that the set-point does not set.
 type StagedStates = [Option<AxisState>; MAX_AXES];
 
 /// Limits for the continuity check at a takeover. Jerk is excluded: it would need a third earlier set-point.

@@ -9,7 +9,7 @@ use crate::device::{PortSpec, PortValue, SlotWriter, pose_from};
 use rpi_device::PortKind;
 use rpi_image::Scalar::{Bool, Int, Pose, Real, Twist};
 
-/// A row of the port table.
+/// Row of the port table of an arm: name, type and behaviour of a port.
 pub(super) struct PortRow {
     pub(super) spec: PortSpec,
     pub(super) action: PortAction,
@@ -17,30 +17,30 @@ pub(super) struct PortRow {
 
 /// Behaviour of a port.
 pub(super) enum PortAction {
-    /// Reads a value; the index selects the axis if the port is indexed.
+    /// The port is a sensor: the function writes its value; the index selects the axis if the port is indexed.
     Sense(fn(&Arm, usize, &mut SlotWriter<'_>)),
-    /// Moves axes.
+    /// The port is an actuator that moves axes.
     Move(Target),
-    /// Sets a parameter; the index of the port selects among several.
+    /// The port is an actuator that sets a parameter; its index selects among several.
     Parameter(Parameter),
-    /// Computes a function; false if there is no result.
+    /// The port is a function: it computes a result from arguments; false if there is no result.
     Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
-    /// Plans a motion along a path, cycle by cycle.
+    /// The port is a function that plans a motion along a path, cycle by cycle.
     Plan(PathKind),
 }
 
-/// Object that a set-point moves.
+/// What a set-point of an arm moves.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
-    /// One axis.
+    /// The set-point moves one axis.
     Joint,
-    /// All axes.
+    /// The set-point moves all axes.
     Joints,
-    /// The tool, in Cartesian space.
+    /// The set-point moves the tool, in Cartesian space.
     Tool,
 }
 
-/// A parameter of the arm.
+/// Parameter of an arm that programs can set.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameter {
     Tool,
@@ -136,7 +136,7 @@ const INT: PortValue = PortValue::One(Int);
 const BOOL: PortValue = PortValue::One(Bool);
 const JOINTS: PortValue = PortValue::PerAxis;
 
-/// All ports.
+/// Port table of an arm: all its ports.
 pub(super) const PORTS: &[PortRow] = &[
     axis_sensor("joint.commanded_position", REAL, |arm, axis, out| {
         out.put_real(arm.commanded_at(axis).position)

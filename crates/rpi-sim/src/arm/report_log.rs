@@ -2,7 +2,7 @@
 
 use crate::device::Report;
 
-/// Capacity for pending reports.
+/// Number of reports that the log can hold.
 const CAPACITY: usize = 64;
 
 /// Bounded log of reports. It keeps the oldest ones and counts those that do not fit.

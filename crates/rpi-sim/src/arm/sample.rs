@@ -6,7 +6,7 @@ use rpi_kin::MAX_AXES;
 /// The measured states of all axes at one tick.
 pub(super) type Sample = [AxisState; MAX_AXES];
 
-/// Ring buffer of the latest samples.
+/// Ring buffer of the latest samples of an arm, from which delayed ones are read.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     ring: Vec<Sample>,

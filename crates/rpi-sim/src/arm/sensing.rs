@@ -6,7 +6,7 @@ use super::sample::{History, Sample};
 use crate::cell::ArmSpec;
 use crate::noise::Noise;
 
-/// The sensors of an arm, with the samples that they will deliver.
+/// Sensors of a simulated arm: their lag, latency and noise, with the samples that they will deliver.
 #[derive(Clone, Debug)]
 pub(super) struct Sensing {
     pub(super) history: History,

@@ -10,7 +10,7 @@ use crate::fault::ScheduledFault;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use rpi_kin::{ArmModel, AxisLimits, models};
 
-/// Description of an arm.
+/// Description of an arm in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmSpec {
     /// Model of the arm.
@@ -57,19 +57,19 @@ impl Surface {
 /// always checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EnforcedLimits {
-    /// Joint ranges.
+    /// Whether set-points are checked against the ranges of the joints.
     pub position: bool,
-    /// Joint velocities.
+    /// Whether set-points are checked against the velocity limits.
     pub velocity: bool,
-    /// Joint accelerations.
+    /// Whether set-points are checked against the acceleration limits.
     pub acceleration: bool,
-    /// Joint jerks.
+    /// Whether set-points are checked against the jerk limits.
     pub jerk: bool,
 }
 
 const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
 
-/// Dimensions of an axis: position, velocity, acceleration, jerk.
+/// Dimensions of the numbers for an axis: position, velocity, acceleration, jerk.
 type AxisDimensions = [Dimension; 4];
 
 const REVOLUTE: AxisDimensions = [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
@@ -204,7 +204,8 @@ fn checked_unit_quaternion(
     UnitQuaternion::new_unchecked(quaternion / length)
 }
 
-/// The model's limits; each key of `limits` replaces one limit for all axes or for each.
+/// Reads the limits of an arm: those of the model, replaced where the table has another limit, for all axes or for
+/// each.
 fn read_limits(
     reader: &mut TableReader<'_>,
     own: &[AxisLimits],

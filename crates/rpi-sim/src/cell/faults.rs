@@ -5,10 +5,10 @@ use super::reader::TableReader;
 use crate::fault::{FaultKind, ScheduledFault};
 use nalgebra::Vector6;
 
-/// Reads the keys of one kind of fault; the number is the number of axes.
+/// Function that reads the keys of one kind of fault; the number is the number of axes.
 type ReadFaultKind = fn(&mut TableReader<'_>, usize) -> Option<FaultKind>;
 
-/// Values of the key `trouble`.
+/// Kinds of faults by the value of the key `trouble`, each with the function that reads its other keys.
 const FAULT_KINDS: &[(&str, ReadFaultKind)] = &[
     ("joint-failure", |reader, axes| {
         let axis = required(reader, "axis", |reader| reader.index("axis", axes as u64))?;

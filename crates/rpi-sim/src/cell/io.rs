@@ -36,7 +36,7 @@ pub struct InputChange<T> {
     pub value: T,
 }
 
-/// A type of input values.
+/// Type of the values of inputs: Boolean or real.
 pub(super) trait InputValue: Sized + Copy + Default {
     const EXPECTED: &'static str;
     fn list(reader: &mut TableReader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>>;

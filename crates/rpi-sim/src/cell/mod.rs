@@ -54,10 +54,10 @@ pub enum DeviceKind {
     Force(ForceSpec),
 }
 
-/// Reads the keys of one kind of device.
+/// Function that reads the keys of one kind of device.
 type ReadKind = fn(&mut TableReader<'_>) -> Option<DeviceKind>;
 
-/// Values of the key `kind`.
+/// Kinds of devices by the value of the key `kind`, each with the function that reads its other keys.
 const KINDS: &[(&str, ReadKind)] = &[
     ("arm", |reader| arm::read(reader).map(DeviceKind::Arm)),
     ("digital-io", |reader| {

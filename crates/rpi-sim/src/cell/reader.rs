@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Collector of errors during parsing.
+/// Collector of the errors that are found while a cell description is parsed.
 #[derive(Default)]
 pub(super) struct ErrorCollector(RefCell<Vec<CellError>>);
 
@@ -29,7 +29,7 @@ impl ErrorCollector {
     }
 }
 
-/// Reader for one table. The keys that are read are the known keys of the table.
+/// Reader for one table of a cell description. The keys that are read are the known keys of the table.
 pub(super) struct TableReader<'a> {
     table: Option<&'a DeTable<'a>>,
     span: Range<usize>,

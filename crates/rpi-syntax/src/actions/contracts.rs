@@ -8,7 +8,7 @@ use crate::ast::*;
 use crate::context::ParseContext;
 use rpi_diag::Span;
 
-/// Part of a contract, before the parts are sorted by kind.
+/// Clause of a contract as parsed, before the clauses are sorted by kind.
 pub(crate) enum ContractPart {
     Locals(Locals),
     GhostTuple(GhostTuple),

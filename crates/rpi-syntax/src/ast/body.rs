@@ -6,7 +6,7 @@ use rpi_diag::Span;
 /// Declaration of variables (ports, locals, struct fields): `a, b: T when c = d`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarDecl {
-    /// Preceding doc comment.
+    /// Doc comment before the declaration.
     pub doc: Option<Doc>,
     /// Whether the port is declared `const`: its value is fixed at load time (Kind 2).
     pub is_const: bool,
@@ -26,7 +26,7 @@ pub struct VarDecl {
 /// external. If both are missing, an error has been reported.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConstDef {
-    /// Preceding doc comment.
+    /// Doc comment before the definition.
     pub doc: Option<Doc>,
     /// Names, at least one.
     pub names: Vec<Ident>,
@@ -59,7 +59,7 @@ pub enum Locals {
 /// Statement of a body, such as an equation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Statement {
-    /// Preceding doc comment.
+    /// Doc comment before the statement.
     pub doc: Option<Doc>,
     /// Kind of the statement.
     pub kind: StatementKind,
@@ -70,7 +70,7 @@ pub struct Statement {
 /// Kind of a [`Statement`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum StatementKind {
-    /// `x, y = e;`
+    /// Equation: `x, y = e;`
     Equation(Box<Equation>),
     /// `f(x);`: call for its side effect; the expression is an [`ExprKind::Call`](super::ExprKind::Call)
     Call(Box<Expr>),
@@ -80,9 +80,9 @@ pub enum StatementKind {
     CommandEnd(Box<CommandEnd>),
     /// `export x, y.z;`
     Export(Vec<Dotted>),
-    /// Local fragment
+    /// Fragment declared in a body.
     Fragment(Box<FragmentDecl>),
-    /// `automaton ... end`
+    /// State machine: `automaton ... end`
     Automaton(Box<Automaton>),
     /// `if c then x = 1; else x = 2; fi` (Kind 2)
     Conditional(Box<ConditionalBlock>),
@@ -92,7 +92,7 @@ pub enum StatementKind {
     Error(Vec<Ident>),
 }
 
-/// Block of conditional equations (Kind 2).
+/// Block of equations under conditions (Kind 2), in one of the notations of [`ConditionalKeyword`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConditionalBlock {
     /// Notation of the block.
@@ -138,7 +138,7 @@ pub struct FrameBlock {
     pub desugared: Desugared,
 }
 
-/// Result of desugaring a block: equivalent equations, and errors.
+/// Equations that a block is short for, and the errors found in it.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Desugared {
     /// Equations with their source ranges.
@@ -240,7 +240,7 @@ pub struct Automaton {
 /// State of an automaton.
 #[derive(Clone, PartialEq, Debug)]
 pub struct State {
-    /// Preceding doc comment.
+    /// Doc comment before the state.
     pub doc: Option<Doc>,
     /// Whether it is the initial state.
     pub is_initial: bool,

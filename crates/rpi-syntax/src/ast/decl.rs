@@ -8,7 +8,7 @@ use rpi_diag::Span;
 /// Top-level declaration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Item {
-    /// Preceding doc comment.
+    /// Doc comment before the declaration.
     pub doc: Option<Doc>,
     /// Kind of the declaration.
     pub kind: ItemKind,
@@ -78,7 +78,7 @@ pub enum DeclaredKind {
 /// Type definition: `T = definition`. Without a definition the type is external.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TypeDef {
-    /// Preceding doc comment.
+    /// Doc comment before the definition.
     pub doc: Option<Doc>,
     /// Declared name.
     pub name: Ident,
@@ -106,7 +106,7 @@ pub struct Signature {
 /// Static parameter, declared between `<<` and `>>`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StaticParam {
-    /// Preceding doc comment.
+    /// Doc comment before the parameter.
     pub doc: Option<Doc>,
     /// Kind of the parameter.
     pub kind: StaticParamKind,
@@ -263,7 +263,7 @@ pub struct FragmentDecl {
     pub budget: Option<Expr>,
     /// Contract: `con ... noc`.
     pub contract: Option<Contract>,
-    /// Body.
+    /// Equations of the fragment.
     pub body: Body,
 }
 

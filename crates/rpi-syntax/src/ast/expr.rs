@@ -46,7 +46,7 @@ pub enum ExprKind {
     Call(Box<Call>),
     /// `#(a, b, c)`, `nor(a, b, c)`
     BoolList(BoolListOp, Box<[Expr]>),
-    /// `merge c (A -> x) (B -> y)`
+    /// Merge of flows with complementary clocks: `merge c (A -> x) (B -> y)`
     Merge(Box<Merge>),
     /// `(x)`: kept, so that formatting preserves redundant parentheses
     Paren(Box<Expr>),
@@ -172,8 +172,8 @@ pub struct WhenExpr {
 /// Conditional expression: `if condition then yes else no`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IfExpr {
-    /// Whether it is written `with` instead of `if`: the condition is evaluated at compile time, and the other branch
-    /// is not elaborated.
+    /// Whether the expression is written `with` instead of `if`: the condition is evaluated at compile time, and the
+    /// other branch is not elaborated.
     pub is_static: bool,
     /// Condition.
     pub condition: Expr,
@@ -396,8 +396,8 @@ pub struct Update {
     pub base: Expr,
     /// Changes, at least one, applied in text order.
     pub changes: Vec<Change>,
-    /// Whether it is written `base[0 := x]` (Kind 2): each path is one index. For a struct, the index is the name of a
-    /// field.
+    /// Whether the update is written `base[0 := x]` (Kind 2): each path is one index. For a struct, the index is the
+    /// name of a field.
     pub is_keyed: bool,
 }
 

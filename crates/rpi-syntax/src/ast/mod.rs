@@ -44,7 +44,7 @@ use std::sync::Arc;
 /// Source file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct File {
-    /// Declarations in text order.
+    /// Declarations of the file in text order.
     pub items: Vec<Item>,
     /// Dialect of the file.
     pub dialect: Dialect,

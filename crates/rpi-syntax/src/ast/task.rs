@@ -19,7 +19,7 @@ pub struct TaskDecl {
 /// Step of a task.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Step {
-    /// Preceding doc comment.
+    /// Doc comment before the step.
     pub doc: Option<Doc>,
     /// Kind of the step.
     pub kind: StepKind,
@@ -94,7 +94,7 @@ pub enum ResultPattern {
 /// Continuation after a step.
 #[derive(Clone, PartialEq, Debug)]
 pub enum NextStep {
-    /// Step with this label.
+    /// Continues with the step that has this label.
     Step(Ident),
     /// `end`: ends the task or the enclosing parallel branch.
     End(Span),

@@ -104,7 +104,7 @@ pub struct Constructor {
 /// Value of an enum.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EnumValue {
-    /// Preceding doc comment.
+    /// Doc comment before the value.
     pub doc: Option<super::Doc>,
     /// Name of the value.
     pub name: Ident,

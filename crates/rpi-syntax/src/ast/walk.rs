@@ -40,7 +40,7 @@ impl<'a> Walker<'_, 'a> {
         Walker { visitor }
     }
 
-    /// Walks a node or function.
+    /// Visits the parts of a node or function.
     pub fn node(&mut self, node: &'a NodeDecl) {
         self.signature(&node.signature);
         self.contract(node.contract.as_ref());
@@ -51,7 +51,7 @@ impl<'a> Walker<'_, 'a> {
         }
     }
 
-    /// Walks a fragment, at top level or local.
+    /// Visits the parts of a fragment, at top level or local.
     pub fn fragment(&mut self, fragment: &'a FragmentDecl) {
         self.signature(&fragment.signature);
         let when = fragment.when.iter().map(|when| &when.condition);
@@ -61,14 +61,14 @@ impl<'a> Walker<'_, 'a> {
         self.body(&fragment.body);
     }
 
-    /// Walks a device type.
+    /// Visits the parts of a device type.
     pub fn device(&mut self, device: &'a DeviceDecl) {
         self.statics(&device.statics);
         let ports = device.sections.iter().flat_map(|section| &section.ports);
         ports.for_each(|port| self.vars(&port.alternatives));
     }
 
-    /// Walks a command.
+    /// Visits the parts of a command.
     pub fn command(&mut self, command: &'a CommandDecl) {
         self.statics(&command.statics);
         self.vars(&command.params);
@@ -78,14 +78,14 @@ impl<'a> Walker<'_, 'a> {
         self.body(&command.body);
     }
 
-    /// Walks a task.
+    /// Visits the parts of a task.
     pub fn task(&mut self, task: &'a TaskDecl) {
         self.statics(&task.statics);
         self.vars(&task.params);
         self.steps(&task.steps);
     }
 
-    /// Walks a test.
+    /// Visits the parts of a test.
     pub fn test(&mut self, test: &'a TestDecl) {
         self.body(&test.body);
     }
@@ -232,20 +232,20 @@ impl<'a> Walker<'_, 'a> {
         exprs.into_iter().for_each(|expr| self.expr(expr));
     }
 
-    /// Walks an expression that is evaluated at run time.
+    /// Visits an expression that is evaluated at run time.
     fn expr(&mut self, expr: &'a Expr) {
         self.expr_tree(expr, true);
     }
 
-    /// Walks expressions that are evaluated before the program runs.
+    /// Visits expressions that are evaluated before the program runs.
     fn static_exprs(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
         exprs
             .into_iter()
             .for_each(|expr| self.expr_tree(expr, false));
     }
 
-    /// Walks an expression and its subexpressions. Uses a list instead of recursion, as expressions may be nested
-    /// deeply.
+    /// Visits an expression and its subexpressions; `runs` is whether it is evaluated at run time. Uses a list instead
+    /// of recursion, as expressions may be nested deeply.
     fn expr_tree(&mut self, expr: &'a Expr, runs: bool) {
         if !self.visitor.visits_expressions() {
             return;

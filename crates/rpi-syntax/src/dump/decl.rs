@@ -9,7 +9,7 @@ pub(super) fn doc(doc: Option<&Doc>) -> Sexp {
     option("doc", doc, |doc| Sexp::quoted(doc))
 }
 
-/// Creates an atom of the lower-case name of an enum variant.
+/// Creates an atom from the name of an enum variant in lower case.
 fn word(variant: impl std::fmt::Debug) -> Sexp {
     Sexp::atom(format!("{variant:?}").to_lowercase())
 }

@@ -47,7 +47,7 @@ pub fn dump_tokens(text: &str, mode: Dialect) -> String {
     out
 }
 
-/// Converter of nodes into nested lists.
+/// Converter of syntax trees into nested lists.
 struct Dumper {
     parens: Parens,
 }

@@ -4,7 +4,7 @@
 pub(super) enum Sexp {
     Atom(String),
     List(Vec<Sexp>),
-    /// Empty element, which is not written.
+    /// No element: it is not written.
     Empty,
 }
 

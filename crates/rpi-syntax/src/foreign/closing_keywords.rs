@@ -1,6 +1,6 @@
 //! Closing keywords of other languages, conditional expressions of Python, and automata in Lustre files.
 
-use super::operators::{conditional_fix, operand_range};
+use super::operators::{CONDITIONAL_EXTENT_HELP, has_own_operator, operand_range};
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::Dialect;
 use crate::guessed_declarations;
@@ -86,8 +86,15 @@ pub(super) fn python_conditional(found: &ErrorContext<'_, '_>) -> Option<Foreign
     let meant = format!("if {c} then {a} else {b}");
     let place = found.range_span(start..end);
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
-        .primary(found.token_span(at), "the condition must come first")
-        .fix(conditional_fix(found, start..end, format!("write `{meant}`")).replace(place, meant));
+        .primary(found.token_span(at), "the condition must come first");
+    if has_own_operator(found, start..end) {
+        return Some(ForeignSyntax {
+            diagnostic: diagnostic.help(CONDITIONAL_EXTENT_HELP),
+            repair: Repair::RemoveErrorPhrase,
+        });
+    }
+    let fix = Fix::sure(format!("write `{meant}`")).replace(place, meant);
+    let diagnostic = diagnostic.fix(fix);
     let [c, a, b] = values.map(|range| found.lexemes[range].to_vec());
     let word = |token| found.replacement(at, &[token]).1;
     let parts = [

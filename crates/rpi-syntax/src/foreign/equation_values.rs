@@ -1,10 +1,11 @@
 //! Errors in the right side of an equation: tuples without parentheses, foreign conditional expressions, operators as
 //! arguments.
 
+use super::operators::CONDITIONAL_EXTENT_HELP;
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
-use rpi_diag::{Applicability, Fix};
+use rpi_diag::Fix;
 
 /// Recognises a doubled `;` after an equation: `y = x;;`.
 pub(super) fn doubled_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
@@ -188,14 +189,16 @@ pub(super) fn conditional_with_braces(found: &ErrorContext<'_, '_>) -> Option<Fo
         }
     };
     // Without its braces, the last value would extend over the following operators.
-    if !ends_value(found, last + 1) {
-        fix.applicability = Applicability::Maybe;
-    }
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
-        .primary(found.token_span(at), "a value cannot be in braces")
-        .fix(fix);
+        .primary(found.token_span(at), "a value cannot be in braces");
+    if !ends_value(found, last + 1) {
+        return Some(ForeignSyntax {
+            diagnostic: diagnostic.help(CONDITIONAL_EXTENT_HELP),
+            repair: Repair::RemoveErrorPhrase,
+        });
+    }
     Some(ForeignSyntax {
-        diagnostic,
+        diagnostic: diagnostic.fix(fix),
         repair: Repair::ReplaceTokens(edits),
     })
 }
@@ -237,7 +240,7 @@ fn closing(found: &ErrorContext<'_, '_>, open: usize) -> Option<usize> {
     (is_value && found.token_at(close) == Some(Token::RBrace)).then_some(close)
 }
 
-/// Recognises `fby` in the syntax of SCADE: `fby(x, 1, 0)`.
+/// Recognises `fby` as a function, in the syntax of SCADE: `fby(x, 1, 0)`.
 pub(super) fn fby_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     if found.token_at(at) != Some(Token::Fby)

@@ -91,7 +91,7 @@ pub(super) fn lambda(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     Some(remove_phrase(diagnostic))
 }
 
-/// Combines a diagnostic with the usual repair, which removes the phrase.
+/// Combines a diagnostic with the usual repair, which removes the phrase that contains the error.
 fn remove_phrase(diagnostic: rpi_diag::Diagnostic) -> ForeignSyntax {
     ForeignSyntax {
         diagnostic,

@@ -6,7 +6,7 @@ use rpi_diag::{Diagnostic, Fix, Span};
 
 /// Operator of another language.
 pub(crate) struct ForeignOperator {
-    /// Spelling of the operator.
+    /// Spelling of the operator in the other language.
     spelling: &'static str,
     /// Name of the operation, as used in messages.
     name: &'static str,
@@ -16,7 +16,7 @@ pub(crate) struct ForeignOperator {
     is_sure: bool,
 }
 
-/// Creates a row of the table with an unambiguous meaning.
+/// Creates the table row of an operator with the same meaning in all languages that have it.
 const fn row(written: &'static str, name: &'static str, token: Token) -> ForeignOperator {
     ForeignOperator {
         spelling: written,
@@ -26,7 +26,7 @@ const fn row(written: &'static str, name: &'static str, token: Token) -> Foreign
     }
 }
 
-/// Creates a row of the table whose meaning differs between languages.
+/// Creates the table row of an operator whose meaning differs between languages.
 const fn ambiguous_row(written: &'static str, name: &'static str, token: Token) -> ForeignOperator {
     ForeignOperator {
         is_sure: false,
@@ -54,11 +54,11 @@ pub(crate) const FOREIGN_OPERATORS: &[ForeignOperator] = &[
 /// Construct that a foreign `:=` belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum AssignContext {
-    /// Definition: `y := x`.
+    /// Definition of a flow: `y := x`.
     Definition,
     /// Named argument of a call: `f(x := 1)`.
     Argument,
-    /// Any other construct.
+    /// Any other construct, or one that is not recognised.
     Other,
 }
 

@@ -58,7 +58,7 @@ fn is_any_of(found: &ErrorContext<'_, '_>, at: usize, words: &[&str]) -> bool {
     words.iter().any(|word| written.eq_ignore_ascii_case(word))
 }
 
-/// Branch of an `if` statement.
+/// Branch of a foreign `if` statement.
 struct Branch {
     /// Token indices of the condition; `None` for the `else` branch.
     condition: Option<Range<usize>>,
@@ -79,12 +79,13 @@ enum Delimiters {
     Braces,
     /// Keywords or a colon, as in Structured Text and Python.
     Keywords,
-    /// One statement without delimiters.
+    /// No delimiters: the branch is one statement.
     Bare,
 }
 
 impl IfReader<'_, '_, '_> {
-    /// Reads the branches and the index one past the statement. Returns [`None`] if any part is not recognised.
+    /// Reads the branches of the statement. Returns them and the index one past the statement; [`None`] if any part is
+    /// not recognised.
     fn choice(mut self) -> Option<(Vec<Branch>, usize)> {
         let mut branches = Vec::new();
         loop {

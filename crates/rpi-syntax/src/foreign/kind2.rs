@@ -90,5 +90,9 @@ fn unsupported(found: &ErrorContext<'_, '_>, construct: &str, span: Span) -> Opt
         Code::RPI0001,
         format!("{construct} of Kind 2 cannot be executed"),
     );
-    (found.cx.dialect == Dialect::Lustre).then(|| diagnostic.primary(span, "not supported"))
+    (found.cx.dialect == Dialect::Lustre).then(|| {
+        diagnostic
+            .primary(span, "not supported")
+            .help("delete it here, and keep it in the file that Kind 2 checks")
+    })
 }

@@ -42,19 +42,19 @@ use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use std::ops::Range;
 
-/// A recognised construct of another language: its diagnostic and the repair of the tokens.
+/// A construct of another language that explains a syntax error: its diagnostic and the repair of the tokens.
 pub(crate) struct ForeignSyntax {
     pub(crate) diagnostic: Diagnostic,
     pub(crate) repair: Repair,
 }
 
-/// Repair of the tokens after a syntax error, so that parsing can continue.
+/// Change of the tokens after a syntax error with which parsing can continue.
 pub(crate) enum Repair {
     /// Replaces each range of token indices by other tokens. The ranges are in text order.
     ReplaceTokens(Vec<(Range<usize>, Vec<Lexeme>)>),
     /// Replaces the range of token indices by one error node that defines the given names.
     RemovePhrase(Range<usize>, Vec<Ident>),
-    /// Replaces the whole phrase with the error, as for any other syntax error.
+    /// Replaces the whole phrase that contains the error, as for any other syntax error.
     RemoveErrorPhrase,
     /// Replaces the whole declaration by an error node.
     RemoveItem,
@@ -199,7 +199,7 @@ const EMPTY_LEXEME: Lexeme = Lexeme {
     end: 0,
 };
 
-/// Access to the tokens around a syntax error, and construction of repairs.
+/// Access of recognisers of foreign syntax to the tokens around a syntax error, and construction of repairs.
 impl ErrorContext<'_, '_> {
     fn token_at(&self, at: usize) -> Option<Token> {
         self.lexemes.get(at).map(|lexeme| lexeme.token)

@@ -120,27 +120,24 @@ fn fix_unless_declared(found: &ErrorContext<'_, '_>, at: usize, title: String) -
     }
 }
 
-/// Creates a fix of a foreign conditional expression.
-///
-/// The fix is not sure if an operator is involved that only RPI has: its precedence relative to the foreign conditional
-/// is undefined.
-pub(super) fn conditional_fix(
+/// Returns whether an operator that only RPI has is among tokens. Its precedence relative to a conditional expression of
+/// another language is undefined, so that several readings are possible.
+pub(super) fn has_own_operator(
     found: &ErrorContext<'_, '_>,
     range: std::ops::Range<usize>,
-    title: String,
-) -> Fix {
+) -> bool {
     use Token::{Arrow, Bar, Coalesce, Fby, Implies, When, With};
-    let own = |i| {
+    range.into_iter().any(|i| {
         matches!(
             found.token_at(i),
             Some(Arrow | Bar | Coalesce | Fby | Implies | When | With)
         )
-    };
-    match range.into_iter().any(own) {
-        true => Fix::maybe(title),
-        false => Fix::sure(title),
-    }
+    })
 }
+
+/// Help for a conditional expression of another language whose extent among other operators is not clear.
+pub(super) const CONDITIONAL_EXTENT_HELP: &str =
+    "the operators beside it could belong to either: write `(if c then x else y)` in parentheses";
 
 /// Recognises the conditional operator of C: `c ? x : y`.
 pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
@@ -169,17 +166,19 @@ pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
             }
             token => token == Some(Token::Colon),
         })?;
-    let fix = conditional_fix(
-        found,
-        start..end,
-        "write `if ... then ... else ...`".to_owned(),
-    )
-    .insert_before(found.token_span(start), "if ")
-    .replace(found.token_span(at), spaced_word(found, at, "then"))
-    .replace(found.token_span(colon), spaced_word(found, colon, "else"));
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
-        .primary(found.token_span(at), "`? :` is from another language")
-        .fix(fix);
+        .primary(found.token_span(at), "`? :` is from another language");
+    if has_own_operator(found, start..end) {
+        return Some(ForeignSyntax {
+            diagnostic: diagnostic.help(CONDITIONAL_EXTENT_HELP),
+            repair: Repair::RemoveErrorPhrase,
+        });
+    }
+    let fix = Fix::sure("write `if ... then ... else ...`")
+        .insert_before(found.token_span(start), "if ")
+        .replace(found.token_span(at), spaced_word(found, at, "then"))
+        .replace(found.token_span(colon), spaced_word(found, colon, "else"));
+    let diagnostic = diagnostic.fix(fix);
     let repair = Repair::ReplaceTokens(vec![
         found.insertion(start, Token::If),
         found.replacement(at, &[Token::Then]),

@@ -46,7 +46,8 @@ pub(super) fn incomplete_port(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     })
 }
 
-/// Reports a port without a type. A function in the form of another language is removed as a whole.
+/// Reports a port without a type. A whole declaration in the form of another language, such as `node f(x) = x + 1;`, is
+/// removed.
 fn untyped(found: &ErrorContext<'_, '_>, at: usize) -> ForeignSyntax {
     let name = found.source_text(at);
     let is_equation =

@@ -7,7 +7,7 @@ use crate::token::Token;
 use rpi_diag::Fix;
 use std::ops::Range;
 
-/// Replacement of a range of tokens by others.
+/// Replacement of a range of tokens by other tokens.
 pub(super) struct Edit {
     range: Range<usize>,
     tokens: Vec<Token>,

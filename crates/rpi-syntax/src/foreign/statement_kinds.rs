@@ -1,17 +1,17 @@
 //! Table of statements of other languages, with the help for each.
 
-/// Extent of a foreign statement.
+/// Rule for the end of a foreign statement.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// Up to its `;`.
+    /// The statement ends at its `;`.
     Phrase,
-    /// Up to the end of its block.
+    /// The statement ends at the end of its block.
     Block,
-    /// Up to its `returns ...;`, as for the blocks of SCADE.
+    /// The statement ends after its `returns ...;`, as the blocks of SCADE do.
     Returns,
 }
 
-/// Kind of foreign statement.
+/// Row of the table of foreign statements: how to recognise one, and the texts of its diagnostic.
 pub(super) struct StatementKind {
     /// First words of the statement, in lower case.
     words: &'static [&'static str],

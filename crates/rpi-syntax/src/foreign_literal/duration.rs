@@ -11,7 +11,7 @@ const UNITS: &[(&str, &str, u64)] = &[
     ("ns", "ns", 1),
 ];
 
-/// Number of a duration and the index of its unit in the table.
+/// Number in a duration literal, with the index of its unit in the table.
 type Part<'t> = (&'t str, usize);
 
 /// Converts a duration without its prefix to a number and an RPI unit: its smallest one. Returns [`None`] if malformed.
@@ -43,7 +43,7 @@ pub(super) fn parse(text: &str) -> Option<(String, &'static str)> {
     Some((number, name))
 }
 
-/// Splits off the first number with its unit, and returns the rest of the text.
+/// Splits off the first number of a duration with its unit. Returns them and the rest of the text.
 fn part(text: &str) -> Option<(Part<'_>, &str)> {
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
     let (number, rest) = text.split_at(end);

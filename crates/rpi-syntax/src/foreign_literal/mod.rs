@@ -25,11 +25,11 @@ pub(crate) struct ForeignLiteral {
 /// Replacement of a foreign literal in the syntax tree.
 #[derive(PartialEq, Debug)]
 pub(crate) enum LiteralReplacement {
-    /// Number with an optional unit.
+    /// The literal is replaced by this number with an optional unit.
     Number(String, Option<&'static str>),
-    /// Boolean literal.
+    /// The literal is replaced by this Boolean.
     Bool(bool),
-    /// Name, such as a value of an enum.
+    /// The literal is replaced by this name, such as a value of an enum.
     Name(String),
 }
 
@@ -170,7 +170,7 @@ fn convert_suffixed(text: &str) -> Option<ForeignLiteral> {
 /// Largest number that every integer type can hold.
 const MAX_COMMON_INT: u64 = 127;
 
-/// Returns whether an integer, decimal or hexadecimal, is at most [`SMALL`].
+/// Returns whether an integer, decimal or hexadecimal, is at most [`MAX_COMMON_INT`].
 fn is_small(number: &str) -> bool {
     let digits = number.trim_start_matches("0x").trim_start_matches("0X");
     let base = if digits.len() < number.len() { 16 } else { 10 };

@@ -7,13 +7,14 @@ use rpi_diag::Diagnostic;
 pub(crate) enum LexicalErrorKind {
     /// Characters that form no token.
     UnknownChars,
-    /// Comment or string that is not closed.
+    /// Comment or string without its end.
     Unclosed,
     /// Operator, literal or comment marker of another language.
     ForeignSyntax,
     /// Argument named with an operator of another language: `f(a := x)`.
     NamedArgument,
-    /// Number outside of its range, number with a suffix, unsupported contract, text that is too long.
+    /// Any other error: a number outside of its range or with a suffix, an unsupported contract, a text that is too
+    /// long.
     Other,
 }
 

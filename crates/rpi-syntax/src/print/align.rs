@@ -6,10 +6,10 @@
 
 use std::ops::Range;
 
-/// Token of the document.
+/// Token of the printed document, to be aligned with the tokens of the source.
 pub(super) struct DocWord<'d> {
     pub(super) text: &'d str,
-    /// Index of the source token at the offset of the part, if the part has an offset.
+    /// Index of the source token at the same offset, if the offset is known.
     pub(super) anchor: Option<usize>,
 }
 

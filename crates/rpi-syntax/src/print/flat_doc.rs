@@ -5,7 +5,7 @@ use crate::token::Token;
 use logos::Logos;
 use std::collections::BTreeMap;
 
-/// Node of a document that encloses other pieces.
+/// Node of a document that encloses other pieces, such as a group or an indentation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Enclosure {
     Indent(usize),
@@ -14,14 +14,14 @@ pub(super) enum Enclosure {
     Group,
 }
 
-/// Element of a flat document.
+/// Piece of a document that has been flattened to a list.
 #[derive(Clone, Debug)]
 pub(super) enum DocPiece {
     Open(Enclosure),
     Close(Enclosure),
-    /// Token of the language.
+    /// Piece with one token of the language.
     Token(String),
-    /// White space or a comment.
+    /// Piece with white space or a comment.
     Text(String),
     Line,
     Soft,

@@ -40,7 +40,7 @@ pub(crate) fn print_conditional(printer: &Printer<'_>, conditional: &IfExpr) -> 
     })
 }
 
-/// Operand of a chain, with the operator before it.
+/// Operand in a chain of operators, with the operator before it.
 struct ChainOperand<'e> {
     op: Option<BinaryOp>,
     operand: &'e Expr,
@@ -111,7 +111,7 @@ fn links_to_right(mut binary: &Binary) -> Vec<ChainOperand<'_>> {
     }
 }
 
-/// Branch of a chain of conditional expressions.
+/// Branch in a chain of conditional expressions: `if c then x`, or the final `else y`.
 enum ConditionalBranch<'e> {
     If {
         head: &'static str,

@@ -10,7 +10,7 @@ pub(super) const MAX_WIDTH: usize = 100;
 // Without a limit, the text of a deeply nested program would grow with the square of its size.
 const MAX_INDENT: usize = 80;
 
-/// Text that can be laid out in several ways.
+/// Document: text with alternative layouts, from which the printer chooses.
 #[derive(Clone, Debug)]
 pub(super) enum Doc {
     /// Text of one or several tokens.
@@ -19,7 +19,7 @@ pub(super) enum Doc {
     Word(&'static str),
     /// Line break in a broken group, else a space.
     Line,
-    /// Line break in a broken group, else nothing.
+    /// Line break in a broken group, else no text.
     SoftLine,
     /// Line break; breaks every enclosing group.
     HardLine,
@@ -82,7 +82,7 @@ impl Doc {
         }
     }
 
-    /// Returns the width of the document on one line; [`None`] if it has a line break or is wider than [`WIDTH`].
+    /// Returns the width of the document on one line; [`None`] if it has a line break or is wider than [`MAX_WIDTH`].
     pub(super) fn flat_width(&self) -> Option<usize> {
         let mut left = MAX_WIDTH;
         let mut todo = vec![self];
@@ -125,7 +125,7 @@ pub(super) fn lay_out(doc: &Doc) -> String {
     out
 }
 
-/// Whether the optional line breaks of a group are used.
+/// Whether the optional line breaks of a group are used, or the group is on one line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BreakMode {
     Flat,

@@ -6,7 +6,7 @@ use crate::ops::{
     UnaryOp,
 };
 
-/// Returns the precedence level of the operator at the root of an expression.
+/// Returns the precedence level of the outermost operator of an expression.
 pub(super) fn level(expr: &Expr) -> Precedence {
     match &expr.kind {
         ExprKind::If(_) | ExprKind::Quantified(_) => PRECEDENCE_IF,
@@ -17,18 +17,18 @@ pub(super) fn level(expr: &Expr) -> Precedence {
     }
 }
 
-/// Returns whether a left operand of `op` needs parentheses.
+/// Returns whether an expression needs parentheses as the left operand of `op`.
 pub(super) fn left(op: BinaryOp, lhs: &Expr) -> bool {
     let groups_left = op.associativity() == Associativity::Left;
     before(op.precedence(), groups_left, lhs)
 }
 
-/// Returns whether the sampled value, left of `when`, needs parentheses.
+/// Returns whether an expression needs parentheses as the sampled value, left of `when`.
 pub(super) fn sampled(value: &Expr) -> bool {
     before(PRECEDENCE_WHEN, true, value)
 }
 
-/// Returns whether a right operand of `op` needs parentheses.
+/// Returns whether an expression needs parentheses as the right operand of `op`.
 pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
     if is_prefix(rhs) {
         return false;
@@ -37,7 +37,7 @@ pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
     level(rhs) < op.precedence() || level(rhs) == op.precedence() && !groups_right
 }
 
-/// Returns whether the operand of a unary operator needs parentheses.
+/// Returns whether an expression needs parentheses as the operand of a unary operator.
 pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
     let looks_else = match op {
         // `--` would begin a comment.

@@ -4,7 +4,7 @@ use super::flat_doc::{DocPiece, Enclosure};
 use super::trivia::is_closer;
 use std::ops::Range;
 
-/// Pieces of a document, and the enclosures around them.
+/// Pieces of a flattened document, with an index of the words and enclosures in them.
 pub(super) struct PieceMap {
     pub(super) pieces: Vec<DocPiece>,
     /// Indices of the pieces that are words.

@@ -10,7 +10,7 @@ use super::list;
 use super::ty;
 use crate::ast::*;
 
-/// Column widths of adjacent steps.
+/// Widths of the columns in which adjacent steps of a task are aligned.
 #[derive(Clone, Copy, Default)]
 struct Columns {
     /// Width of the labels, with `:` and a space.

@@ -15,7 +15,7 @@ pub(super) struct Source<'a> {
     significant: Vec<usize>,
 }
 
-/// Comments between two tokens, by their position.
+/// Comments between two tokens, sorted by their position.
 pub(super) struct GapComments<'a> {
     /// Source offset of the next token that is not a separator.
     pub(super) next: u32,
@@ -138,7 +138,7 @@ impl<'a> Source<'a> {
         previous.max(self.end_before(comment.span.start))
     }
 
-    /// Returns the first token after a comment.
+    /// Returns the first token after a comment; `None` at the end.
     fn next(&self, comment: &Comment) -> Option<Span> {
         let at = self
             .tokens

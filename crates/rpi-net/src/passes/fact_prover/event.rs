@@ -2,7 +2,8 @@
 
 use crate::net::{FragmentId, PortRef};
 
-/// Event in a cycle: a fragment is active, and some flows are present as seen from it.
+/// Event whose occurrence proofs are about: in a cycle a fragment is active, and some flows are present as seen from
+/// it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Event {
     pub(crate) fragment: FragmentId,

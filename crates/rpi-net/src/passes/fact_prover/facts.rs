@@ -49,7 +49,7 @@ impl ProofContext<'_> {
 /// Remaining number of node visits.
 pub(crate) type EffortBudget = Cell<u32>;
 
-/// Facts about one cycle.
+/// Set of facts about one cycle: which fragments are active, and which values flows may have.
 #[derive(Clone)]
 pub(crate) struct Facts<'a> {
     background: ProofContext<'a>,
@@ -217,7 +217,7 @@ impl<'a> Facts<'a> {
             .unwrap_or_else(|| self.initial_values(port))
     }
 
-    /// Flows with facts.
+    /// Flows about which facts are known, with their possible values.
     pub(crate) fn known(&self) -> impl Iterator<Item = (PortRef, ValueSet)> + '_ {
         self.known.iter().map(|(port, set)| (*port, *set))
     }
@@ -302,7 +302,8 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Keeps the values of inputs and output that occur in some combination allowed by the gate.
+    /// Narrows the inputs and the output of a node to values that occur in some combination allowed by its truth table
+    /// `gate`.
     fn revise_gate(
         &mut self,
         id: NodeId,

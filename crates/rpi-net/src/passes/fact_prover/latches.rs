@@ -11,9 +11,9 @@ use rpi_image::{Role, Value};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximal number of flows visited per question.
+/// Maximal number of flows that the search for one property of a latch visits.
 const EFFORT: usize = 400;
-/// Maximal nesting depth of gates; deeper ones count as unknown.
+/// Maximal nesting depth of logic gates that the search follows; deeper ones count as unknown.
 const DEPTH: usize = 100;
 
 /// Latches of a net that turn on at most once.
@@ -74,7 +74,7 @@ impl Latches {
         }
     }
 
-    /// Whether two latches that are on according to the facts exclude each other.
+    /// Whether the facts are contradictory because two latches that they imply to be on exclude each other.
     pub(super) fn exclude(&self, facts: &Facts<'_>, effort: &EffortBudget) -> bool {
         let on = facts.known().filter(|(_, set)| *set == ValueSet::TRUE);
         let on: Vec<usize> = on
@@ -88,7 +88,7 @@ impl Latches {
         })
     }
 
-    /// Returns a latch with all latches that must have been on before it or with it.
+    /// Returns a latch together with all latches that must have been on before it or turn on with it.
     fn on_before(&self, latch: usize) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([latch]);
         let mut open = vec![latch];
@@ -169,7 +169,7 @@ fn is_constant(background: ProofContext<'_>, input: &Input, expected: bool) -> b
     value.and_then(Value::as_bool) == Some(expected)
 }
 
-/// Source of a latch's `inOn` (0) or `inOff` (1).
+/// Flow at the in-port `inOn` (0) or `inOff` (1) of a latch; `None` if it is not connected.
 fn switch_source(background: ProofContext<'_>, latch: NodeId, input: usize) -> Option<PortRef> {
     background.net.node(latch).inputs.get(input)?.port()
 }

@@ -75,7 +75,7 @@ impl<'a> Prover<'a> {
         denied.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, DEPTH)
     }
 
-    /// Whether a pair is proved exclusive with case distinctions up to this depth.
+    /// Whether it is proved, with case distinctions up to this depth, that two events never occur in the same cycle.
     pub(crate) fn is_refuted(&mut self, a: &Event, b: &Event, depth: usize) -> bool {
         let Ok(both) = self.both_active(a.fragment, b.fragment, depth) else {
             return true;

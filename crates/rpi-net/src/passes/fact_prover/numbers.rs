@@ -80,7 +80,7 @@ impl Bounds {
     }
 }
 
-/// Returns an error if the comparisons of some number contradict each other.
+/// Checks the facts about comparisons of numbers. Returns an error if those of some number contradict each other.
 pub(super) fn check(
     net: &Net,
     known: &BTreeMap<PortRef, ValueSet>,
@@ -117,7 +117,7 @@ fn is_always_number(net: &Net, number: PortRef) -> bool {
     is_integer || matches!(node.desc().role, Role::Flow(_))
 }
 
-/// Returns an error if all possible values of some integer are excluded.
+/// Returns an error if the facts exclude all possible values of some integer.
 fn check_excluded(
     net: &Net,
     known: &BTreeMap<PortRef, ValueSet>,
@@ -146,7 +146,7 @@ fn check_excluded(
     }
 }
 
-/// Integer and constant of an exact equality.
+/// Integer flow and constant that a node compares for exact equality; `None` for other nodes.
 fn equals(node: &Node) -> Option<(PortRef, i64)> {
     let exact = node
         .params
@@ -163,7 +163,8 @@ fn equals(node: &Node) -> Option<(PortRef, i64)> {
     }
 }
 
-/// Number and interval of a comparison with a constant.
+/// Number and interval that follow if a node, a comparison with a constant, has the truth value `holds`; `None` for
+/// other nodes.
 fn range(node: &Node, holds: bool) -> Option<(PortRef, Bounds)> {
     let name = node.desc().name;
     let (first, second) = (node.inputs.first()?, node.inputs.get(1)?);
@@ -220,7 +221,7 @@ fn compared_with(constant: f64, or_equal: bool, is_first: bool, holds: bool) -> 
     }
 }
 
-/// Duration of a flow in seconds, if it is a constant number of ticks.
+/// Duration in seconds of a flow that is a constant number of ticks; `None` for other flows.
 fn duration(net: &Net, port: PortRef) -> Option<f64> {
     let node = net.node(port.node);
     match (node.desc().name, node.inputs.first()?) {

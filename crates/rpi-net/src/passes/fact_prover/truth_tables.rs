@@ -6,17 +6,18 @@
 use crate::net::Node;
 use rpi_image::{Presence, Role, Scalar, Type, Value};
 
-/// Set of possible values of a flow in a cycle.
+/// Set of possible values of a flow in a cycle: true, false, absent. Of other types than Booleans only the presence is
+/// tracked.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ValueSet(u8);
 
 impl ValueSet {
-    /// True; for a flow that is not a Boolean: present.
+    /// The set with the value true; for a flow that is not a Boolean, the set with any present value.
     pub(crate) const TRUE: ValueSet = ValueSet(1);
     pub(crate) const FALSE: ValueSet = ValueSet(2);
     pub(crate) const ABSENT: ValueSet = ValueSet(4);
     pub(crate) const EMPTY: ValueSet = ValueSet(0);
-    /// Present with any value.
+    /// The set of all present values.
     pub(crate) const PRESENT: ValueSet = ValueSet(3);
 
     pub(crate) const fn intersection(self, other: ValueSet) -> ValueSet {
@@ -52,7 +53,7 @@ impl ValueSet {
     }
 }
 
-/// Possible outputs of a gate for single values of its inputs.
+/// Truth table of a logic gate: possible outputs for single values of its inputs.
 type Gate = fn(&Node, &[ValueSet]) -> ValueSet;
 
 /// Gates with a truth table, by registered name.
@@ -117,7 +118,7 @@ pub(crate) fn is_boolean(ty: Type) -> bool {
     ty == Type::Scalar(Scalar::Bool)
 }
 
-/// Value of a constant as a set.
+/// Set with the value of a constant.
 pub(crate) fn constant(value: &Value) -> ValueSet {
     value.as_bool().map_or(ValueSet::TRUE, ValueSet::from_bool)
 }
@@ -155,7 +156,7 @@ fn strict(inputs: &[ValueSet], value: bool) -> ValueSet {
     }
 }
 
-/// Output of an edge detector: it may be true only if the input has the value that it detects.
+/// Possible output of an edge detector: true only if the input may have the value that it detects.
 fn edge(node: &Node, value: ValueSet) -> ValueSet {
     let expected = node.params.first().and_then(Value::as_bool).unwrap_or(true);
     match value {

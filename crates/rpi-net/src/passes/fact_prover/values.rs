@@ -4,7 +4,7 @@ use crate::net::{Input, Net, PortRef};
 use rpi_image::{Role, Value};
 use std::collections::BTreeSet;
 
-/// Maximal number of flows visited per question.
+/// Maximal number of flows that the search for the values of one flow visits.
 const EFFORT: usize = 2_000;
 
 /// Primitives that forward one of their in-ports unchanged, with the index of the first such in-port.

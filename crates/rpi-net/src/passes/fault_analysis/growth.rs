@@ -6,9 +6,9 @@ use super::range::Interval;
 use super::transfer::IntOperation;
 use crate::net::{Input, NodeId};
 
-/// Number of cycles of the longest run considered: 139 years of 1 ms cycles.
+/// Number of cycles of the longest run for which counters are analysed: 139 years of 1 ms cycles.
 pub(super) const CYCLES: i128 = 1 << 42;
-/// Maximal number of nodes on the paths from a delay back to itself.
+/// Maximal number of nodes on the paths from a delay back to itself that are followed.
 const NODES: u32 = 64;
 
 /// Next value of a delay: its current value plus a step, an independent value, or either.
@@ -107,7 +107,7 @@ impl GrowthAnalysis<'_, '_> {
     }
 }
 
-/// Adds a range to a step, or subtracts it.
+/// Adds the range `by` to the step of a delay, or subtracts it.
 fn add_to_step(next: NextValue, by: Interval, op: IntOperation) -> Option<NextValue> {
     let (down, up) = match op {
         IntOperation::Add => (i128::from(by.lo), i128::from(by.hi)),

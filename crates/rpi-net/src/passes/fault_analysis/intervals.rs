@@ -9,16 +9,16 @@ use crate::passes::Schedule;
 use rpi_image::Role;
 use std::collections::BTreeSet;
 
-/// Number of rounds without widening. Later, the range of a delay is widened to the next constant of the program.
+/// Number of iterations without widening. Later, the range of a delay is widened to the next constant of the program.
 const EXACT_ROUNDS: usize = 4;
-/// Number of rounds after which a range that still changes is widened to all values.
+/// Number of iterations after which a range that still changes is widened to all values.
 const ROUGH_ROUNDS: usize = 20;
-/// Number of rounds after which the ranges of all delays are widened to all values.
+/// Number of iterations after which the ranges of all delays are widened to all values.
 const MAX_ROUNDS: usize = 40;
 /// Maximal number of constants of the program used as widening thresholds.
 const MAX_THRESHOLDS: usize = 256;
 
-/// Ranges of the flows of a net.
+/// Interval analysis of a net: the range of the values of each integer and Boolean flow.
 pub(super) struct IntervalAnalysis<'a> {
     pub(super) net: &'a Net,
     /// For each node, the range of its only out-port; `None` if it is not reached yet (bottom).
@@ -147,12 +147,12 @@ impl<'a> IntervalAnalysis<'a> {
         }
     }
 
-    /// Range of an in-port while its fragment is active; `None` if it is not reached yet.
+    /// Range of the values at an in-port while its fragment is active; `None` if it is not reached yet.
     pub(super) fn input(&self, node: &Node, k: usize) -> Option<Interval> {
         self.input_where(node, k, &Limits::new())
     }
 
-    /// Like [`Known::input`], with additional limits.
+    /// Like [`IntervalAnalysis::input`], with additional limits.
     pub(super) fn input_where(&self, node: &Node, k: usize, limits: &Limits) -> Option<Interval> {
         match node.inputs.get(k)? {
             Input::Const(value) => Interval::from_value(value),

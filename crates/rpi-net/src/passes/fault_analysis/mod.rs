@@ -28,11 +28,11 @@ use transfer::IntOperation;
 /// Kind of a run-time fault.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum FaultKind {
-    /// The result does not fit in 64 bits.
+    /// The result of an integer operation does not fit in 64 bits.
     Overflow,
     /// A divisor may be 0.
     Division,
-    /// An index is out of range.
+    /// An index is outside the array.
     Index,
     /// A real cannot be converted to an integer.
     Conversion,
@@ -61,7 +61,7 @@ impl fmt::Display for FaultKind {
 /// Operation that is not proved free of faults.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PossibleFault {
-    /// Node of the operation.
+    /// Node of the net that may fault.
     pub node: NodeId,
     /// Location of the operation in the source text.
     pub span: Span,
@@ -133,7 +133,7 @@ fn of_operation(known: &IntervalAnalysis<'_>, node: &Node) -> Vec<FaultKind> {
     kinds
 }
 
-/// Whether a checked value is always within its range when the check is active.
+/// Whether the value of a subrange check is always within the range while the check is active.
 fn is_within(known: &IntervalAnalysis<'_>, node: &Node) -> bool {
     let mut limits = refine::Limits::new();
     if let Some(Input::Port(guard)) = node.inputs.first() {
@@ -147,7 +147,7 @@ fn is_within(known: &IntervalAnalysis<'_>, node: &Node) -> bool {
     from.hi <= value.lo && value.hi <= to.lo
 }
 
-/// Whether a node is active only while a guard is true.
+/// Whether a node is active only while a condition of the program is true.
 fn is_guarded(net: &Net, node: &Node) -> bool {
     let first = node.inputs.first();
     let ports = &node.desc().inputs;

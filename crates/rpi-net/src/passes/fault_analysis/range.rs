@@ -25,7 +25,7 @@ impl Interval {
         }
     }
 
-    /// All values of a type; `None` for a type that is not analysed.
+    /// Interval of all values of a type; `None` for a type that is not analysed.
     pub(super) fn from_type(ty: Type) -> Option<Interval> {
         match ty {
             Type::Scalar(Scalar::Bool) => Some(Interval::BOOL),
@@ -91,7 +91,7 @@ impl Interval {
         range
     }
 
-    /// Removes one value, if the result is an interval.
+    /// Interval without one value; the same interval if the value is not at its end.
     pub(super) fn without(self, value: i64) -> Interval {
         let mut range = self;
         if value == 0 {
@@ -104,7 +104,8 @@ impl Interval {
         range.trimmed()
     }
 
-    /// Results of an operation that is monotonic in each operand, computed from the bounds; `None` on overflow.
+    /// Interval of the results of an operation that is monotonic in each operand, computed from the bounds; `None` on
+    /// overflow.
     pub(super) fn combine_bounds(
         self,
         other: Interval,
@@ -124,7 +125,7 @@ impl Interval {
         ))
     }
 
-    /// Quotients; the divisor 0 is ignored. `None` on overflow.
+    /// Interval of the quotients; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn div(self, by: Interval) -> Option<Interval> {
         let mut parts = [(by.lo, by.hi.min(-1)), (by.lo.max(1), by.hi)]
             .into_iter()
@@ -134,8 +135,8 @@ impl Interval {
         parts.try_fold(first, |all, part| Some(all.join(part?)))
     }
 
-    /// Remainders; the divisor 0 is ignored. They have the sign of the dividend, are smaller in size than the divisor,
-    /// and at most the size of the dividend.
+    /// Interval of the remainders; the divisor 0 is ignored. They have the sign of the dividend, are smaller in size
+    /// than the divisor, and at most the size of the dividend.
     pub(super) fn modulo(self, by: Interval) -> Interval {
         let size = by.lo.unsigned_abs().max(by.hi.unsigned_abs());
         let size = i64::try_from(size.saturating_sub(1)).unwrap_or(i64::MAX);
@@ -145,7 +146,7 @@ impl Interval {
         )
     }
 
-    /// Powers with non-negative exponents; `None` on overflow, or if an exponent may be negative.
+    /// Interval of the powers with non-negative exponents; `None` on overflow, or if an exponent may be negative.
     pub(super) fn power(self, by: Interval) -> Option<Interval> {
         if by.lo < 0 {
             return None;

@@ -6,7 +6,7 @@ use super::range::Interval;
 use crate::net::{Input, Node, PortRef};
 use smallvec::SmallVec;
 
-/// Maximal nesting depth of conditions.
+/// Maximal nesting depth of conditions from which limits are derived.
 const DEPTH: usize = 12;
 /// Maximal number of limits derived from a condition.
 const MAX_LIMITS: usize = 32;
@@ -14,7 +14,7 @@ const MAX_LIMITS: usize = 32;
 /// Flows with additional limits on their ranges.
 pub(super) type Limits = SmallVec<[(PortRef, Limit); 4]>;
 
-/// Limit of one flow.
+/// Restriction of the range of one flow that follows from a condition.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Limit {
     Within(Interval),
@@ -108,7 +108,7 @@ fn assume_comparison(node: &Node, truth: bool, limits: &mut Limits) {
     limits.extend(within.map(|within| (port, Limit::Within(within))));
 }
 
-/// Whether an equality has no tolerance.
+/// Whether an equality primitive compares exactly, without a tolerance.
 fn is_exact(node: &Node) -> bool {
     let slack = node.params.first();
     slack.is_none_or(|slack| slack.as_int() == Some(0) || slack.as_real() == Some(0.0))

@@ -5,7 +5,7 @@ use super::range::Interval;
 use super::refine::Limits;
 use crate::net::{Input, Node};
 
-/// Integer operations, plain and guarded.
+/// Integer operation of a primitive, plain or guarded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum IntOperation {
     Add,
@@ -63,7 +63,7 @@ impl IntOperation {
         })
     }
 
-    /// Results of the operation; the divisor 0 is ignored. `None` on overflow.
+    /// Interval of the results of the operation; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn apply(self, a: Interval, b: Interval) -> Option<Interval> {
         match self {
             IntOperation::Add => a.combine_bounds(b, |a, b| a + b),

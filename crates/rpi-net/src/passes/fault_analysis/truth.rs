@@ -4,10 +4,10 @@ use super::intervals::IntervalAnalysis;
 use super::refine::Limits;
 use crate::net::{Input, Node};
 
-/// Maximal nesting depth of nodes.
+/// Maximal nesting depth of Boolean nodes that the evaluation follows.
 const DEPTH: usize = 8;
 
-/// Value of a Boolean node, if it is constant while it is present.
+/// Value of a Boolean node, if it is constant while it is present and the `limits` hold.
 pub(super) fn constant_value(
     known: &IntervalAnalysis<'_>,
     node: &Node,

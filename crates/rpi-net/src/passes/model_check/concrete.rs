@@ -7,14 +7,14 @@ use crate::net::{Node, PortRef};
 use rpi_image::{CommandFlow, Scalar, Type, Value};
 use std::collections::BTreeMap;
 
-/// Boolean, with a flag that says whether it is exact.
+/// Boolean of a concrete execution, with a flag that says whether it is exact.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct ConcreteBool {
     pub(super) value: bool,
     pub(super) exact: bool,
 }
 
-/// Value, with a flag that says whether it is exact.
+/// Value of a concrete execution, with a flag that says whether it is exact.
 #[derive(Clone, Debug)]
 pub(super) struct ConcreteValue {
     pub(super) value: Value,
@@ -24,7 +24,7 @@ pub(super) struct ConcreteValue {
 /// Inputs of a run by source and cycle; `None` if the input is absent.
 pub(super) type InputScript = BTreeMap<(Source, usize), Option<Value>>;
 
-/// Boundary values by type: constants of the net, from which random inputs are derived.
+/// Interesting values by type: constants of the net and their neighbours, from which random inputs are chosen.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoundaryValues {
     pub(super) integers: Vec<i64>,
@@ -54,7 +54,7 @@ impl Random {
     }
 }
 
-/// Probability in eighths that an input keeps its value in long runs.
+/// Probability in eighths that an input keeps its value from cycle to cycle in long runs.
 pub(super) const LONG_RUN_HOLD: usize = 7;
 
 /// Tick length in runs in nanoseconds: the default of a robot cell.
@@ -63,7 +63,7 @@ pub(super) const TICK_NS: u64 = 1_000_000;
 /// Execution with concrete values: the current cycle, the inputs so far, and the choice of missing inputs.
 pub(super) struct ConcreteDomain<'a> {
     pub(super) cycle: usize,
-    /// Inputs read so far. Missing ones are generated.
+    /// Inputs of the run so far. Values that are missing are generated when they are read.
     pub(super) script: InputScript,
     pub(super) random: Random,
     pub(super) pool: &'a BoundaryValues,
@@ -71,7 +71,7 @@ pub(super) struct ConcreteDomain<'a> {
     pub(super) hold_probability: usize,
     /// Whether a primitive had a fault.
     pub(super) is_faulty: bool,
-    /// Whether missing inputs are neutral instead of random.
+    /// Whether a primitive has raised a fault in the run.
     pub(super) use_neutral_inputs: bool,
 }
 
@@ -167,7 +167,7 @@ impl<'a> ConcreteDomain<'a> {
         is_there.then(|| self.random_value(ty))
     }
 
-    /// Returns a later time in seconds. It may jump to a constant with which times are compared.
+    /// Returns a random time in seconds after `then`. It may jump to a constant with which times are compared.
     fn later(&mut self, then: f64) -> f64 {
         let pool = self.pool;
         let next = then + 0.001;

@@ -10,9 +10,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Kind of state that is kept from cycle to cycle. It is reset with the fragment that owns it.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum RegisterKind {
-    /// Input of a delay in the previous cycle.
+    /// The input of a delay in the previous cycle.
     Delayed(NodeId),
-    /// Memory slot of a primitive.
+    /// A memory slot of a primitive, by index.
     Slot(NodeId, usize),
     /// Whether the fragment has been active before.
     Started(FragmentId),
@@ -20,7 +20,8 @@ pub(super) enum RegisterKind {
     WasActive(FragmentId),
 }
 
-/// Register: its kind, owner, type and initial value (`None` if it is initially absent).
+/// State element of a net in the model checker: its kind, owner, type and initial value (`None` if it is initially
+/// absent).
 #[derive(Clone, Debug)]
 pub(super) struct Register {
     pub(super) memory: RegisterKind,
@@ -31,7 +32,7 @@ pub(super) struct Register {
     pub(super) may_be_absent: bool,
 }
 
-/// Cone of influence of some events.
+/// Cone of influence of some events: the nodes and registers that decide whether they occur.
 pub(super) struct Cone<'a> {
     pub(super) net: &'a Net,
     /// Nodes in order of evaluation.
@@ -80,7 +81,7 @@ impl<'a> Cone<'a> {
         cone
     }
 
-    /// Index of a register.
+    /// Index of the register of this kind; `None` if it is not in the cone.
     pub(super) fn index_of(&self, memory: &RegisterKind) -> Option<usize> {
         self.places.get(memory).copied()
     }
@@ -211,7 +212,7 @@ impl Search<'_> {
         }
     }
 
-    /// Searches breadth first, so that the nearest nodes are kept.
+    /// Runs the search breadth first for at most `limit` nodes, so that the nearest nodes are kept.
     fn run(&mut self, limit: usize) {
         let mut at = 0;
         while at < self.open.len() {

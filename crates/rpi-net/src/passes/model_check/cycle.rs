@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 /// Contents of all registers at the start of a cycle.
 pub(super) type State<D> = Vec<Flow<D>>;
 
-/// Computation of one cycle.
+/// Computation of one cycle of a net over concrete or symbolic values.
 pub(super) struct Cycle<'a, D: Domain> {
     pub(super) domain: &'a mut D,
     cone: &'a Cone<'a>,
@@ -41,7 +41,7 @@ fn first<D: Domain>(domain: &mut D, ty: Type, content: Option<&Value>) -> Flow<D
 }
 
 impl<'a, D: Domain> Cycle<'a, D> {
-    /// Computes a cycle from the state at its start.
+    /// Prepares the computation of a cycle from the state at its start.
     pub(super) fn new(domain: &'a mut D, cone: &'a Cone<'a>, state: &'a State<D>) -> Self {
         let yes = domain.bit(true);
         let no = domain.bit(false);
@@ -77,7 +77,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         self.domain.is_true(&flow)
     }
 
-    /// Flow as any reader sees it: absent while its fragment is inactive.
+    /// Value and presence of a flow as any reader sees it: absent while its fragment is inactive.
     pub(super) fn flow(&mut self, port: PortRef) -> Flow<D> {
         if let Some(flow) = self.flows.get(&port) {
             return flow.clone();
@@ -323,7 +323,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         outputs.map(|value| Flow { present, value }).collect()
     }
 
-    /// Outputs of a primitive for which only the presence rule is known.
+    /// Outputs of a primitive of which only the presence rule is known: their values are unconstrained.
     fn unknown(
         &mut self,
         id: NodeId,
@@ -358,7 +358,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
     }
 }
 
-/// External source that an out-port reads.
+/// External source from which an out-port gets its value.
 fn source(id: NodeId, node: &Node, port: u8) -> Source {
     let text = |name: &str| {
         let value = node.desc().param(name).and_then(|at| node.params.get(at));

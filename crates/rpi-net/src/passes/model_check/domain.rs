@@ -4,10 +4,10 @@
 use crate::net::{Node, PortRef};
 use rpi_image::{CommandFlow, Type, Value};
 
-/// External source of a value, which the net does not compute.
+/// Source of a value that the net itself does not compute.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum Source {
-    /// Flow of the control core. All nodes that read it read the same value.
+    /// Flow that the control core provides. All nodes that read it read the same value.
     Core(CommandFlow),
     /// Port of a device.
     Sensor {
@@ -15,9 +15,9 @@ pub(super) enum Source {
         port: String,
         index: i64,
     },
-    /// Input that is set from outside, by key.
+    /// Input of the command that is set from outside, by key.
     Outside(String),
-    /// Unconstrained out-port.
+    /// Out-port of a primitive that is not modelled, so that its value is unconstrained.
     Port(PortRef),
 }
 
@@ -38,17 +38,17 @@ impl<D: Domain + ?Sized> Clone for Flow<D> {
     }
 }
 
-/// Operations on Booleans and values.
+/// Operations on Booleans and values for the computation of a cycle, with concrete or with symbolic values.
 pub(super) trait Domain {
-    /// Type of a Boolean.
+    /// Type of a Boolean in the domain.
     type Bool: Copy + std::fmt::Debug;
-    /// Type of a value of any flow type.
+    /// Type of a value of any flow type in the domain.
     type Value: Clone + std::fmt::Debug;
 
     fn bit(&self, value: bool) -> Self::Bool;
     fn not(&mut self, a: Self::Bool) -> Self::Bool;
     fn and(&mut self, a: Self::Bool, b: Self::Bool) -> Self::Bool;
-    /// Returns a constant.
+    /// Converts a constant of the net to a value.
     fn constant(&mut self, value: &Value) -> Self::Value;
     /// Converts a Boolean to a value.
     fn boolean(&mut self, bit: Self::Bool) -> Self::Value;

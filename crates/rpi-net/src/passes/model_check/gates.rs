@@ -6,7 +6,7 @@ use super::domain::{Domain, Flow};
 use crate::net::Node;
 use rpi_image::{Role, Type, Value};
 
-/// Primitive with a model here.
+/// Primitive whose function the model checker knows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Gate {
     And,
@@ -150,7 +150,7 @@ impl Gate {
 }
 
 impl<D: Domain> Flow<D> {
-    /// Returns the same value, present if `first` or `second` holds.
+    /// Returns a flow with the same value that is present if `first` or `second` holds.
     fn with_presence(self, domain: &mut D, first: D::Bool, second: D::Bool) -> Flow<D> {
         Flow {
             present: domain.or(first, second),

@@ -22,7 +22,7 @@ pub(super) enum IntTerm {
     Choice(Lit, IntId, IntId),
 }
 
-/// All integer terms of a problem, hash-consed.
+/// Table of all integer terms of a problem. Equal terms are stored once (hash-consing).
 #[derive(Debug, Default)]
 pub(super) struct Integers {
     terms: Vec<(IntTerm, u32)>,
@@ -181,7 +181,8 @@ impl Integers {
         self.at_most_zero(solver, difference)
     }
 
-    /// Literal that is true exactly if the term fits in `i64`. It need not if the operation is not evaluated.
+    /// Literal that is true exactly if the term fits in `i64`. An operation that is not evaluated may have a result
+    /// that does not fit.
     fn fits(&mut self, solver: &mut Solver, int: IntId) -> Lit {
         if let Some(known) = self.fitting.get(&int) {
             return *known;

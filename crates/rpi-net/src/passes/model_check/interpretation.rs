@@ -8,7 +8,7 @@ use crate::net::Node;
 use crate::solver::Lit;
 
 impl SymbolicDomain {
-    /// Output of an interpreted primitive; `None` for others.
+    /// Output of a primitive whose function the symbolic domain knows; `None` for others.
     pub(super) fn interpret(&mut self, node: &Node, inputs: &[Term]) -> Option<Term> {
         let name = node.desc().name.split_once("::")?.1;
         if let Some(operation) = name.strip_prefix("GuardedInt") {

@@ -10,12 +10,12 @@ use super::symbolic::{SymbolicDomain, Term};
 use super::unrolling::Unrolling;
 use crate::solver::{Lit, SatResult};
 
-/// Maximal numbers of facts, of values of one integer, and of integers in sums.
+/// Maximal number of facts of which invariants are made.
 const FACTS: usize = 56;
 const VALUES: usize = 12;
 const INTEGERS: usize = 12;
 
-/// Atomic proposition about a register, by register index.
+/// Atomic proposition about the content of a register, of which candidate invariants are made.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Fact {
     Present(usize),
@@ -24,7 +24,7 @@ pub(super) enum Fact {
     Equals(usize, i64),
 }
 
-/// Candidate invariant.
+/// Candidate invariant of a net, proposed by samples of runs and proved or refuted by the solver.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Candidate {
     /// Disjunction: one of the facts has the given truth value.
@@ -147,7 +147,7 @@ pub(super) fn candidates(samples: &[Sample]) -> Vec<Candidate> {
     guesses
 }
 
-/// Sums and differences of two integers that are the same in all samples.
+/// Candidates that say that the sum or difference of two integers is the same in all samples.
 fn sums(samples: &[Sample], integers: &[usize]) -> Vec<Candidate> {
     let integers = &integers[..integers.len().min(INTEGERS)];
     let mut found = Vec::new();
@@ -171,7 +171,8 @@ fn sums(samples: &[Sample], integers: &[usize]) -> Vec<Candidate> {
     found
 }
 
-/// Facts that never change, and pairs of facts of which at least one always has the given truth value.
+/// Candidates that say that a fact never changes, or that at least one of a pair of facts always has the given truth
+/// value.
 fn clauses(samples: &[Sample], facts: &[Fact]) -> Vec<Candidate> {
     let mut found = Vec::new();
     let mut columns: Vec<(Fact, Vec<bool>)> = Vec::new();

@@ -37,21 +37,21 @@ use trace::{Exploration, Trace};
 use unrolling::Unrolling;
 pub(crate) use witness::Witness;
 
-/// Maximal number of nodes in the cone of a net.
+/// Maximal number of nodes in the cone of influence that is modelled.
 const NODES: usize = 3_000;
 /// Step budget of the solver per net: some tenths of a second.
 const STEPS: u64 = 6_000_000;
 /// Maximal number of node evaluations in random runs per net.
 const RUN_BUDGET: u64 = 60_000;
-/// Maximal number of node evaluations in the first random runs.
+/// Maximal number of node evaluations in the first random runs, before any proof is tried.
 const FEW_RUNS: u64 = 3_000;
-/// Maximal number of node evaluations in long runs per net.
+/// Maximal number of node evaluations in long random runs per net.
 const LONG_RUNS: u64 = 120_000;
 /// Maximal number of Boolean variables of a problem.
 const MAX_VARIABLES: usize = 150_000;
 /// Maximal number of cycles in bounded model checking from the start.
 const BMC_DEPTH: usize = 10;
-/// Maximal number of cycles of an induction.
+/// Maximal number of cycles of a k-induction.
 const INDUCTION: usize = 3;
 
 /// Result for a pair of events.
@@ -61,18 +61,18 @@ pub(crate) enum Verdict {
     Exclusive(Method),
     /// Example run in which both occur in the same cycle.
     Witnessed(Witness),
-    /// Not decided.
+    /// Neither proved exclusive nor witnessed within the limits.
     Undecided,
 }
 
-/// Proof method.
+/// Method by which events were proved exclusive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Method {
     /// Proof for one cycle from an arbitrary state.
     SingleCycle,
     /// k-induction over this many cycles.
     Induction(usize),
-    /// Induction with this many invariants.
+    /// Induction strengthened with this many invariants.
     Invariants(usize),
 }
 
@@ -141,7 +141,8 @@ fn solve_queries(
     decision.verdicts
 }
 
-/// Question with the verdicts found so far.
+/// Decision procedure for some queries: it tries random runs, bounded model checking and induction, and keeps the
+/// verdicts found so far.
 struct QuerySolver<'a> {
     question: &'a Problem<'a>,
     pool: &'a BoundaryValues,
@@ -181,7 +182,7 @@ impl QuerySolver<'_> {
         self.in_long_runs();
     }
 
-    /// Decides in the only cycle of a command that ends at once.
+    /// Decides the queries about a command that ends in its first cycle.
     fn in_first_cycle(&mut self) {
         self.bounded_model_check(1);
         let free = self.cycles_free_of_event(1);
@@ -199,7 +200,7 @@ impl QuerySolver<'_> {
             .collect()
     }
 
-    /// Random runs with at most `nodes` node evaluations.
+    /// Searches witnesses in random runs with at most `nodes` node evaluations.
     fn explore(&mut self, mut nodes: u64) -> Exploration {
         let open = self.open();
         let seen = trace::explore(self.question, self.pool, &open, &mut nodes);
@@ -217,7 +218,7 @@ impl QuerySolver<'_> {
         self.verdicts[pair] = Some(Verdict::Witnessed(witness));
     }
 
-    /// Decides the events that are impossible in any state.
+    /// Proves those queries impossible that cannot be satisfied in a cycle from any state, reachable or not.
     fn single_cycle_proof(&mut self) {
         let open = self.open();
         if open.is_empty() {
@@ -232,7 +233,7 @@ impl QuerySolver<'_> {
         }
     }
 
-    /// Bounded model checking from the start with up to `cycles` cycles.
+    /// Searches witnesses by bounded model checking from the start with up to `cycles` cycles.
     fn bounded_model_check(&mut self, cycles: usize) {
         if self.open().is_empty() || self.steps == 0 {
             return;
@@ -276,7 +277,7 @@ impl QuerySolver<'_> {
         }
     }
 
-    /// Proves the remaining events impossible by k-induction, strengthened by invariants.
+    /// Proves the remaining queries impossible by k-induction, strengthened by invariants.
     fn k_induction(&mut self, seen: &Exploration) {
         if self.open().is_empty() || self.question.cone.registers.is_empty() {
             return;
@@ -308,7 +309,7 @@ impl QuerySolver<'_> {
         }
     }
 
-    /// For each event, the number of cycles from the start that are proved free of it, at most `cycles`.
+    /// For each query, the number of cycles from the start that are proved not to satisfy it, at most `cycles`.
     fn cycles_free_of_event(&mut self, cycles: usize) -> Vec<usize> {
         let mut free = vec![0; self.verdicts.len()];
         let mut unrolled = Unrolling::from_start(self.question);

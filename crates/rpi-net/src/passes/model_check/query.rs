@@ -6,7 +6,7 @@ use super::domain::Domain;
 use crate::net::{Input, Net, PortRef, ResultKind, Termination};
 use crate::passes::fact_prover::Event;
 
-/// Condition on a cycle.
+/// Condition on one cycle, about which the model checker decides whether it can be satisfied.
 #[derive(Clone, Debug)]
 pub(super) enum Query {
     /// Both events occur.
@@ -16,7 +16,7 @@ pub(super) enum Query {
 }
 
 impl Query {
-    /// Events of the condition.
+    /// Events that the condition is about.
     pub(super) fn events(&self) -> &[Event] {
         match self {
             Query::Both(both) => both,
@@ -39,7 +39,7 @@ impl Query {
     }
 }
 
-/// Queries with the part of the net that decides them.
+/// Queries with the part of the net that decides them, as the model checker solves them.
 pub(super) struct Problem<'a> {
     pub(super) cone: Cone<'a>,
     pub(super) events: Vec<Query>,
@@ -49,7 +49,7 @@ pub(super) struct Problem<'a> {
     pub(super) ends_at_once: bool,
 }
 
-/// Conditions that end a command alone. A `yield` is not among them, since it needs a successor.
+/// Conditions each of which ends a command on its own. A `yield` is not among them, since it needs a successor.
 pub(super) fn ends(net: &Net) -> Vec<PortRef> {
     let Termination::Results(results) = &net.termination else {
         return Vec::new();

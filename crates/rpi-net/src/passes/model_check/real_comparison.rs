@@ -20,7 +20,7 @@ impl Comparison {
     }
 }
 
-/// Integer terms and solver, which comparisons need.
+/// Table of integer terms and solver, to which comparisons of reals add terms and literals.
 pub(super) struct TermContext<'a> {
     pub(super) integers: &'a mut Integers,
     pub(super) solver: &'a mut Solver,
@@ -165,7 +165,8 @@ impl Reals {
         }
     }
 
-    /// Compares a term with the position of the change: at most there if `up_to`, otherwise beyond. False for NaN.
+    /// Literal for a comparison of a term with the rank `turn` at which a function changes: at most there if `up_to`,
+    /// otherwise beyond. False for NaN.
     fn compare_with_turn(
         &mut self,
         around: &mut TermContext<'_>,
@@ -185,7 +186,8 @@ impl Reals {
         around.solver.and(reached, !nan)
     }
 
-    /// Compares two terms by their positions only.
+    /// Literal for a comparison of two terms by their ranks in the order of doubles, without knowledge of the
+    /// operations that compute them.
     fn compare_places(&mut self, around: &mut TermContext<'_>, comparison: Comparison) -> Lit {
         let Comparison { a, b, is_strict } = comparison;
         let (left, right) = (
@@ -228,7 +230,7 @@ fn compare_extreme(
     solver.and(both, !no_number)
 }
 
-/// Literal for a comparison of an integer whose truth value changes once.
+/// Literal for a comparison of an integer with a constant real, whose truth value changes once over all integers.
 fn compare_integer(
     around: &mut TermContext<'_>,
     int: IntId,

@@ -21,7 +21,7 @@ pub(super) enum Binary {
     Maximum,
 }
 
-/// Monotone function of one double.
+/// Monotone function of one double, used to reduce comparisons of its result to comparisons of its argument.
 #[derive(Clone, Copy)]
 pub(super) struct Monotone {
     op: Result<Unary, Binary>,

@@ -10,7 +10,7 @@ use super::real_functions::{Binary, Monotone, Unary, apply_binary, apply_unary};
 use crate::solver::{LinearTerm, Lit, Solver};
 use rustc_hash::FxHashMap;
 
-/// Maximal nesting depth, and maximal number of terms of a problem.
+/// Maximal nesting depth of real terms; also the maximal number of terms of a problem.
 pub(super) const DEPTH: u32 = 120;
 pub(super) const TERMS: usize = 60_000;
 
@@ -22,7 +22,8 @@ pub(super) struct RealId(u32);
 pub(super) enum RealTerm {
     /// Constant, as the bits of a double.
     Constant(u64),
-    /// Position as a solver variable, and the literal for NaN.
+    /// Unconstrained real: its rank in the order of doubles as a solver variable, and the literal that is true if it is
+    /// NaN.
     Free(usize, Lit),
     Unary(Unary, RealId),
     Binary(Binary, RealId, RealId),
@@ -30,15 +31,15 @@ pub(super) enum RealTerm {
     Choice(Lit, RealId, RealId),
 }
 
-/// All real terms of a problem, hash-consed.
+/// Table of all real terms of a problem. Equal terms are stored once (hash-consing).
 #[derive(Debug, Default)]
 pub(super) struct Reals {
     terms: Vec<(RealTerm, u32)>,
     known: FxHashMap<RealTerm, RealId>,
-    /// Literals of comparisons that have been made.
+    /// Literals of the comparisons that have been encoded so far.
     pub(super) comparisons: FxHashMap<(RealId, RealId, bool), Lit>,
     nans: FxHashMap<RealId, Lit>,
-    /// Position variables of terms that are not interpreted.
+    /// Solver variables for the ranks of terms whose operation the model does not know.
     places: FxHashMap<RealId, usize>,
 }
 
@@ -82,7 +83,7 @@ impl Reals {
         self.insert(RealTerm::Free(variable, Lit::FALSE), 0)
     }
 
-    /// Position and NaN literal of a free variable; `None` for other terms.
+    /// Rank and NaN literal of an unconstrained real; `None` for other terms.
     pub(super) fn as_variable(&self, real: RealId) -> Option<(LinearTerm, Lit)> {
         match self.term(real) {
             RealTerm::Free(variable, nan) => Some((LinearTerm::variable(variable), nan)),
@@ -188,7 +189,8 @@ impl Reals {
         }
     }
 
-    /// Position of a term as a sum of solver variables.
+    /// Rank of a real term in the order of all doubles, as a linear term over solver variables. It makes comparisons of
+    /// doubles comparisons of integers.
     pub(super) fn position(&mut self, solver: &mut Solver, real: RealId) -> LinearTerm {
         match self.term(real) {
             RealTerm::Constant(bits) => {

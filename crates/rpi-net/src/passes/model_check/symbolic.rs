@@ -26,20 +26,20 @@ struct Operation {
     prim: u16,
     port: usize,
     params: Vec<String>,
-    /// For each in-port, whether it is connected.
+    /// For each in-port of the primitive, whether it is connected.
     connected: Vec<bool>,
     ty: Option<Type>,
     inputs: Vec<(Lit, Term)>,
 }
 
-/// Symbolic cycles of a problem.
+/// Symbolic execution of a net: terms for its flows over several cycles, and the solver with their constraints.
 pub(super) struct SymbolicDomain {
     pub(super) solver: Solver,
     pub(super) integers: Integers,
     pub(super) reals: Reals,
     /// Index of the current cycle.
     pub(super) cycle: usize,
-    /// Whether cycle 0 is the first cycle of the command.
+    /// Whether cycle 0 is the first cycle of the command, rather than an arbitrary later one.
     pub(super) is_from_start: bool,
     /// External values that have been read, by source and cycle.
     pub(super) sources: BTreeMap<(Source, usize), (Flow<SymbolicDomain>, Type)>,
@@ -99,7 +99,7 @@ impl SymbolicDomain {
         self.reals.compare(&mut around, a, b, is_strict)
     }
 
-    /// Adds constraints between cycles: time increases, and a cancel request persists.
+    /// Adds constraints on a flow of the core in successive cycles: time increases, and a cancel request persists.
     fn constrain_over_time(&mut self, flow: CommandFlow, value: &Flow<SymbolicDomain>) {
         let before = self.cycle.checked_sub(1).and_then(|before| {
             let key = (Source::Core(flow), before);
@@ -124,7 +124,7 @@ impl SymbolicDomain {
         }
     }
 
-    /// Creates an external value. Time and period are known to be finite and not negative.
+    /// Creates a term for an external value. Time and period are known to be finite and not negative.
     fn external_value(&mut self, source: &Source, ty: Type) -> Term {
         match source {
             Source::Core(CommandFlow::Time | CommandFlow::Period)
@@ -152,7 +152,7 @@ impl SymbolicDomain {
     }
 }
 
-/// Whether a source has the same value in all cycles.
+/// Whether an external source has the same value in all cycles.
 fn is_constant(source: &Source) -> bool {
     matches!(
         source,

@@ -12,14 +12,14 @@ use rustc_hash::FxHashMap;
 
 /// Maximal number of cycles of a run.
 const RUN_LENGTH: usize = 24;
-/// Maximal number of cycles of a long run, and the number of long runs.
+/// Maximal number of cycles of a long run.
 const LONG_RUN_LENGTH: usize = 5_000;
 const LONG_RUNS: u64 = 3;
-/// Maximal number of states kept as samples.
+/// Maximal number of register contents kept as samples for invariants.
 const SAMPLES: usize = 400;
-/// Maximal number of variations of a run from the solver.
+/// Maximal number of random variations of a run that the solver has proposed.
 const VARIATIONS: u64 = 64;
-/// Maximal number of inputs that are rounded.
+/// Maximal number of inputs of a run that are simplified to round numbers.
 const ROUNDED: usize = 12;
 /// Maximal number of boundary values per type.
 const MAX_BOUNDARY_VALUES: usize = 64;
@@ -31,12 +31,12 @@ pub(super) struct Trace {
     pub(super) last: usize,
 }
 
-/// Results of random runs.
+/// Results of random runs: runs that satisfy queries, and samples of the registers.
 #[derive(Default)]
 pub(super) struct Exploration {
     /// For each query, a run that satisfies it in its last cycle.
     pub(super) witnesses: Vec<Option<Trace>>,
-    /// Contents of the registers at the start of cycles.
+    /// Contents of the registers at the start of visited cycles.
     pub(super) samples: Vec<State<ConcreteDomain<'static>>>,
 }
 

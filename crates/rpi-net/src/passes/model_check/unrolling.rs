@@ -11,7 +11,7 @@ use super::symbolic::{SymbolicDomain, Term};
 use crate::solver::{Lit, SatResult};
 use rpi_image::{Type, Value};
 
-/// Consecutive cycles from the start of the command or from an arbitrary state.
+/// Unrolling of a net over consecutive cycles, from the start of the command or from an arbitrary state.
 pub(super) struct Unrolling<'a> {
     question: &'a Problem<'a>,
     pub(super) domain: SymbolicDomain,
@@ -51,7 +51,7 @@ impl<'a> Unrolling<'a> {
         }
     }
 
-    /// Adds a cycle.
+    /// Adds one cycle to the unrolling.
     pub(super) fn extend(&mut self) {
         let Some(state) = self.states.last() else {
             return;
@@ -96,7 +96,7 @@ impl<'a> Unrolling<'a> {
         self.ended[..cycles].iter().map(|over| !*over).collect()
     }
 
-    /// Inputs of the last solution.
+    /// Inputs of the cycles in the last solution of the solver.
     pub(super) fn script(&self) -> InputScript {
         let solver = &self.domain.solver;
         let sources = self.domain.sources.iter();

@@ -11,12 +11,12 @@ use rpi_image::{CommandFlow, Role, Scalar, Type, Value};
 use rustc_hash::FxHashSet;
 use std::fmt;
 
-/// Maximal number of flows in a description.
+/// Maximal number of flows that a description of an example run shows.
 const MAX_SHOWN: usize = 4;
-/// Maximal number of flows searched for a name.
+/// Maximal number of flows visited in the search for flows with a name.
 const MAX_SEARCHED: usize = 400;
 
-/// Description of the last cycle of an example run.
+/// Description of the last cycle of an example run, for the diagnostic that it supports.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Witness {
     /// Index of the cycle, from 0.

@@ -4,13 +4,13 @@ use super::super::parsed_text::{TextRange, Word};
 use super::{List, ParseResult, Parser, SyntaxError};
 use rpi_diag::{Code, Diagnostic, Span};
 
-/// Steps through characters.
+/// Movements of the parser over the characters of the text.
 impl<'t> Parser<'t> {
     pub(super) fn peek(&self) -> Option<u8> {
         self.out.text.as_bytes().get(self.offset).copied()
     }
 
-    /// Skips one character.
+    /// Advances by one character.
     pub(super) fn bump(&mut self) {
         let next = self.out.text[self.offset..].chars().next();
         self.offset += next.map_or(0, char::len_utf8);
@@ -72,7 +72,7 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// Diagnostics.
+/// Creation of diagnostics by the parser.
 impl Parser<'_> {
     pub(super) fn span(&self, start: usize, end: usize) -> Span {
         self.out.span(TextRange::new(start, end))

@@ -95,12 +95,12 @@ pub(super) fn get<T: FlowType>(cx: &mut Context<'_>, place: u32, array: Array<T>
     })
 }
 
-/// Returns the type of one element if parameter 1 is a valid index of input 0.
+/// Returns the type of one element of the array at in-port 0, if parameter 1 is a valid index of that array.
 pub(super) fn one<T: FlowType>(args: &ShapeArgs<'_>) -> Option<Type> {
     (args.size(1)? < args.len(0)?).then_some(Type::Scalar(T::SCALAR))
 }
 
-/// Returns the type of input 0 if parameter 1 is a valid index of it.
+/// Returns the type of the array at in-port 0, if parameter 1 is a valid index of that array.
 pub(super) fn with_index(args: &ShapeArgs<'_>) -> Option<Type> {
     (args.size(1)? < args.len(0)?).then_some(*args.inputs.first()?)?
 }

@@ -46,7 +46,7 @@ macro_rules! sampled {
 
 pub(super) use sampled;
 
-/// Initialises a state with the first parameter.
+/// Initialises a state with the value of the first parameter.
 pub(super) fn init_with_first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
     let value = args.params.first().map_or(&[][..], Value::slots);
     if value.len() == state.len() {
@@ -54,7 +54,7 @@ pub(super) fn init_with_first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
     }
 }
 
-/// Returns the number of slots for a history of `MaxAge` seconds and the cycle before it.
+/// Returns the number of slots for a history of values over `MaxAge` seconds and the cycle before.
 pub(in crate::catalogue) fn history_slots<T: FlowType>(args: &SizeArgs<'_>) -> u32 {
     RingBuffer::<T>::cells(args.cycles_of_param(0).saturating_add(1))
 }
@@ -76,7 +76,8 @@ pub(in crate::catalogue) fn at_time<T: FlowType>(
     back
 }
 
-/// Returns the number of whole cycles in a fraction of the history; negative ages count as 0.
+/// Returns the number of whole cycles in the fraction `share` of a history of `oldest` cycles; negative fractions count
+/// as 0.
 fn cycles_back(share: f64, oldest: usize) -> usize {
     let cycles = libm::floor(share * oldest as f64);
     (cycles.max(0.0) as usize).min(oldest.saturating_sub(1))

@@ -4,7 +4,7 @@
 macro_rules! scalars {
     ($prefix:literal, $t:ty) => {
         interface! {
-            /// Constant `Value`.
+            /// Outputs the constant in the parameter `Value` in every cycle.
             VALUE = concat!($prefix, "Value");
             in {}
             param { Value: $t = Neutral }

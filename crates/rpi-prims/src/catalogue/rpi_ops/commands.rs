@@ -36,7 +36,7 @@ interface! {
 }
 
 primitive! {
-    /// Outputs the value. A fault ends the command if the value is false.
+    /// Outputs the Boolean at its in-port. If it is false, a fault ends the command.
     ASSERT = "Rpi::Assert";
     in { inValue: bool }
     out { outValue: bool }
@@ -45,7 +45,8 @@ primitive! {
 }
 
 primitive! {
-    /// Outputs the value, which is the result of an index check. A fault ends the command if the value is false.
+    /// Outputs the Boolean at its in-port, which is the result of an index check. If it is false, a fault ends the
+    /// command.
     ASSERT_INDEX = "Rpi::AssertIndex";
     in { inValue: bool }
     out { outValue: bool }
@@ -54,7 +55,8 @@ primitive! {
 }
 
 primitive! {
-    /// Outputs the value. A fault ends the command if the value is false. The prover assumes that the value is true.
+    /// Outputs the Boolean at its in-port. If it is false, a fault ends the command. The prover assumes that it is
+    /// true.
     ASSUME = "Rpi::Assume";
     in { inValue: bool }
     out { outValue: bool }

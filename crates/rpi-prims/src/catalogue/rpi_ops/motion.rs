@@ -11,7 +11,8 @@ use rpi_image::ShapeRule;
 
 pub(in crate::catalogue) const ALL: &[Prim] = &[MOVE_LINE, MOVE_ARC, MOVE_CORNER, MOVE_JOINTS];
 
-/// Declares a motion. Its work is the bounded planning of the motion core in a cycle: about 200 µs.
+/// Declares a motion primitive. Its declared work bounds the planning that the motion core does in a cycle: about 200
+/// µs.
 macro_rules! motion {
     (
         $(#[doc = $doc:expr])+

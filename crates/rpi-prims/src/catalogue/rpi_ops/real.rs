@@ -73,7 +73,7 @@ primitive! {
 }
 
 primitive! {
-    /// Largest integral value that is not greater than the operand.
+    /// Largest whole number that is not greater than the operand, as a real.
     FLOOR = "Rpi::DoubleFloor";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -82,7 +82,7 @@ primitive! {
 }
 
 primitive! {
-    /// Smallest integral value that is not less than the operand.
+    /// Smallest whole number that is not less than the operand, as a real.
     CEILING = "Rpi::DoubleCeiling";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
@@ -91,7 +91,7 @@ primitive! {
 }
 
 primitive! {
-    /// Nearest integral value; halves are rounded away from 0.
+    /// Nearest whole number, as a real; halves are rounded away from 0.
     ROUND = "Rpi::DoubleRound";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }

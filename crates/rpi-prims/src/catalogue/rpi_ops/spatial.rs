@@ -79,7 +79,7 @@ primitive! {
 }
 
 primitive! {
-    /// Product of a velocity and a real.
+    /// Product of a velocity (linear and angular) and a real.
     TWIST_SCALE = "Rpi::TwistScale";
     in { inValue: Twist; inFactor: f64 = Factor(Real(1.0)) }
     out { outValue: Twist }

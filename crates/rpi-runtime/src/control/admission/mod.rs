@@ -21,7 +21,7 @@ use start_order::{StartCause, StartOrder};
 pub struct Budget {
     /// Worst-case time of an elementary operation in nanoseconds.
     pub ns_per_operation: f64,
-    /// Maximum time of all commands in a tick together, nanoseconds.
+    /// Maximum time of all commands together in a tick, nanoseconds.
     pub granted_ns: u64,
 }
 
@@ -30,9 +30,9 @@ pub struct Budget {
 pub struct BudgetExceededError {
     /// Worst-case time of the commands to be started, nanoseconds.
     pub needed_ns: u64,
-    /// Worst-case time of the commands that may run at the same time, nanoseconds.
+    /// Worst-case time of the other commands that may run at the same time, nanoseconds.
     pub taken_ns: u64,
-    /// Time budget of all commands, nanoseconds.
+    /// Time budget of all commands in a tick, nanoseconds.
     pub granted_ns: u64,
 }
 
@@ -62,7 +62,7 @@ impl fmt::Display for BudgetExceededError {
     }
 }
 
-/// Resource needs and state of a command.
+/// Resource needs and state of a loaded command, as admission control knows them.
 #[derive(Clone, Debug)]
 struct CommandDemand {
     bound_ns: u64,
@@ -89,7 +89,7 @@ impl CommandDemand {
     }
 }
 
-/// Admission state: the resource needs of all loaded commands and the causes by which they may start.
+/// Admission control: the resource needs of all loaded commands, and the requests and rules by which they may start.
 pub(super) struct Admission {
     budget: Option<Budget>,
     demands: BTreeMap<CommandId, CommandDemand>,
@@ -115,7 +115,7 @@ impl Admission {
             .map_or(0, |budget| budget.worst_case_ns(command))
     }
 
-    /// Returns an error if a command exceeds the budget even when it runs alone.
+    /// Returns an error if a command exceeds the time budget even when it runs alone.
     pub(super) fn check_alone(&self, command: &Command) -> Result<(), BudgetExceededError> {
         let check = |budget: Budget| budget.check(budget.worst_case_ns(command));
         self.budget.map_or(Ok(()), check)
@@ -135,8 +135,8 @@ impl Admission {
         self.demands.insert(id, demand);
     }
 
-    /// Checks that a command can start now together with all commands that run or may still start. Returns the [`Way`]
-    /// to pass to [`Admission::ask`].
+    /// Checks that a command can start now together with all commands that run or may still start. Returns the cause of
+    /// the start, to be passed to [`Admission::request_sent`].
     pub(super) fn admit_start(
         &self,
         command: CommandId,
@@ -145,7 +145,7 @@ impl Admission {
     }
 
     /// Checks that the commands started by a rule can run together with all commands that run or may still start.
-    /// Returns the [`Way`] to pass to [`Admission::ask`].
+    /// Returns the cause of the start, to be passed to [`Admission::request_sent`].
     pub(super) fn admit_rule(
         &self,
         id: RuleId,
@@ -209,7 +209,7 @@ impl Admission {
         self.start_causes.push(cause);
     }
 
-    /// Updates the state from an event.
+    /// Updates the state of the commands from an event of the core.
     pub(super) fn handle_event(&mut self, event: &Event) {
         match event {
             Event::Answer {
@@ -299,7 +299,7 @@ impl Budget {
         (command.work() as f64 * self.ns_per_operation) as u64
     }
 
-    /// Returns an error if the time exceeds the budget on its own.
+    /// Returns an error if a time, in nanoseconds, exceeds the whole budget.
     pub(crate) fn check(&self, needed_ns: u64) -> Result<(), BudgetExceededError> {
         match needed_ns > self.granted_ns {
             true => Err(BudgetExceededError {
@@ -312,8 +312,7 @@ impl Budget {
     }
 }
 
-/// Returns a bound for the time of these commands in one tick: the sum over all groups of mutually exclusive commands
-/// of the most expensive member.
+/// Returns a bound for the time of these commands in one tick.
 // The greedy partition, most expensive command first, is not optimal, but any partition gives a valid bound.
 fn combined_bound_ns<'a>(
     demands: impl Iterator<Item = (&'a CommandId, &'a CommandDemand)>,

@@ -35,7 +35,7 @@ impl StartCause {
 
 type Outlived = BTreeSet<CommandId>;
 
-/// For each command, the set of commands that it outlives.
+/// For each command, the set of commands that it outlives: those that have ended for good before it starts.
 pub(super) struct StartOrder(BTreeMap<CommandId, Outlived>);
 
 impl StartOrder {
@@ -49,7 +49,8 @@ impl StartOrder {
         order
     }
 
-    /// Computes the commands that a command outlives: the intersection over all of its causes.
+    /// Computes the commands that have ended for good before a command starts: the intersection over all causes by
+    /// which it may start.
     ///
     /// During the computation the command outlives nothing, so the recursion ends for cyclic rules.
     fn compute_outlived<'w>(

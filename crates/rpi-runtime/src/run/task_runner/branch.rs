@@ -12,12 +12,12 @@ use super::start_request::{StartError, StartRequest, TaskCommand};
 use super::task_core::TaskCore;
 use crate::control::Event;
 
-/// Position of a branch in the plan.
+/// What a branch of a task executes at present.
 #[derive(Debug)]
 pub(super) enum BranchState {
-    /// A single command.
+    /// The branch executes a single command.
     Command(TaskCommand),
-    /// Parallel branches.
+    /// The branch executes parallel branches.
     Parallel {
         at: PlanCursor,
         branches: Vec<Branch>,
@@ -26,11 +26,11 @@ pub(super) enum BranchState {
         /// Commands at the ends of the branches when their common successor was last scheduled.
         scheduled_for: Vec<CommandId>,
     },
-    /// No command: an empty branch.
+    /// The branch executes no command, as it is empty.
     Empty,
 }
 
-/// A running part of a task with its scheduled successors.
+/// Part of a task that is executed, a command or parallel branches, with its scheduled successors.
 #[derive(Debug)]
 pub(super) struct Branch {
     pub(super) state: BranchState,
@@ -44,12 +44,12 @@ pub(super) struct Branch {
     has_ended: bool,
 }
 
-/// Progress of one parallel branch of a task.
+/// Progress of a branch of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BranchProgress {
-    /// The branch runs.
+    /// The branch still runs.
     Running,
-    /// The branch has ended.
+    /// The branch has ended without an unhandled error.
     Ended,
     /// The branch has failed, but parts of it still run.
     Failing(BranchExit),
@@ -135,9 +135,10 @@ impl Branch {
         }
     }
 
-    /// Performs all actions that are possible now.
+    /// Performs all actions of the branch that are possible now.
     ///
     /// # Errors
+    ///
     /// Returns the commands that could not be started, with the reason.
     pub(super) fn step(&mut self, site: &mut Planner<'_>) -> Result<BranchProgress, StartError> {
         if self.has_ended {
@@ -182,7 +183,7 @@ impl Branch {
         Ok(BranchProgress::Ended)
     }
 
-    /// Schedules the possible successors once they are known.
+    /// Loads and schedules the possible successors of the branch once they are known.
     fn schedule_successors(
         &mut self,
         site: &mut Planner<'_>,
@@ -246,7 +247,7 @@ impl Branch {
         }
     }
 
-    /// Advances the parallel branches. If one of them fails, the others are requested to end.
+    /// Advances the parallel branches in this branch. If one of them fails, the others are requested to end.
     fn step_branches(&mut self, site: &mut Planner<'_>) -> Result<BranchProgress, StartError> {
         let winding = self.ending;
         let BranchState::Parallel {
@@ -295,8 +296,8 @@ impl Branch {
         }
     }
 
-    /// Continues after the end of the current command or branches: with the successor that the core started, or by
-    /// starting the next place now.
+    /// Continues the plan after the current command or branches have ended: with the successor that the core started,
+    /// or by starting the next step now.
     fn continue_at(
         &mut self,
         place: NextStep,
@@ -332,7 +333,7 @@ impl Branch {
     }
 }
 
-/// Returns the place that follows a command with this ending.
+/// Returns the step that follows a command with this ending in the plan.
 fn next_place(slot: &TaskCommand, ending: Ending, image: &Image, site: &Planner<'_>) -> NextStep {
     if ending.cancelled {
         return NextStep::Error;

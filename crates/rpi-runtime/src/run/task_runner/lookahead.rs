@@ -11,13 +11,13 @@ use super::start_request::{StartError, StartRequest, TaskCommand};
 use super::task_core::{NotStartedError, TaskCore};
 use crate::control::RequestError;
 
-/// Plan of a task, and the control core on which the task runs.
+/// Scheduler of a task: its plan, and the control core on which it loads and starts commands.
 pub(super) struct Planner<'s> {
     pub(super) plan: &'s ExecutablePlan,
     pub(super) core: &'s mut dyn TaskCore,
 }
 
-/// A loaded successor with the rule that starts it.
+/// A successor that has been loaded, with the rule that starts it.
 #[derive(Debug)]
 pub(super) struct Successor {
     pub(super) branch: Branch,
@@ -45,9 +45,10 @@ impl StartCondition {
 }
 
 impl Planner<'_> {
-    /// Loads the commands at a place without predecessors and requests their start.
+    /// Loads the commands of a step without predecessors and requests their start.
     ///
     /// # Errors
+    ///
     /// Returns the commands that could not be started, with the reason.
     pub(super) fn start_first(&mut self, place: NextStep) -> Result<Branch, StartError> {
         let mut branch = self.load(place)?;
@@ -92,7 +93,7 @@ impl Planner<'_> {
         Ok(Some(ahead))
     }
 
-    /// Returns the possible next places of a branch with their conditions; `None` as long as parallel branches have more
+    /// Returns the possible next steps of a branch with their conditions; `None` as long as parallel branches have more
     /// commands to run before they join.
     fn successor_conditions(&self, branch: &Branch) -> Option<Vec<(NextStep, StartCondition)>> {
         match &branch.state {
@@ -117,7 +118,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Returns the condition for the end of a branch; `None` if the end needs more than its running commands.
+    /// Returns the condition under which a branch has ended; `None` if it has more commands to run before its end.
     fn end_condition(&self, branch: &Branch) -> Option<StartCondition> {
         match &branch.state {
             BranchState::Command(slot) => {
@@ -145,10 +146,11 @@ impl Planner<'_> {
         }
     }
 
-    /// Continues at a place that was not scheduled in time. The command is started by a rule as well, so that it takes
-    /// over in the same way and has the same predecessors.
+    /// Starts a step that was not scheduled in time. The command is started by a rule as well, so that it takes over in
+    /// the same way and has the same predecessors.
     ///
     /// # Errors
+    ///
     /// Returns the commands that could not be loaded, with the reason.
     pub(super) fn start_late(
         &mut self,
@@ -188,7 +190,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Loads the commands at a place and adds the rule that starts them and passes values to their inputs.
+    /// Loads the commands of a step and adds the rule that starts them and passes values to their inputs.
     fn launch(&mut self, place: NextStep, cause: StartCondition) -> Result<Successor, StartError> {
         let mut branch = self.load(place)?;
         let mut rule = Rule::when(cause.condition);
@@ -205,7 +207,7 @@ impl Planner<'_> {
         Ok(Successor { branch })
     }
 
-    /// Loads the commands at a place. If one cannot be loaded, the others are unloaded.
+    /// Loads the commands of a step. If one cannot be loaded, the others are unloaded.
     fn load(&mut self, place: NextStep) -> Result<Branch, StartError> {
         match place {
             NextStep::Run(cursor) => Ok(Branch::new(

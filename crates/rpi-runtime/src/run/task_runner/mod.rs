@@ -42,7 +42,7 @@ pub enum TaskEnd {
     Cancelled,
 }
 
-/// A running task with its plan, owned or borrowed.
+/// A task that is executed, with its plan, owned or borrowed.
 #[derive(Debug)]
 pub struct Task<P> {
     plan: P,
@@ -69,7 +69,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         self.end
     }
 
-    /// Returns the commands that run or wait for an immediate start.
+    /// Returns the commands of the task that run or wait for an immediate start.
     pub fn running(&self) -> Vec<CommandId> {
         let root = self.root.iter();
         let slots = root.flat_map(|branch| branch.commands());
@@ -79,7 +79,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
             .collect()
     }
 
-    /// Updates the state of the task from an event.
+    /// Updates the state of the task from an event of the core.
     pub fn handle_event(&mut self, event: &Event) {
         self.root
             .iter_mut()
@@ -98,7 +98,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         self.request_end(core);
     }
 
-    /// Performs all actions that are possible now. Never blocks.
+    /// Performs all actions of the task that are possible now. Never blocks.
     pub fn advance(&mut self, core: &mut dyn TaskCore) {
         if self.end.is_some() {
             return;
@@ -131,7 +131,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         }
     }
 
-    /// Handles a command that could not be started: the running commands are requested to end.
+    /// Reacts to a command that could not be started: the running commands of the task are requested to end.
     fn handle_start_error(&mut self, error: StartError, core: &mut dyn TaskCore) {
         core.report_not_started(&error.indices, error.why);
         self.failed = true;

@@ -31,7 +31,7 @@ impl TaskCommand {
     }
 }
 
-/// A request to start commands.
+/// A request to the core that starts commands, with its answer.
 #[derive(Clone, Debug)]
 pub(super) struct StartRequest {
     pub(super) ticket: Ticket,

@@ -29,8 +29,8 @@ impl fmt::Display for NotStartedError {
     }
 }
 
-/// Interface of the control core for tasks. Commands are identified by their index in the list of the plan. No method
-/// blocks.
+/// Operations of the control core that tasks use. Commands are identified by their index in the list of the plan. No
+/// method blocks.
 pub trait TaskCore {
     /// Returns the image of a command.
     fn image(&self, index: usize) -> Arc<Image>;
@@ -59,7 +59,7 @@ pub trait TaskCore {
     /// Unloads a command that does not run.
     fn unload(&mut self, id: CommandId);
 
-    /// Returns true if successors of a command that started in this tick may be planned now.
+    /// Returns true if the successors of a command that started in `first_tick` may be scheduled now.
     fn can_plan(&self, first_tick: Option<u64>) -> bool;
 
     /// Reports a successor that was not scheduled when its predecessor ended. `in_motion` is true if it could have

@@ -29,8 +29,8 @@ pub(crate) fn check_contract_assumptions<'a>(
     assumed
 }
 
-/// Reports assumptions that read an output of the same cycle. In a declared contract the outputs (`allowed`) are
-/// in-ports.
+/// Reports assumptions of a contract that read an output of the same cycle. In a declared contract the outputs
+/// (`allowed`) are in-ports.
 pub(crate) fn check_assumptions<'a>(
     cx: &mut Body<'_, 'a>,
     assumed: &[ExprId],
@@ -56,7 +56,7 @@ pub(crate) fn check_assumptions<'a>(
     }
 }
 
-/// Returns an output that the value depends on in the same cycle, and where it is read.
+/// Returns an output on which the value of an expression depends in the same cycle, and the location where it is read.
 fn find_output_read(cx: &Body<'_, '_>, id: ExprId, allowed: &[&Ident]) -> Option<(FlowId, Span)> {
     let is_output = |id: FlowId| {
         let flow = cx.unit.flow(id);

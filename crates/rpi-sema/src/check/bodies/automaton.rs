@@ -76,8 +76,8 @@ pub(crate) fn declare_automaton<'a>(
     later.push((cx.block, DeferredCheck::Automaton(index, automaton)));
 }
 
-/// Returns the outer flow for each name that states define and do not declare (M14.4), in text order, and its index
-/// by name.
+/// Returns the flow outside of the automaton for each name that states define and do not declare (M14.4), in text
+/// order, and its index by name.
 fn declare_shared_flows<'a>(
     cx: &mut Body<'_, 'a>,
     automaton: &'a ast::Automaton,
@@ -131,8 +131,8 @@ fn declare_state_flows<'a>(
     }
 }
 
-/// Adds the flow of the current block that contributes to the shared flow `outer`. If `outer` is declared `T?`, it
-/// may be absent because of other states, so that the absence of this flow is inferred from its own equation.
+/// Adds a flow local to a state that contributes to the shared flow `outer`. If `outer` is declared `T?`, it may be
+/// absent because of other states, so that the absence of this flow is inferred from its own equation.
 pub(crate) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowId) -> FlowId {
     let shared = cx.unit.flow(outer);
     let optional = match shared.optional {
@@ -273,7 +273,8 @@ fn check_initial_state(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
             "an automaton must have exactly one initial state",
         )
         .primary(second.name.span, "second initial state")
-        .secondary(first.name.span, "first initial state"),
+        .secondary(first.name.span, "first initial state")
+        .help("delete `initial` before all states but one"),
         (None, _) => Diagnostic::new(Code::RPI3006, "the automaton has no initial state")
             .primary(automaton.states[0].name.span, "first state")
             .help("mark one state as initial: `initial state`"),

@@ -7,8 +7,8 @@ use crate::check::diagnostics::report;
 use rpi_diag::{Code, Diagnostic};
 use rpi_syntax::ast::{BlockError, Desugared};
 
-/// Reports the errors of a block and declares its equations. A flow whose equation is faulty counts as defined, so
-/// that it is reported once.
+/// Reports the errors of a block that was desugared to equations, and declares these equations. A flow whose equation
+/// is faulty counts as defined, so that it is reported once.
 pub(crate) fn declare_equation_block<'a>(cx: &mut Body<'_, 'a>, means: &'a Desugared) {
     for fault in &means.errors {
         report::report_diagnostic(cx, block_diagnostic(fault));
@@ -60,6 +60,7 @@ fn block_diagnostic(fault: &BlockError) -> Diagnostic {
             Diagnostic::new(Code::RPI1008, format!("`{}` is defined twice", name.name))
                 .primary(name.span, "defined again here")
                 .secondary(*first, "first defined here")
+                .help("delete one of the two equations")
         }
     }
 }

@@ -24,14 +24,14 @@ use rpi_syntax::ast::Locals;
 use rpi_syntax::{Dialect, Name};
 use std::rc::Rc;
 
-/// Body that is being checked.
+/// State of checking one body: its declared names, equations and typed result so far.
 pub(crate) struct Body<'c, 'a> {
     pub(crate) checker: &'c mut Checker<'a>,
     /// Module of the declaration, in which names are resolved.
     pub(crate) module: ModuleId,
     /// Language of the file, which decides the keywords: RPI or Lustre.
     pub(crate) mode: Dialect,
-    /// Static arguments of the instance.
+    /// Static arguments of the instance that is checked.
     pub(crate) statics: Rc<StaticBindings>,
     /// Number of reads of static parameters.
     pub(crate) static_read_count: usize,
@@ -41,7 +41,7 @@ pub(crate) struct Body<'c, 'a> {
     pub(crate) block: BlockId,
     /// Declared names, by block index.
     pub(crate) scopes: Vec<Scope>,
-    /// Names bound by expressions around the current one.
+    /// Names bound by expressions around the current one, such as quantified variables.
     pub(crate) bindings: Bindings,
     /// All equations of the body.
     pub(crate) pending: Vec<PendingEquation<'a>>,
@@ -51,7 +51,7 @@ pub(crate) struct Body<'c, 'a> {
     pub(crate) shared: SharedFlows,
     /// Inference of the types of flows without a declared type.
     pub(crate) inference: Inference,
-    /// Use of exact time.
+    /// Use of exact time in the body.
     pub(crate) times: Times,
     /// Contracts of the body.
     pub(crate) contract: Contracts<'a>,
@@ -86,7 +86,7 @@ pub(crate) struct Bindings {
 /// Declarations and equations that are resolved when all flows of the body are declared.
 #[derive(Default)]
 pub(crate) struct Definitions<'a> {
-    /// Local declarations by block, whose clocks are resolved later.
+    /// Local declarations by block; their clocks are resolved after type inference.
     pub(crate) declared_clocks: Vec<(BlockId, &'a [Locals])>,
     /// Equations that define an array element by element.
     pub(crate) element_equations: Vec<&'a rpi_syntax::ast::Equation>,
@@ -97,7 +97,7 @@ pub(crate) struct Definitions<'a> {
 /// Flows that the states of an automaton define together.
 #[derive(Default)]
 pub(crate) struct SharedFlows {
-    /// For each flow local to a state, the shared flow outside that it contributes to.
+    /// For each flow local to a state, the shared flow to which it contributes.
     pub(crate) flow_of: FastMap<FlowId, FlowId>,
     /// For each shared flow, the flows local to states that contribute to it. The inverse of `flow_of`.
     pub(crate) contributions: FastMap<FlowId, Vec<FlowId>>,
@@ -118,7 +118,7 @@ pub(crate) struct Inference {
     pub(crate) guess_policy: GuessPolicy,
     /// Locations of number literals without a unit.
     pub(crate) number_literals: FastSet<Span>,
-    /// Index of the diagnostic whose fix writes a number as a real. Adjacent numbers extend this fix.
+    /// Index of the latest diagnostic with a fix that writes a number as a real. Adjacent numbers extend this fix.
     pub(crate) real_fix_index: Option<usize>,
 }
 
@@ -252,7 +252,7 @@ impl<'c, 'a> Body<'c, 'a> {
         self.unit.expr(id).span
     }
 
-    /// Runs `work` with `block` as the current block.
+    /// Runs `work` with `block` as the current block, then restores the previous one.
     pub(crate) fn in_block<T>(&mut self, block: BlockId, work: impl FnOnce(&mut Self) -> T) -> T {
         let outer = std::mem::replace(&mut self.block, block);
         let result = work(self);
@@ -280,7 +280,7 @@ impl<'c, 'a> Body<'c, 'a> {
             .record(name, self.diagnostics.len())
     }
 
-    /// Records an expression with state. Functions report it, as they must not have state.
+    /// Records an expression with state in the body. Functions report it, as they must not have state.
     pub(crate) fn record_state(&mut self, span: Span) {
         self.first_state_span.get_or_insert(span);
     }

@@ -50,7 +50,7 @@ pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract
     block
 }
 
-/// Reports a local name of a contract that is also the name of a port: the port would be hidden from the claims.
+/// Reports a local name of a contract that is also the name of a port, because claims could not refer to the port.
 fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
     let is_twice_here = locals::find_in_block(cx, cx.block, &name.name).is_some();
     if let Some(port) = port_span(cx, &name.name).filter(|_| !is_twice_here) {
@@ -83,7 +83,8 @@ fn declare_modes<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     cx.contract.modes = contract.modes.iter().collect();
 }
 
-/// Checks `::m`, whether a mode of the contract applies, or `::c::m` for a mode of an imported contract.
+/// Checks `::m`, a Boolean that is true while mode `m` of the contract applies, or `::c::m` for a mode of an imported
+/// contract.
 pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> ExprId {
     if let Some((contract, mode)) = name.split_once("::") {
         return imported::imported_mode_condition(cx, contract, mode, span);
@@ -110,7 +111,8 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
         let message = format!("dependency cycle: the mode `{name}` depends on itself");
         let diagnostic = Diagnostic::new(Code::RPI1007, message)
             .primary(span, format!("the condition of `{name}` reads it"))
-            .secondary(mode.name.span, "declared here");
+            .secondary(mode.name.span, "declared here")
+            .help("state the condition of one of the modes by flows instead of modes");
         return cx.report_error_expr(diagnostic, span);
     }
     cx.contract.modes_in_progress.push(mode.name.name.clone());

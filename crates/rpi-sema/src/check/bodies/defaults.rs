@@ -15,7 +15,8 @@ use crate::typed::FlowId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Statement, StatementKind};
 
-/// Declares the flows of those equations in the current block that are defaults.
+/// Declares the default flows of the current block: those of equations beside an automaton whose states define the same
+/// flow.
 pub(crate) fn declare_defaults(cx: &mut Body<'_, '_>, statements: &[Statement]) {
     let shared = defined_by_states(statements);
     if shared.is_empty() {
@@ -28,7 +29,7 @@ pub(crate) fn declare_defaults(cx: &mut Body<'_, '_>, statements: &[Statement]) 
     }
 }
 
-/// Declares the default flow for a flow that states share.
+/// Declares the default flow for a flow that the states of an automaton share.
 fn declare_default(cx: &mut Body<'_, '_>, name: &Ident) {
     let shared = match locals::find_in_block(cx, cx.block, &name.name) {
         Some(Local::Flow(flow)) if cx.unit.flow(flow).role.has_equation() => flow,
@@ -45,7 +46,7 @@ fn declare_default(cx: &mut Body<'_, '_>, name: &Ident) {
     }
 }
 
-/// Returns the flow that an equation for `flow` in the current block defines: the default flow, if there is one.
+/// Returns the flow that an equation for `flow` in the current block defines: its default flow, if there is one.
 pub(crate) fn defined_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
     match cx.shared.defaults.get(&flow) {
         Some(default) if cx.unit.flow(*default).block == cx.block => *default,

@@ -91,14 +91,14 @@ fn automaton_part(cx: &Body<'_, '_>, shared: &SharedFlow) -> DefinedPart {
     }
 }
 
-/// Part of a flow that an equation or an automaton defines: `count` leaves from leaf `at` on.
+/// Part of a flow that an equation or an automaton defines: `count` leaves (scalar parts) from leaf `at` on.
 #[derive(Clone, Copy)]
 struct DefinedPart {
     flow: FlowId,
     at: u32,
     count: u32,
     span: Span,
-    /// Whether the states of an automaton define it.
+    /// Whether the states of an automaton define the part.
     by_automaton: bool,
 }
 

@@ -28,7 +28,7 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 /// Maximum number of elements that one equation may define.
 const MAX_ELEMENTS: u64 = 1 << 14;
 
-/// Maximum length of a dependency cycle of arrays in the search of [`ring`], which is exponential.
+/// Maximum length of a dependency cycle of arrays that the search considers. The search takes exponential time.
 const MAX_CYCLE: usize = 12;
 
 /// Whether an equation defines an array element by element.
@@ -173,7 +173,7 @@ fn report_invalid_element_equation(
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Runs `work` with the index variables of a pending equation bound to their values.
+/// Runs `work` with the index variables of an element equation bound to their values.
 pub(crate) fn with_index_bindings<'c, 'a, T>(
     cx: &mut Body<'c, 'a>,
     index: usize,
@@ -199,7 +199,7 @@ pub(crate) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
     }
 }
 
-/// Returns the value of a condition on an index; `None` if it depends on anything else.
+/// Returns the value of a condition on array indices; `None` if it depends on anything else.
 pub(crate) fn const_condition(
     cx: &mut Body<'_, '_>,
     condition: &Expr,
@@ -361,8 +361,8 @@ fn index_offset(index: &Expr, name: &Ident) -> Option<i64> {
     }
 }
 
-/// Returns a dependency cycle from `at` back to `start` whose total offset is not negative. `so_far` is the offset and
-/// `way` the path up to `at`.
+/// Returns a dependency cycle of elements from `at` back to `start` whose total offset is not negative. `so_far` is the
+/// offset and `way` the path up to `at`.
 fn find_nonnegative_cycle<'l>(
     links: &'l [ElementDependency],
     start: usize,

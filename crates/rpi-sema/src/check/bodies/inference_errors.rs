@@ -15,7 +15,7 @@ use rpi_net::passes::causality::{self, Read};
 use rpi_net::passes::dependency_cycles::CyclicComponents;
 use std::collections::BTreeMap;
 
-/// A read of a flow of unknown type by the equation of another flow.
+/// Read of a flow of unknown type by the equation of another flow.
 #[derive(Clone, Copy)]
 struct UnknownFlowRead {
     /// Index of the equation that defines the flow.

@@ -16,9 +16,9 @@ use rpi_syntax::ast::{self, Ident, Locals};
 /// Meaning of a name inside a body.
 #[derive(Clone, Debug)]
 pub(crate) enum Local {
-    /// Flow.
+    /// Flow of the body.
     Flow(FlowId),
-    /// Constant.
+    /// Constant bound to the name, such as a static parameter.
     Constant(Constant),
     /// Inline fragment.
     Block(BlockId),

@@ -127,7 +127,7 @@ fn part_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     }
 }
 
-/// Sets the type of an expression that only passes `none` on; other expressions and known types remain unchanged.
+/// Sets the type of an expression whose type is unknown because of a `none`; known types remain unchanged.
 fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
     let expr = &mut cx.unit.exprs[id.0 as usize];
     let passes_on = matches!(

@@ -35,9 +35,9 @@ use rpi_syntax::Dialect;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
 use smallvec::SmallVec;
 
-/// A statement that is checked when the types of all flows are known.
+/// Statement that is checked after type inference, when the types of all flows are known.
 pub(crate) enum DeferredCheck<'a> {
-    /// Call without a target.
+    /// Call whose result is not used.
     Call(&'a ast::Expr),
     /// Condition that is claimed to hold.
     Claim(&'a ast::Claim, Span),
@@ -226,7 +226,7 @@ pub(crate) fn declare_equation<'a>(cx: &mut Body<'_, 'a>, equation: &'a ast::Equ
     });
 }
 
-/// Returns the flow that a target introduces: a plain name that no surrounding block declares.
+/// Returns the flow that the left side of an equation introduces: a plain name that no surrounding block declares.
 fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) -> Option<FlowId> {
     report_constant_redefinition(cx, &target.name);
     let may = target.path.is_empty() && cx.mode == Dialect::Rpi && target.name.name != "_";
@@ -266,7 +266,7 @@ pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) 
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Whether a flow gets its type from an equation that has not been declared yet.
+/// Whether the type of a flow is inferred from an equation that has not been declared yet.
 fn lacks_type(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     let inferred = cx.unit.flow(flow).optional == FlowPresence::Inferred;
     inferred && cx.inference.defined_by[flow.0 as usize].is_none()

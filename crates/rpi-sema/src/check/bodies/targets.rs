@@ -11,6 +11,7 @@ use crate::check::bodies::type_inference::EquationLhs;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::diagnostics::report::undefined_name;
+use crate::check::diagnostics::undefined_names;
 use crate::check::exprs::access;
 use crate::check::exprs::expr;
 use crate::check::types::exact_time;
@@ -88,7 +89,11 @@ fn count_mismatch(
         ),
     )
     .primary(at, format!("this gives {}", with_noun(parts, "value")))
-    .secondary(span, format!("{} on the left", with_noun(targets, "flow")));
+    .secondary(span, format!("{} on the left", with_noun(targets, "flow")))
+    .help(match targets > parts {
+        true => "delete the flows that get no value, or give as many values as flows",
+        false => "add a flow for each value on the left",
+    });
     // It is not known which target lacks its value, so no further errors are reported for any of them.
     let introduced = cx.pending[index].inferred_flows.iter().flatten();
     cx.reported.erroneous_flows.extend(introduced.copied());
@@ -172,7 +177,7 @@ fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (TargetPl
     }
 }
 
-/// Handles a target whose name is not declared in this body.
+/// Reports a target whose name is not declared in this body, and returns a target that is not checked further.
 fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (TargetPlace, Ty) {
     if let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) {
         return not_definable(cx, name, cx.checker.program.decl(id).kind.description());
@@ -194,12 +199,16 @@ fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Targ
     (TargetPlace::Nowhere, Ty::Unknown)
 }
 
-/// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has no other help.
+/// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has only the general help.
 fn add_target_help(cx: &mut Body<'_, '_>, name: &Ident, help: &str) {
     let index = cx.reported.undefined_flows.index(&name.name);
     let diagnostic = index.and_then(|index| cx.diagnostics.get_mut(index));
-    if let Some(diagnostic) = diagnostic.filter(|f| f.help.is_empty() && f.fixes.is_empty()) {
-        diagnostic.help.push(help.to_owned());
+    let general = undefined_names::declaration_help(&name.name);
+    let is_general = |diagnostic: &&mut Diagnostic| {
+        diagnostic.fixes.is_empty() && diagnostic.help.iter().all(|help| *help == general)
+    };
+    if let Some(diagnostic) = diagnostic.filter(is_general) {
+        diagnostic.help = vec![help.to_owned()];
     }
 }
 

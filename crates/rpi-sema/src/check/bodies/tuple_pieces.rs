@@ -10,18 +10,18 @@ use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
 
-/// A part of one of several values.
+/// Part of a value in a list of values, for the decomposition of tuples.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct TuplePiece {
-    /// Index of the value.
+    /// Index of the value in the list.
     pub(crate) value: usize,
     /// Index of the first leaf of the part among the leaves of the value.
     pub(crate) leaf: u32,
     pub(crate) ty: Ty,
 }
 
-/// Decomposes a list of values for targets of the types `wanted`, as far as these are known. Returns all pieces if
-/// their number cannot match.
+/// Decomposes the tuples in a list of values for targets of the types `wanted`, as far as these are known. Returns all
+/// pieces if their number cannot match.
 pub(crate) fn decompose(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<TuplePiece> {
     let whole: Vec<TuplePiece> = (list.iter().cloned().enumerate())
         .map(|(of, ty)| TuplePiece {
@@ -52,7 +52,7 @@ fn decompose_by_type(whole: &[TuplePiece], wanted: &[Option<&Ty>]) -> Option<Vec
     open.is_empty().then_some(pieces)
 }
 
-/// Decomposes tuples level by level until there are `count` pieces.
+/// Decomposes tuples, outermost first, until there are `count` pieces.
 fn decompose_by_count(mut level: Vec<TuplePiece>, count: usize) -> Vec<TuplePiece> {
     while level.len() < count {
         let is_whole = |piece: &TuplePiece| !matches!(piece.ty, Ty::Tuple(_));

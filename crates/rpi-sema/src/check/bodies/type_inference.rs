@@ -18,7 +18,7 @@ use rpi_diag::Span;
 use rpi_syntax::ast;
 use smallvec::SmallVec;
 
-/// An equation that waits to be checked.
+/// Equation that has been declared and waits to be checked.
 pub(crate) struct PendingEquation<'a> {
     pub(crate) block: BlockId,
     pub(crate) lhs: EquationLhs<'a>,
@@ -45,12 +45,12 @@ pub(crate) struct UnknownRead {
 /// Policy for guessing the type of an operation on a number and an operand of unknown type.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(crate) enum GuessPolicy {
-    /// No guess: an integer may be meant as a real, and a factor changes the unit.
+    /// No type is guessed: an integer may be meant as a real, and a factor changes the unit.
     #[default]
     Never,
-    /// Guess from integers.
+    /// Types are guessed from integers.
     Integers,
-    /// Guess from integers, and from factors without a unit.
+    /// Types are guessed from integers, and from factors without a unit.
     Factors,
 }
 
@@ -63,23 +63,23 @@ pub(crate) enum EquationLhs<'a> {
     Var(FlowId),
 }
 
-/// Progress of an equation.
+/// Progress of checking an equation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum EquationState {
-    /// Not checked yet.
+    /// The equation has not been checked yet.
     Unchecked,
-    /// Waits for the equations of the flows that it reads.
+    /// The equation waits for those of the flows that it reads.
     Waiting,
-    /// Checked, but it reads flows of unknown type.
+    /// The equation has been checked, but it reads flows of unknown type, so that its own type is a guess.
     Guessed,
     /// The types of its flows cannot be inferred, which has been reported.
     Reported,
-    /// Checked; this is its value.
+    /// The equation has been checked; this is its value.
     Done(ExprId),
 }
 
 impl PendingEquation<'_> {
-    /// Whether it decides the type of a flow.
+    /// Whether the equation decides the type of a flow.
     pub(crate) fn infers_type(&self) -> bool {
         self.inferred_flows.iter().any(Option::is_some)
     }
@@ -285,7 +285,7 @@ pub(crate) fn checkpoint(cx: &Body<'_, '_>) -> Checkpoint {
     }
 }
 
-/// Undoes all additions to the body's tables since `mark`.
+/// Undoes all additions to the tables of the body since a checkpoint.
 pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Checkpoint) {
     cx.unit.exprs.truncate(mark.exprs);
     // `chosen` is sorted by expression, so that the undone ones are at its end.

@@ -19,7 +19,7 @@ use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 use std::rc::Rc;
 
-/// Calls an operator by its name.
+/// Checks a call of an operator by its Lustre V6 name.
 pub(crate) fn call_predefined_op<'a>(
     cx: &mut Body<'_, 'a>,
     predef: &PredefinedOp,
@@ -43,7 +43,7 @@ pub(crate) fn call_predefined_op<'a>(
     }
 }
 
-/// Calls an operator with operands that have been checked.
+/// Checks a call of an operator with operands that have been checked.
 pub(crate) fn call_operator<'a>(
     cx: &mut Body<'_, 'a>,
     op: StaticOp,

@@ -38,7 +38,7 @@ pub(crate) struct CallArgument<'a> {
 }
 
 impl<'a> CallArgument<'a> {
-    /// Creates a positional argument.
+    /// Creates an argument without a name, which is assigned to a port by its position.
     pub(crate) fn positional(value: ExprId) -> CallArgument<'a> {
         CallArgument {
             name: None,
@@ -215,7 +215,11 @@ fn assign_arg<'a>(
             ),
         )
         .primary(cx.span_of(arg.value), "this changes while the command runs")
-        .secondary(port.span, "declared as a parameter here");
+        .secondary(port.span, "declared as a parameter here")
+        .help(format!(
+            "pass a constant, or declare `{}` as an in-port, whose value may change",
+            port.name
+        ));
         report::report_diagnostic(cx, diagnostic);
         return false;
     }
@@ -236,7 +240,7 @@ pub(crate) fn report_unknown_args<'a>(
     let named = given.iter().filter_map(|arg| arg.name);
     let clients = named.filter(|name| !names.contains(&&name.name));
     let clients: Vec<Diagnostic> = clients
-        .map(|name| unknown_arg(&decl.name, decl.span, &names, name, given))
+        .map(|name| argument_order::unknown_arg(&decl.name, decl.span, &names, name, given))
         .collect();
     let any = !clients.is_empty();
     clients
@@ -256,7 +260,7 @@ fn report_unexpected_arg<'a>(
     let diagnostic = match arg.name {
         Some(name) => {
             let names: Vec<&Name> = header.inputs.iter().map(|p| &p.name).collect();
-            unknown_arg(&header.name, header.span, &names, name, given)
+            argument_order::unknown_arg(&header.name, header.span, &names, name, given)
         }
         None => Diagnostic::new(
             Code::RPI1010,
@@ -392,7 +396,7 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
 }
 
 /// Returns the name of a callable without the static arguments of the instance.
-fn without_statics(name: &Name) -> &str {
+pub(crate) fn without_statics(name: &Name) -> &str {
     name.split("<<").next().unwrap_or(name)
 }
 
@@ -408,26 +412,6 @@ pub(crate) fn signature_text(header: &Header) -> String {
         ports.push("...".to_owned());
     }
     format!("{}({})", header.name, ports.join("; "))
-}
-
-/// Returns the diagnostic for a named argument that matches no port or parameter.
-fn unknown_arg(
-    of: &Name,
-    declared: Span,
-    names: &[&Name],
-    name: &Ident,
-    given: &[CallArgument<'_>],
-) -> Diagnostic {
-    let is_given = |other: &Name| {
-        given
-            .iter()
-            .any(|arg| arg.name.is_some_and(|n| n.name == *other))
-    };
-    let open = names.iter().filter(|other| !is_given(other));
-    let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
-    let names = join_names(names.iter().map(|name| name.as_str()));
-    crate::check::signatures::static_args::unknown_static_param(of, name, near)
-        .secondary(declared, format!("its ports and parameters are {names}"))
 }
 
 /// Returns the indices of the ports that take positional arguments.

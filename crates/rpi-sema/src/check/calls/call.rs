@@ -111,7 +111,8 @@ pub(crate) fn call_with_activation<'a>(
     }
 }
 
-/// Checks a call of a declaration. A call of an alias (`node f = g<<3>>;`) is a call of its target.
+/// Checks a call of a declaration with this activation. A call of an alias (`node f = g<<3>>;`) is a call of its
+/// target.
 fn call_decl<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -162,7 +163,7 @@ fn resolve_activation<'a>(cx: &mut Body<'_, 'a>, activation: &'a ast::Activation
     }
 }
 
-/// Calls a callable with checked arguments.
+/// Checks a call of a callable with checked arguments.
 pub(crate) fn call_callable<'a>(
     cx: &mut Body<'_, 'a>,
     callable: &Callable,
@@ -183,7 +184,7 @@ pub(crate) fn call_callable<'a>(
     }
 }
 
-/// Calls a declaration with the values of its fixed ports added to the arguments.
+/// Checks a call of a declaration with the values of its fixed ports added to the arguments.
 fn call_with_fixed_ports<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -213,7 +214,7 @@ fn call_with_fixed_ports<'a>(
     call_declared(cx, id, (**statics).clone(), given, activation, span)
 }
 
-/// Calls a declaration with checked arguments.
+/// Checks a call of a declaration with checked arguments.
 fn call_declared<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -384,7 +385,8 @@ fn report_extern_call(cx: &mut Body<'_, '_>, header: &Header, span: Span) {
     {
         let diagnostic = Diagnostic::new(Code::RPI1012, format!("`{}` has no body", header.name))
             .primary(span, "an external node cannot be executed")
-            .secondary(header.span, "declared without a body");
+            .secondary(header.span, "declared without a body")
+            .help("write a body `let ... tel` for it, or pass its results in as in-ports");
         report::report_diagnostic(cx, diagnostic);
     }
 }

@@ -16,10 +16,10 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::StaticOp;
 use std::rc::Rc;
 
-/// Callable: the target of a call, or an argument of an iterator.
+/// Callable: what a call or an iterator applies, such as a node, a primitive or an operator.
 #[derive(Clone, Debug)]
 pub(crate) enum Callable {
-    /// Declaration with its static arguments so far and the values of fixed ports.
+    /// Declaration with the static arguments given so far and the values of fixed ports.
     Unit(DeclId, Rc<StaticBindings>, Rc<[(Name, FixedPortValue)]>),
     /// Registered primitive.
     Prim(PrimId),

@@ -33,11 +33,11 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef, StaticArg};
 use std::rc::Rc;
 
-/// Meaning of the name of a callee.
+/// Meaning of the name that a call calls.
 pub(crate) enum Callee<'a> {
     /// Callable with all its static arguments: a node parameter or an operator.
     Known(Callable),
-    /// Declaration.
+    /// Declaration of a node, function or the like.
     Decl(DeclId),
     /// Predeclared operator with its own checks.
     Special(Intrinsic),
@@ -47,7 +47,7 @@ pub(crate) enum Callee<'a> {
     Iterator(&'static str),
     /// Alternative of a `datatype`: its type and index.
     Constructor(DeclId, u32),
-    /// Not callable, which has been reported.
+    /// The name is not callable, which has been reported.
     Nothing(std::marker::PhantomData<&'a ()>),
 }
 

@@ -34,13 +34,14 @@ pub(crate) const ITERATORS: &[&str] = &[
 enum IteratorKind {
     /// Applies the callee to each element.
     Map,
-    /// Passes an accumulator through the calls; each call may also read an element and produce an element.
+    /// Passes an accumulator through the calls (`red`, `fill`, `fillred`); each call may also read an element and
+    /// produce an element.
     Fold,
     /// Tests whether the number of true elements is in a range, given by its two bounds.
     Count(i64, i64),
 }
 
-/// Iterator with its static arguments.
+/// Iterator with its static arguments: the callee and the size of the arrays.
 #[derive(Clone, Debug)]
 pub(crate) struct IteratorCall {
     name: &'static str,
@@ -77,7 +78,7 @@ impl IteratorCall {
         self.callee.as_ref()
     }
 
-    /// Returns the type of the port at this place, from that of the callee's port at the same place.
+    /// Returns the type of a port of the iterator, from the type `of_callee` of the callee's port at the same place.
     pub(crate) fn port_type(&self, place: usize, of_callee: &Ty) -> Ty {
         match self.kind {
             IteratorKind::Fold if place == 0 => of_callee.clone(),
@@ -151,7 +152,9 @@ fn check_boolred_bounds(
     let message = "`boolred<<least; most; size>>` requires 0 <= least <= most <= size";
     report::report_diagnostic(
         cx,
-        Diagnostic::new(Code::RPI2009, message).primary(arg.span, text),
+        Diagnostic::new(Code::RPI2009, message)
+            .primary(arg.span, text)
+            .help("write how many elements must be true, at least and at most, then the size"),
     );
     None
 }
@@ -325,7 +328,7 @@ fn collect_column(cx: &mut Body<'_, '_>, elements: &[ExprId], span: Span) -> Exp
     )
 }
 
-/// Returns the only value, or a tuple of several.
+/// Returns the only value, or a tuple expression of several values.
 fn one_or_tuple(cx: &mut Body<'_, '_>, values: Vec<ExprId>, span: Span) -> ExprId {
     if let [one] = values[..] {
         return one;
@@ -368,7 +371,7 @@ fn count_true(
     ops::logical_prim(cx, prim!("Core::BooleanAnd"), &[at_least, at_most], span)
 }
 
-/// Adds the sum of `total` and 1 if the condition holds, else `total`.
+/// Adds the expression `if condition then total + 1 else total`.
 fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: Span) -> ExprId {
     let [one, zero] = [1, 0].map(|v| cx.add(TypedKind::Literal(Leaf::int(v)), Ty::Int, span));
     let more = TypedKind::Each(
@@ -379,7 +382,7 @@ fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: S
     ops::binary_prim(cx, BinaryOp::Add, total, more, span)
 }
 
-/// Appends the outputs of one call to the columns.
+/// Appends the outputs of one call of an iterator to the columns of outputs.
 fn push_row(columns: &mut Vec<Vec<ExprId>>, row: &[ExprId]) {
     columns.resize_with(columns.len().max(row.len()), Vec::new);
     for (column, value) in columns.iter_mut().zip(row) {

@@ -6,7 +6,7 @@ use crate::units::Dimension;
 use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// An operator with its Lustre V6 name.
+/// Operator that can be called by its Lustre V6 name.
 #[derive(Debug)]
 pub(crate) struct PredefinedOp {
     name: &'static str,
@@ -15,7 +15,7 @@ pub(crate) struct PredefinedOp {
     types: Option<(OperandType, OperandType)>,
 }
 
-/// Operand or result type of an operator.
+/// Operand or result type of an operator in the table of predefined operators.
 #[derive(Clone, Copy, Debug)]
 enum OperandType {
     Bool,

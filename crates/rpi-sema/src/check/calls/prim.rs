@@ -27,13 +27,13 @@ pub(crate) struct PrimArgs {
     pub(crate) components: Vec<(usize, usize, ExprId)>,
 }
 
-/// Port or parameter that an argument of a primitive call is for.
+/// Port or parameter that an argument of a primitive call provides.
 enum PrimArgTarget {
-    /// In-port of this index.
+    /// In-port with this index.
     Input(usize),
-    /// Parameter of this index.
+    /// Parameter with this index.
     Param(usize),
-    /// Real that replaces a part of an in-port: index of the port, index among its reals.
+    /// Component of an in-port that several reals replace: index of the port, index of the real.
     Component(usize, usize),
 }
 

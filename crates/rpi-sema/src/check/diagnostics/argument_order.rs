@@ -1,15 +1,20 @@
-//! Arguments in another order than the ports: reported as one error, not as one for each argument.
+//! Diagnostics for arguments in another order than the ports, and for arguments without a port.
 
 use crate::check::bodies::body::Body;
+use crate::check::calls::args::CallArgument;
 use crate::check::calls::args::signature_text;
+use crate::check::calls::args::without_statics;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::join_names;
 use crate::check::signatures::header::Header;
+use crate::check::signatures::static_args;
 use crate::ty::Substitution;
 use crate::ty::check_assignable;
 use crate::typed::ExprId;
 use crate::typed::TypedKind;
-use rpi_diag::{Code, Diagnostic, Fix};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_syntax::Name;
+use rpi_syntax::ast::Ident;
 
 /// Maximum number of mismatched arguments for which other orders are tried.
 const MAX_REORDERED: usize = 5;
@@ -41,7 +46,8 @@ pub(crate) fn report_wrong_order(
     true
 }
 
-/// Returns for each of these ports the argument of another port that matches it.
+/// Returns, for each port in `misfits`, the argument of another port that matches its type; `None` if there is no such
+/// order.
 fn matching_order(
     cx: &Body<'_, '_>,
     header: &Header,
@@ -123,4 +129,38 @@ fn plain_flow_name(cx: &Body<'_, '_>, id: ExprId) -> Option<String> {
     let name = cx.unit.flow(*flow).name.to_string();
     let span = cx.span_of(id);
     ((span.end - span.start) as usize == name.len()).then_some(name)
+}
+
+/// Returns the diagnostic for a named argument that matches no port or parameter.
+pub(crate) fn unknown_arg(
+    of: &Name,
+    declared: Span,
+    names: &[&Name],
+    name: &Ident,
+    given: &[CallArgument<'_>],
+) -> Diagnostic {
+    let is_given = |other: &Name| {
+        given
+            .iter()
+            .any(|arg| arg.name.is_some_and(|n| n.name == *other))
+    };
+    let open = names.iter().filter(|other| !is_given(other));
+    let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
+    let names = join_names(names.iter().map(|name| name.as_str()));
+    let label = format!("its ports and parameters are {names}");
+    let is_static = given
+        .iter()
+        .any(|arg| arg.is_static && arg.name.is_some_and(|given| given.span == name.span));
+    if is_static {
+        return static_args::unknown_static_param(of, name, near).secondary(declared, label);
+    }
+    let of = without_statics(of);
+    let message = format!("`{of}` has no in-port or parameter `{}`", name.name);
+    let diagnostic = Diagnostic::new(Code::RPI1001, message)
+        .primary(name.span, "not declared")
+        .secondary(declared, label);
+    match near {
+        Some(near) => diagnostic.did_you_mean(name.span, Some(near)),
+        None => diagnostic.help("correct the name, or leave out the argument"),
+    }
 }

@@ -71,8 +71,8 @@ fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
     }
 }
 
-/// Backward search for negative values, starting at dividends. An expression that has been visited without success is
-/// not visited again.
+/// Backward search for values that may be negative, starting at dividends. An expression that has been visited without
+/// success is not visited again.
 struct NegativeSearch<'u> {
     unit: &'u Unit,
     /// Defining expressions of each flow; computed on first use.

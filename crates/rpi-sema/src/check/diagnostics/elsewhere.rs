@@ -134,7 +134,11 @@ fn reduction_help(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>
         _ => false,
     };
     let callee = format!("red<<{op}, {n}>>");
-    let help = format!("for this array use `{callee}({with}, a)`");
+    let array = match call.args.first().map(|arg| &arg.value.kind) {
+        Some(ast::ExprKind::Name(name)) => name.as_str(),
+        _ => "a",
+    };
+    let help = format!("for this array use `{callee}({with}, {array})`");
     let fix = match &call.args[..] {
         [only] if is_plain => Some(
             Fix::maybe(format!("write `{callee}`"))

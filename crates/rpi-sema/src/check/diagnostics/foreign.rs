@@ -1,9 +1,9 @@
 //! Names of types, values and functions in other languages, with their equivalents in RPI, for suggestions.
 
-/// A name of another language and its equivalent.
+/// Name in another language and its equivalent in this one.
 type Equivalent = (&'static str, &'static str);
 
-/// Types, in lower case.
+/// Type names of other languages, in lower case, with their equivalents.
 const TYPES: &[Equivalent] = &[
     ("float", "real"),
     ("float32", "real"),
@@ -93,7 +93,7 @@ const TYPES: &[Equivalent] = &[
     ("duration", "real[s]"),
 ];
 
-/// Values, in lower case.
+/// Names of values in other languages, in lower case, with their equivalents.
 const VALUES: &[Equivalent] = &[
     ("true", "true"),
     ("false", "false"),
@@ -114,7 +114,7 @@ const VALUES: &[Equivalent] = &[
     ("math_pi", "pi"),
 ];
 
-/// Functions, in lower case.
+/// Function names of other languages, in lower case, with their equivalents.
 const FUNCTIONS: &[Equivalent] = &[
     ("fabs", "abs"),
     ("abs", "abs"),
@@ -157,8 +157,7 @@ const FUNCTIONS: &[Equivalent] = &[
     ("ctd", "count_down"),
 ];
 
-/// Equivalents that are not exact: they take other arguments, or have another meaning. The name cannot simply be
-/// replaced.
+/// Equivalents that cannot simply replace the foreign name: they take other arguments or have another meaning.
 const INEXACT: &[&str] = &[
     "none",
     "on_delay",
@@ -179,7 +178,7 @@ pub(crate) fn is_common_word(name: &str) -> bool {
     LOOSE.contains(&&*name.to_lowercase())
 }
 
-/// Whether `here` can replace `there` without other changes.
+/// Whether the foreign name `there` can be replaced by `here` without other changes.
 pub(crate) fn is_exact_equivalent(there: &str, here: &str) -> bool {
     !INEXACT.contains(&here) || there.eq_ignore_ascii_case(here)
 }
@@ -236,17 +235,17 @@ const UNSUPPORTED_TYPES: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Returns the equivalent of a foreign type.
+/// Returns the equivalent of a type of another language; `None` if the tables have none.
 pub(crate) fn type_equivalent(name: &str) -> Option<&'static str> {
     lookup(TYPES, name)
 }
 
-/// Returns the equivalent of a foreign value.
+/// Returns the equivalent of a value of another language; `None` if the tables have none.
 pub(crate) fn value_equivalent(name: &str) -> Option<&'static str> {
     lookup(VALUES, name)
 }
 
-/// Returns the equivalent of a foreign function.
+/// Returns the equivalent of a function of another language; `None` if the tables have none.
 pub(crate) fn function_equivalent(name: &str) -> Option<&'static str> {
     lookup(FUNCTIONS, name)
 }

@@ -1,6 +1,6 @@
 //! Help texts for functions of other languages that are written in another form here.
 
-/// Names of functions in lower case, with the help text that shows the form here.
+/// Function names of other languages, in lower case, with help texts that show the syntax of this one.
 const CALL_FORMS: &[(&[&str], &str)] = &[
     (
         &[

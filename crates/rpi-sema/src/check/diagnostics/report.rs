@@ -10,6 +10,7 @@ use crate::typed::TypedKind;
 use crate::units::Dimension;
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
+use rpi_image::Scalar;
 
 /// Adds a diagnostic about this body, unless it follows from a reported call of another language.
 pub(crate) fn report_diagnostic(cx: &mut Body<'_, '_>, diagnostic: Diagnostic) {
@@ -121,8 +122,43 @@ fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Diagnostic {
             .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
         (_, Ty::Array(element, _)) if **element == *expected => diagnostic
             .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
-        _ => diagnostic,
+        _ => with_general_help(diagnostic, expected, found),
     }
+}
+
+/// Adds to a diagnostic how a value of the expected type is obtained, for the pairs of types without a conversion.
+fn with_general_help(diagnostic: Diagnostic, expected: &Ty, found: &Ty) -> Diagnostic {
+    let help = match (expected, found) {
+        (Ty::Unknown, _) | (_, Ty::Unknown) => return diagnostic,
+        (Ty::Spatial(Scalar::Vector, _), Ty::Real(_)) => {
+            "a vector has three components: `point(x, y, z)` for a position, else `vector(x, y, z)`"
+                .to_owned()
+        }
+        (Ty::Spatial(Scalar::Vector, _), Ty::Spatial(Scalar::Pose, _)) => {
+            "the position of a pose is `p.position`".to_owned()
+        }
+        (Ty::Spatial(Scalar::Rotation, _), Ty::Spatial(Scalar::Pose, _)) => {
+            "the orientation of a pose is `p.rotation`".to_owned()
+        }
+        (Ty::Machine(to), Ty::Machine(_) | Ty::Int) => {
+            format!("convert it: `({} x)`", to.conversion_name())
+        }
+        (Ty::Int, Ty::Machine(_)) => "convert it: `(int x)`".to_owned(),
+        (Ty::Int | Ty::Real(_), Ty::Bool) => {
+            "a number for a condition is `if c then 1 else 0`".to_owned()
+        }
+        (Ty::Spatial(Scalar::Pose, _), Ty::Device(_)) => {
+            "a sensor of the device gives the value: `arm.pose`".to_owned()
+        }
+        (Ty::Device(device), _) => {
+            format!(
+                "pass a device: declare it as a parameter `d: {}`",
+                device.name
+            )
+        }
+        _ => format!("pass a value of the type `{expected}`, or change the declared type"),
+    };
+    diagnostic.help(help)
 }
 
 /// Adds a fix for each output of a call that has the expected type.
@@ -189,9 +225,9 @@ fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
 
 /// Reason why a type is expected.
 pub(crate) enum ExpectationReason {
-    /// No explanation is needed.
+    /// The type is expected for a reason that needs no explanation.
     Unexplained,
-    /// Explanation with the location of its cause; without a location it becomes a note.
+    /// The type is expected because of this text at this location; without a location the text becomes a note.
     Because(Span, String),
 }
 
@@ -218,7 +254,7 @@ fn type_text(ty: &Ty) -> String {
     }
 }
 
-/// Returns the diagnostic for an array of another size than expected.
+/// Returns the diagnostic for an array whose size differs from the expected one.
 fn const_size(expected: u32, found: u32, span: Span) -> Diagnostic {
     Diagnostic::new(
         Code::RPI2009,
@@ -231,6 +267,10 @@ fn const_size(expected: u32, found: u32, span: Span) -> Diagnostic {
         span,
         format!("this has {}", with_noun(found as usize, "element")),
     )
+    .help(match found > expected {
+        true => "take a part of the array: `x[0..2]`, or declare a larger size",
+        false => "add elements: `x | y`, or declare a smaller size",
+    })
 }
 
 /// Returns the diagnostic for an undefined name.
@@ -245,7 +285,7 @@ pub(crate) fn undefined_name(
     diagnostic.did_you_mean(span, near)
 }
 
-/// Returns the diagnostic for a member that a value does not have.
+/// Returns the diagnostic for a field or output that a value does not have.
 pub(crate) fn no_member(of: &str, name: &str, span: Span, near: Option<String>) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::RPI1004, format!("{of} has no `{name}`")).primary(span, "not found");

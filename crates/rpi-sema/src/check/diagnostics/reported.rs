@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Reported errors by key, each with the index of its diagnostic.
+/// Errors that have been reported, by key, each with the index of its diagnostic.
 pub(crate) struct ReportedErrors<K> {
     indices: BTreeMap<K, usize>,
     /// Keys in the order of the diagnostics. The keys of a discarded trial check are removed again.

@@ -12,8 +12,7 @@ use rpi_syntax::ast::Ident;
 /// Kind of name that a unit declares for itself, as it appears in messages.
 pub(crate) const FLOW_KIND: &str = "flow";
 
-/// Returns the diagnostic for an undefined name that would be global and resembles no other name. It is reported once
-/// for each name.
+/// Returns the diagnostic for an undefined global name that resembles no other name. It is reported once for each name.
 fn not_declared_anywhere(what: &str, name: &str, span: Span) -> Diagnostic {
     let message = format!("undefined {what} `{name}`");
     Diagnostic::new(Code::RPI1001, message)
@@ -35,7 +34,9 @@ pub(crate) fn report_undefined(
     let diagnostic = match declaring {
         _ if lacks_use && near.is_none() => None,
         Some(module) => Some(name_of_unused_module(what, name, module, span)),
-        None if what == FLOW_KIND || near.is_some() => Some(undefined_name(what, name, span, near)),
+        None if what == FLOW_KIND || near.is_some() => {
+            Some(undefined_name_with_help(what, name, span, near))
+        }
         None => Some(not_declared_anywhere(what, name, span)),
     };
     if let Some(diagnostic) = diagnostic {
@@ -44,6 +45,26 @@ pub(crate) fn report_undefined(
             false => report::report_diagnostic(cx, diagnostic),
         }
     }
+}
+
+/// Returns the diagnostic for an undefined name, with the places of its declaration if no name is similar.
+fn undefined_name_with_help(
+    what: &str,
+    name: &Name,
+    span: Span,
+    near: Option<String>,
+) -> Diagnostic {
+    let help = near.is_none().then(|| declaration_help(name));
+    let diagnostic = undefined_name(what, name, span, near);
+    match help {
+        Some(help) => diagnostic.help(help),
+        None => diagnostic,
+    }
+}
+
+/// Returns the advice to declare a flow.
+pub(crate) fn declaration_help(name: &str) -> String {
+    format!("declare `{name}` as a port, as a constant, or by `var` before `let`")
 }
 
 /// Reports an undefined flow, and records its diagnostic: an equation of that name adds a help text to it.
@@ -125,6 +146,7 @@ pub(crate) fn state_in_other_automaton(target: &Ident, declared: Span) -> Diagno
             "a transition must lead to a state of the same automaton",
         )
         .secondary(declared, "declared here")
+        .help("name a state of this automaton, or move the state into it")
 }
 
 /// Returns the diagnostic for a module that does not exist; `known` are the names of the existing modules.
@@ -150,5 +172,7 @@ pub fn file_not_found(include: &Ident, is_alone: bool) -> Diagnostic {
         false => "no such text file next to this file",
     };
     let message = format!("cannot find file `{}`", include.name);
-    Diagnostic::new(Code::RPI1005, message).primary(include.span, why)
+    Diagnostic::new(Code::RPI1005, message)
+        .primary(include.span, why)
+        .help("correct the path, which is relative to the folder of this file, or add the file")
 }

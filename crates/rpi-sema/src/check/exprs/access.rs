@@ -23,7 +23,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident};
 use std::rc::Rc;
 
-/// Returns the name of a value in messages: its type, or "this call" for the outputs of a call.
+/// Returns the description of a value in messages: its type, or "this call" for the outputs of a call.
 fn value_description(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(_) => "this call".to_owned(),
@@ -61,7 +61,7 @@ pub(crate) fn member_names(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }
 
-/// Checks `base.field`.
+/// Checks a field access `base.field` and adds its expression.
 pub(crate) fn field_access<'a>(cx: &mut Body<'_, 'a>, field: &'a Field, span: Span) -> ExprId {
     if let Some(block) = named_block(cx, &field.base) {
         return block_member(cx, block, &field.field, span);
@@ -167,13 +167,14 @@ pub(crate) fn block_member(
         }
         _ => {
             let near = cx.checker.suggest(&field.name, locals::names_in(cx, block));
+            let flows = join_names(locals::names_in(cx, block));
             let what = match automaton::is_state(cx, block) {
                 true => "state",
                 false => "fragment",
             };
             let of = format!("the {what} `{}`", cx.unit.block(block).name);
             let diagnostic = no_member(&of, &field.name, field.span, near);
-            cx.report_error_expr(diagnostic, span)
+            cx.report_error_expr(diagnostic.help(format!("its flows are {flows}")), span)
         }
     }
 }
@@ -261,7 +262,7 @@ fn port_type(
     Some(ty.substituted(&device_frame_subst(cx, device, flow)))
 }
 
-/// Returns the substitution of the frames of a device type by those of the device that `flow` holds: `tcp` becomes
+/// Returns the substitution that replaces the frames of a device type by those of the device in `flow`: `tcp` becomes
 /// `arm.tcp`.
 pub(crate) fn device_frame_subst(
     cx: &Body<'_, '_>,
@@ -360,9 +361,7 @@ pub(crate) fn resolve_path<'a>(
 pub(crate) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
     let found = find_member(ty, &field.name);
     if found.is_none() {
-        let names = ty.members().iter().filter_map(|m| m.name.as_deref());
-        let near = rpi_diag::suggest(&field.name, names);
-        let diagnostic = no_member(&format!("`{ty}`"), &field.name, field.span, near);
+        let diagnostic = unknown_member(ty, &format!("`{ty}`"), field);
         report::report_diagnostic(cx, diagnostic);
     }
     found

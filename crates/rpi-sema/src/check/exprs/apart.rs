@@ -6,7 +6,7 @@ use crate::check::diagnostics::report::join_names;
 use crate::check::types::machine_int;
 use crate::check::types::quantity;
 use crate::ty::{MachineInt, Ty};
-use crate::typed::ExprId;
+use crate::typed::{ExprId, TypedKind};
 use crate::units::Dimension;
 use rpi_diag::Diagnostic;
 use rpi_image::Scalar::{Pose, Vector};
@@ -52,11 +52,15 @@ pub(crate) fn with_operand_hints(
                 ..*of
             }
             .conversion_name();
-            diagnostic.help(format!("the shift count must be unsigned: `({to} n)`"))
+            let count = operand_name(cx, right);
+            diagnostic.help(format!(
+                "the shift count must be unsigned: `({to} {count})`"
+            ))
         }
         (Ty::Machine(of), Ty::Machine(_)) => diagnostic.help(format!(
-            "convert one of them: `({} x)`",
-            of.conversion_name()
+            "convert one of them: `({} {})`",
+            of.conversion_name(),
+            operand_name(cx, right)
         )),
         (Ty::Bool, _) | (_, Ty::Bool) => {
             diagnostic.help("convert a Boolean to a number by `if c then 1 else 0`")
@@ -102,5 +106,13 @@ fn elementwise_help(op: BinaryOp, a: &Ty, b: &Ty) -> String {
             "apply it to each element: `map<<{op}, {n}>>(a, b)`; `x^{n}` is an array of {n} times `x`"
         ),
         _ => String::new(),
+    }
+}
+
+/// Returns the name of an operand for an example in a help text: of the flow that it reads, else `x`.
+fn operand_name(cx: &Body<'_, '_>, operand: ExprId) -> String {
+    match &cx.unit.expr(operand).kind {
+        TypedKind::Flow(flow) => cx.unit.flow(*flow).name.to_string(),
+        _ => "x".to_owned(),
     }
 }

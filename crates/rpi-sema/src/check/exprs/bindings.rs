@@ -9,7 +9,7 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, ExprKind, Ident};
 
-/// Name bound by an expression.
+/// Name that an expression binds: the variable of a quantifier, a refined value, or an array index.
 #[derive(Clone, Debug)]
 pub(crate) struct Binding {
     pub(crate) name: Name,
@@ -21,24 +21,24 @@ pub(crate) struct Binding {
     span: Span,
 }
 
-/// Meaning of a bound name.
+/// What a bound name stands for.
 #[derive(Clone, Debug)]
 pub(crate) enum BindingValue {
     /// Variable of a quantifier: any value of the type.
     Quantified(Ty),
     /// Value to which the condition of a refinement type applies.
     Refined(Ty),
-    /// Name of an expression.
+    /// Name that a pattern or mode gives to an expression.
     Expr(ExprId),
     /// Value of an array index in an equation that defines an array element by element.
     Index(i64),
 }
 
-/// Location of the first part of a claim that no run can evaluate; `None` if there is none.
+/// Location of the first part of a claim that no run of the program can evaluate; `None` if there is none.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct NotEvaluable(pub(crate) Option<Span>);
 
-/// Runs `work` with one more bound name.
+/// Runs `work` while a name is bound, then unbinds it.
 pub(crate) fn with_binding<'c, 'a, T>(
     cx: &mut Body<'c, 'a>,
     name: &Ident,
@@ -51,7 +51,7 @@ pub(crate) fn with_binding<'c, 'a, T>(
     result
 }
 
-/// Binds a name. The caller removes it from `bound` again.
+/// Binds a name. The caller removes it from the list of bound names again.
 pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: BindingValue) {
     cx.bindings.bound_names.push(Binding {
         name: name.name.clone(),
@@ -61,7 +61,7 @@ pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: BindingValue
     });
 }
 
-/// Reads a bound name; returns `None` if it is not bound.
+/// Returns the expression for a name that an enclosing expression binds; `None` if none does.
 pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
     let at = cx
         .bindings

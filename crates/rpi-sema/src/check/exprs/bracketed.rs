@@ -10,7 +10,7 @@ use rpi_diag::{Fix, Span};
 use rpi_syntax::ast::{Binary, ExprKind};
 use rpi_syntax::ops::BinaryOp;
 
-/// Checks an operator that works leaf by leaf on two operands of one type.
+/// Checks an operator that is applied separately to each leaf (scalar part) of two operands of one type.
 pub(crate) fn elementwise_binary<'a>(
     cx: &mut Body<'_, 'a>,
     each: ElementwiseOp,

@@ -35,7 +35,7 @@ pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a WhenExpr, span: Spa
     }
 }
 
-/// Resolves a clock: the flow that decides, and the value for which the clock is present.
+/// Resolves a clock: the flow that is its condition, and the value of that flow for which the clock ticks.
 pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<DeclaredClock> {
     cx.unit.has_clocks = true;
     let flow = resolve_clock_flow(cx, &clock.flow)?;
@@ -68,7 +68,7 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Decl
     Some(DeclaredClock { flow, value })
 }
 
-/// Resolves the flow of a clock.
+/// Resolves the name of the flow that is the condition of a clock.
 fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
     match locals::find_local(cx, &name.name) {
         Some(Local::Flow(flow)) => {
@@ -191,7 +191,7 @@ fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
     Ty::Unknown
 }
 
-/// Returns the common type of the cases up to this one.
+/// Returns the common type of the cases of a `merge` up to this one.
 fn case_type(cx: &mut Body<'_, '_>, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {
     let Some((_, first)) = cases.first() else {
         return cx.ty_of(then).clone();
@@ -216,6 +216,7 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
         .map(|(_, n)| *n)
         .collect();
     if !missing.is_empty() {
+        let help = format!("add a case: `({} -> ...)`", missing[0]);
         let diagnostic = Diagnostic::new(
             Code::RPI2011,
             format!(
@@ -223,7 +224,8 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
                 join_names(missing)
             ),
         )
-        .primary(span, "a `merge` needs a case for every value");
+        .primary(span, "a `merge` needs a case for every value")
+        .help(help);
         report::report_diagnostic(cx, diagnostic);
     }
 }
@@ -305,7 +307,7 @@ fn is_partially_defined(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     shared.any(|shared| shared.flow == flow && shared.is_partially_defined())
 }
 
-/// Whether an expression reads a flow or a part of one.
+/// Whether an expression is only a name of a flow or of a part of one.
 fn is_name_or_field(operand: &ast::Expr) -> bool {
     match &operand.unparen().kind {
         ast::ExprKind::Field(field) => is_name_or_field(&field.base),
@@ -323,4 +325,5 @@ pub(crate) fn duplicate_case(name: &Ident, first: rpi_diag::Span) -> Diagnostic 
     )
     .primary(name.span, "given again here")
     .secondary(first, "first given here")
+    .help("delete one of the two cases")
 }

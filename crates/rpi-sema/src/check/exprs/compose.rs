@@ -135,7 +135,8 @@ pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Opti
         return u32::try_from(value).ok();
     }
     let diagnostic = Diagnostic::new(Code::RPI2009, format!("invalid array size {value}"))
-        .primary(size.span, format!("expected a size from 0 to {MAX_LENGTH}"));
+        .primary(size.span, format!("expected a size from 0 to {MAX_LENGTH}"))
+        .help("use a smaller array, or several");
     report::report_diagnostic(cx, diagnostic);
     None
 }
@@ -291,6 +292,7 @@ pub(crate) fn fill_fields(
     if left_out.is_empty() {
         return Some(parts);
     }
+    let example = format!("{} = ...", left_out.first().copied().unwrap_or("x"));
     let diagnostic = Diagnostic::new(
         Code::RPI1010,
         format!(
@@ -299,7 +301,8 @@ pub(crate) fn fill_fields(
             ty.name
         ),
     )
-    .primary(span, "all fields without a default are required");
+    .primary(span, "all fields without a default are required")
+    .help(format!("add it: `{}{{...; {example}}}`", ty.name));
     report::report_diagnostic(cx, diagnostic);
     None
 }

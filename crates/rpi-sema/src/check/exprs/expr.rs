@@ -78,7 +78,8 @@ fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
     }
 }
 
-/// Checks a number literal. `negative` is true after a minus sign, which makes -2^63 a valid integer.
+/// Checks a number literal and adds its expression. `negative` is true after a minus sign, which makes -2^63 a valid
+/// integer.
 pub(crate) fn number_literal(
     cx: &mut Body<'_, '_>,
     number: &Number,
@@ -106,7 +107,7 @@ pub(crate) fn number_literal(
     }
 }
 
-/// Checks a number with a unit.
+/// Checks a number with a unit and adds its expression.
 fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> ExprId {
     match types::resolve_unit(cx, &quantity.unit) {
         Ok(None) => cx.error_expr(span),
@@ -141,7 +142,7 @@ pub(crate) fn check_angle_unit(cx: &mut Body<'_, '_>, id: ExprId, expected: &Ty)
     false
 }
 
-/// Checks `if c then x else y`.
+/// Checks `if c then x else y` and adds its expression.
 fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> ExprId {
     if choice.is_static {
         return static_if_expr(cx, choice, span);

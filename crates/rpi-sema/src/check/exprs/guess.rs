@@ -7,7 +7,7 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Sub, Xor};
 
-/// Returns the result type if it does not depend on the operand, else `Unknown`.
+/// Returns the result type of a unary operator on an operand of unknown type; `Unknown` if it depends on that type.
 pub(crate) fn unary_guess(op: UnaryOp) -> Ty {
     match op {
         UnaryOp::Not => Ty::Bool,
@@ -22,7 +22,7 @@ fn is_uninformative(ty: &Ty) -> bool {
     matches!(ty, Ty::Time | Ty::Int)
 }
 
-/// Returns the result type as far as it follows from the known operand, else `Unknown`.
+/// Returns the result type of a binary operator as far as it follows from the operand of known type, else `Unknown`.
 pub(crate) fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     match op {
         _ if [a, b].iter().any(|ty| matches!(ty, Ty::Array(..))) => Ty::Unknown,
@@ -36,7 +36,8 @@ pub(crate) fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     }
 }
 
-/// Returns the result type guessed from a known operand that is a number; `None` if the policy `by` forbids the guess.
+/// Returns the result type of an operator guessed from an operand that is a number; `None` if the policy `by` forbids
+/// the guess.
 pub(crate) fn guess_from_number(by: GuessPolicy, op: BinaryOp, a: &Ty, b: &Ty) -> Option<Ty> {
     let known = if a.is_unknown() { b } else { a };
     let says = match known {

@@ -116,7 +116,8 @@ fn check_map_key(cx: &mut Body<'_, '_>, base: ExprId, at: ExprId) {
         let message = format!("expected `{wanted}`, found `{found}`");
         let diagnostic = Diagnostic::new(Code::RPI2001, message)
             .primary(cx.span_of(at), format!("this is `{found}`"))
-            .secondary(cx.span_of(base), "the map");
+            .secondary(cx.span_of(base), "the map")
+            .help("use a key of the type that the map is declared with");
         report::report_diagnostic(cx, diagnostic);
     }
 }
@@ -144,7 +145,11 @@ pub(crate) fn checked_index(cx: &mut Body<'_, '_>, k: i64, n: u32, span: Span) -
                     "the array has {}, counted from 0",
                     rpi_diag::with_noun(n, "element")
                 ),
-            );
+            )
+            .help(match n {
+                0 => "an array without elements cannot be indexed".to_owned(),
+                n => format!("use an index from 0 to {}", n - 1),
+            });
         report::report_diagnostic(cx, diagnostic);
     }
     index
@@ -226,7 +231,8 @@ pub(crate) fn not_indexable(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> Optio
     None
 }
 
-/// Returns the first of the types between `map<` and `>`. Commas inside brackets belong to a type.
+/// Returns the first of the types between `map<` and `>`, the type of the keys. Commas inside brackets belong to a
+/// type.
 fn map_key_type(args: &str) -> &str {
     let mut depth = 0;
     let end = args.find(|c| {

@@ -30,7 +30,7 @@ enum PatternShape {
     Alternative(usize, Vec<PatternShape>),
 }
 
-/// The wildcard pattern.
+/// Shape of the pattern that matches any value.
 const WILDCARD: &PatternShape = &PatternShape::Wildcard;
 
 /// Maximum number of pattern rows examined in the search for missing cases, and again in the search for unreachable
@@ -98,7 +98,7 @@ fn conjunction(cx: &mut Body<'_, '_>, tests: &[ExprId], span: Span) -> Option<Ex
     Some(rest.iter().copied().fold(*first, and))
 }
 
-/// Checks a case. The names in its pattern are in scope while its value is checked.
+/// Checks a case of a `match`. The names in its pattern are in scope while its value is checked.
 fn check_match_case<'a>(
     cx: &mut Body<'_, 'a>,
     value: ExprId,
@@ -198,7 +198,7 @@ fn check_part_patterns<'a>(
     shapes
 }
 
-/// Returns the index of the first field that holds a part of an alternative, and the number of its parts.
+/// Returns the index of the first struct field that holds a part of an alternative, and the number of its parts.
 fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
     let found = cx
         .checker
@@ -278,6 +278,7 @@ fn not_covered(missing: &[String], span: Span) -> Diagnostic {
     let message = format!("non-exhaustive match: {missing} not covered");
     Diagnostic::new(Code::RPI2011, message)
         .primary(span, "a `match` needs a case for every alternative")
+        .help("add a case for it, or a last case `_` for all others")
 }
 
 /// Returns the diagnostic for a case that no value reaches.
@@ -292,10 +293,12 @@ fn unreachable_case(before: &[Arm], pattern: &Pattern) -> Diagnostic {
         };
         return crate::check::exprs::clocked::duplicate_case(&again, first.name.span);
     }
-    Diagnostic::new(Code::RPI2011, format!("unreachable case `{text}`")).primary(
-        pattern.name.span,
-        "the cases before it cover all its values",
-    )
+    Diagnostic::new(Code::RPI2011, format!("unreachable case `{text}`"))
+        .primary(
+            pattern.name.span,
+            "the cases before it cover all its values",
+        )
+        .help("delete it, or move it before the more general cases")
 }
 
 /// Returns the diagnostic for a `match` with too many cases to search for missing ones.
@@ -329,7 +332,7 @@ fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
     }
 }
 
-/// Search for values that no case matches, with its step count.
+/// Search for values that no case of a `match` matches, with the number of its steps.
 struct UsefulnessSearch<'s, 'c, 'a> {
     body: &'s Body<'c, 'a>,
     steps: usize,
@@ -380,7 +383,7 @@ impl UsefulnessSearch<'_, '_, '_> {
         }
     }
 
-    /// Does the same as [`Self::fits_none`] for a first value that has the alternative `index`.
+    /// Does the same as [`Self::find_unmatched`] for a first value that has the alternative `index`.
     fn find_unmatched_alternative(
         &mut self,
         (ty, all, index): (&Ty, &Rc<EnumTy>, usize),

@@ -30,24 +30,24 @@ use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Binary, ExprKind};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Rule that derives the result type of an operator from its operand types.
+/// Rule that gives the result type of an operator for its operand types.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum ResultRule {
-    /// Operands of the same type; the result has this type, too.
+    /// The operands have the same type, which is also that of the result.
     Same,
-    /// Operands of the same type; the result is a Boolean.
+    /// The operands have the same type; the result is a Boolean.
     Boolean,
-    /// Product: the dimensions are multiplied.
+    /// The operator is a product: the dimensions are multiplied.
     Product,
-    /// Quotient: the dimensions are divided.
+    /// The operator is a quotient: the dimensions are divided.
     Quotient,
-    /// Power with a constant exponent.
+    /// The operator is a power with a constant exponent.
     Power,
-    /// Composition of frames, `(b in a) * (c in b)`.
+    /// The operator composes poses: `(b in a) * (c in b)` is `(c in a)`.
     Compose,
-    /// Point in time plus seconds; the result is a point in time.
+    /// The operands are a point in time and seconds; the result is a point in time.
     TimePoint,
-    /// Difference of two points in time; the result is in seconds.
+    /// The operands are points in time; the result is their difference in seconds.
     Seconds,
 }
 
@@ -82,7 +82,7 @@ const fn overload(
 use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Pow, Sub, Xor};
 use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
 
-/// All binary operators that map to one primitive.
+/// All binary operators that one primitive implements, by operand types.
 #[rustfmt::skip]
 const BINARY: &[Overload] = &[
     overload(And,     (Bool, Bool),         prim!("Core::BooleanAnd"),        false, ResultRule::Boolean),
@@ -131,7 +131,7 @@ pub(crate) const ORDERINGS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
 /// Division primitives, which are undefined for a right operand of 0.
 const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
 
-/// All unary operators that map to one primitive.
+/// All unary operators that one primitive implements, by operand type.
 #[rustfmt::skip]
 const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
     (UnaryOp::Not,    Bool,   prim!("Core::BooleanNot")),
@@ -278,8 +278,8 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
     }
 }
 
-/// Whether the left side is an invalid sampled flow, as in `x when x > 0.0`. The comparison then reports no further
-/// error.
+/// Whether the left operand is an invalid sampled flow, as in `x when x > 0.0`, which has been reported. The comparison
+/// then reports no further error.
 fn is_invalid_sample(cx: &Body<'_, '_>, lhs: &ast::Expr, left: ExprId) -> bool {
     matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, TypedKind::Error)
 }

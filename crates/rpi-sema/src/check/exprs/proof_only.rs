@@ -69,6 +69,7 @@ pub(crate) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span:
     let message = format!("{what} cannot be executed");
     let diagnostic = Diagnostic::new(Code::RPI0017, message)
         .primary(span, why)
+        .help("leave it to a model checker such as Kind 2, or write it without this construct")
         .about(Subject::Construct(what.to_owned()));
     report::report_diagnostic(cx, diagnostic);
 }
@@ -205,7 +206,8 @@ pub(crate) fn membership<'a>(
 pub(crate) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
     if cx.unit.kind == UnitKind::Constant {
         let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
-            .primary(span, "this may change from cycle to cycle");
+            .primary(span, "this may change from cycle to cycle")
+            .help("write a number or another constant in its place");
         report::report_diagnostic(cx, diagnostic);
     }
 }
@@ -219,7 +221,7 @@ pub(crate) fn set_type(element: &Ty) -> Ty {
     opaque_type(format!("set<{element}>"))
 }
 
-/// Returns a type of Kind 2 of which only the name is known.
+/// Creates a type of Kind 2 of which only the name is known.
 pub(crate) fn opaque_type(name: String) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.into(),

@@ -33,7 +33,7 @@ pub(crate) enum SpatialOp {
     Inverse,
 }
 
-/// Operator, name, number of operands, and description for help texts.
+/// Table of the spatial operators: operator, name, number of operands, and description for help texts.
 const SPATIAL_OPS: &[(SpatialOp, &str, usize, &str)] = &[
     (
         SpatialOp::Vector,

@@ -106,7 +106,8 @@ pub(crate) fn spatial_value<'a>(
     compose_spatial(cx, &known, &parts, span)
 }
 
-/// Returns the parts in their order, those that are not given from the base. Reports missing and unknown parts.
+/// Returns the parts of a spatial value in their order; those that are not given are taken from the base. Reports
+/// missing and unknown parts.
 fn given_parts(
     cx: &mut Body<'_, '_>,
     scalar: Scalar,
@@ -138,11 +139,12 @@ fn given_parts(
         }
     }
     if !left_out.is_empty() && !report::has_error_since(cx, before) {
+        let example = format!("{scalar}{{...; {} = ...}}", left_out[0]);
         let message = format!("missing {} of `{scalar}`", join_names(left_out));
-        report::report_diagnostic(
-            cx,
-            Diagnostic::new(Code::RPI1010, message).primary(span, "all parts are required"),
-        );
+        let diagnostic = Diagnostic::new(Code::RPI1010, message)
+            .primary(span, "all parts are required")
+            .help(format!("add it: `{example}`"));
+        report::report_diagnostic(cx, diagnostic);
     }
     (!report::has_error_since(cx, before)).then_some(parts)
 }

@@ -26,7 +26,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Access, Change, Expr, Ident, Update};
 use std::rc::Rc;
 
-/// A change of a value: path of the part, new value, and location.
+/// Change of one part of a value: path of the part, new value, and location.
 struct PartUpdate<'a> {
     path: &'a [Access],
     value: ExprId,

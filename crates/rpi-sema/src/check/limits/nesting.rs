@@ -8,8 +8,8 @@ use crate::ty::{Member, Ty};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Diagnostic, Span};
 
-/// Maximum nesting of expressions and declarations at which another declaration is still checked. The parser limits the
-/// nesting within one expression.
+/// Maximum depth of nested expressions and declarations at which another declaration is still checked. The parser
+/// limits the nesting within one expression.
 const MAX_NESTING: u32 = 420;
 
 /// Maximum length of a chain of aliases.
@@ -106,7 +106,7 @@ pub(crate) fn check_nested<'a, T>(
     result
 }
 
-/// Whether a struct with these fields is within the size limits.
+/// Whether a struct type with these fields has few enough parts and levels.
 pub(crate) fn is_within_size_limits(fields: &[Member]) -> bool {
     total_part_count(fields, MAX_TYPE_DEPTH, MAX_STRUCT_PARTS).is_some()
 }

@@ -7,7 +7,7 @@ use crate::typed::TypedKind;
 use crate::typed::{Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 
-/// A call from one unit to another, or a step of a task.
+/// Call from one unit to another, or step of a task that runs one, with its location.
 #[derive(Clone, Copy)]
 struct CallEdge {
     to: UnitId,

@@ -29,7 +29,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
 use std::rc::Rc;
 
-/// Ports of a callable.
+/// In-ports and out-ports of a callable, with their clocks.
 pub(crate) struct PortSignatures {
     pub(crate) inputs: Vec<PortSignature>,
     pub(crate) outputs: Vec<PortSignature>,
@@ -39,7 +39,7 @@ pub(crate) struct PortSignatures {
 pub(crate) struct PortSignature {
     pub(crate) name: Name,
     pub(crate) ty: Ty,
-    /// Port that decides the clock, and the value for which this port is present.
+    /// Port that is the condition of this port's clock, and the value for which the clock ticks.
     clock: Option<(Name, u32)>,
     optional: bool,
     span: Span,
@@ -140,7 +140,7 @@ fn declare_port_like(cx: &mut Body<'_, '_>, port: &PortSignature, role: FlowRole
     locals::declare_flow(cx, &name, &ty, role)
 }
 
-/// Gives the declared flows the clocks of the target's ports.
+/// Gives the flows declared for an alias the clocks of the target's ports.
 fn copy_clocks(cx: &mut Body<'_, '_>, ports: &PortSignatures) {
     let flows = cx.unit.inputs.iter().chain(&cx.unit.outputs);
     let flows: Vec<FlowId> = flows.copied().collect();

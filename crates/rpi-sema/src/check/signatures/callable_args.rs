@@ -96,4 +96,5 @@ fn node_port_mismatch<T: std::fmt::Display>(
             format!("{what}: expected `{wanted}`, found `{given}`"),
         )
         .secondary(signature.name.span, "the expected ports are declared here")
+        .help("pass a node with these ports, or write one that calls yours and adapts its ports")
 }

@@ -21,13 +21,13 @@ use std::rc::Rc;
 /// Set of types allowed for a type parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Constraint {
-    /// All types.
+    /// Allows all types.
     Any,
-    /// `int`, `time` and `real` of any unit.
+    /// Allows `int`, `time` and `real` of any unit.
     Number,
-    /// `int` and `real` without a unit. Unlike `Number`, this set is closed under products.
+    /// Allows `int` and `real` without a unit. Unlike `Number`, this set is closed under products.
     Dimensionless,
-    /// `real` of any unit.
+    /// Allows `real` of any unit.
     Real,
 }
 

@@ -25,7 +25,7 @@ use rpi_diag::{Diagnostic, Edit, Fix, Severity, Span};
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
-/// Maximum number of combinations of sample types for one declaration.
+/// Maximum number of combinations of sample types with which one declaration is checked.
 const MAX_COMBINATIONS: usize = 16;
 
 /// Type parameter with its constraint.
@@ -35,11 +35,11 @@ struct TypeParam<'a> {
     constraint: Constraint,
     /// Constraint in the source text, if there is one.
     constraint_ident: Option<&'a Ident>,
-    /// Index of its free unit; `None` if the free units of this round are used by other parameters.
+    /// Index of the free unit that its samples use; `None` if the free units are used by other parameters.
     free_unit: Option<usize>,
 }
 
-/// Errors in a body, at most one for each location.
+/// Errors in a generic body that is checked for sample types, at most one for each location.
 struct SampleErrors {
     errors: Vec<Diagnostic>,
     locations: FastSet<Span>,
@@ -139,7 +139,7 @@ fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: StaticBindings
     }
 }
 
-/// Runs a check and returns its diagnostics; discards all units that it creates.
+/// Runs a check on a trial basis and returns its diagnostics; discards all units that it creates.
 fn discarding_units(
     checker: &mut Checker<'_>,
     check: impl FnOnce(&mut Checker),
@@ -201,7 +201,7 @@ fn attribute_to_constraint<'a>(
 }
 
 impl TypeParam<'_> {
-    /// Returns the parameter with another constraint, if the written one allows more types.
+    /// Returns the parameter with a stricter constraint, if the written one allows more types.
     fn with_constraint(self, constraint: Constraint) -> Self {
         match self.constraint {
             Constraint::Any | Constraint::Number => TypeParam { constraint, ..self },
@@ -216,8 +216,8 @@ impl TypeParam<'_> {
     }
 }
 
-/// Returns all combinations of sample types, up to `MOST_ROUNDS`. Above this limit a parameter has only its first
-/// sample.
+/// Returns all combinations of sample types, up to [`MAX_COMBINATIONS`]. Above this limit a parameter has only its
+/// first sample.
 fn sample_combinations(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
     let mut all = vec![Vec::new()];
     for param in params {

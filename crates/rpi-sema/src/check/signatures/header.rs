@@ -31,12 +31,12 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Header of a callable for one choice of static arguments.
+/// Name, ports and result type of a callable for one choice of static arguments.
 #[derive(Debug)]
 pub(crate) struct Header {
     pub(crate) decl: DeclId,
     pub(crate) statics: Rc<StaticBindings>,
-    /// Name with the static arguments.
+    /// Name of the callable with its static arguments.
     pub(crate) name: Name,
     pub(crate) kind: UnitKind,
     pub(crate) span: Span,
@@ -48,7 +48,7 @@ pub(crate) struct Header {
 }
 
 impl Header {
-    /// Whether this is an instance of a generic callable, chosen by types or values.
+    /// Whether the callable is an instance of a generic one, chosen by types or values.
     pub(crate) fn is_instance(&self) -> bool {
         let mut statics = self.statics.values();
         statics.any(|value| matches!(value, StaticBinding::Type(_) | StaticBinding::Value(_)))
@@ -76,9 +76,9 @@ pub(crate) struct Port {
     pub(crate) has_default: bool,
     /// Whether the port is declared in `<<...>>`.
     pub(crate) is_static: bool,
-    /// Whether the port decides the clock of another port.
+    /// Whether the port is the condition of another port's clock.
     pub(crate) is_clock: bool,
-    /// Port that decides the clock of this port, and the value for which this port is present.
+    /// Port that is the condition of this port's clock, and the value for which the clock ticks.
     pub(crate) clock: Option<(Name, u32)>,
     /// Whether the port is declared optional (`?`).
     pub(crate) optional: bool,

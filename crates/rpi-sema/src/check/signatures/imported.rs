@@ -21,7 +21,7 @@ const MAX_MODES: usize = 1000;
 /// that their number can grow exponentially.
 const MAX_MODE_PATH: usize = 16;
 
-/// Import of a contract.
+/// Import of a contract by the contract that is being checked.
 #[derive(Clone, Copy)]
 pub(crate) struct ContractInstance<'a> {
     syntax: &'a ContractImport,
@@ -74,7 +74,7 @@ pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedKind) -> Option<
     }
 }
 
-/// Returns the arguments of an imported contract, if the expression is its instance.
+/// Returns the arguments of an imported contract, if the expression is the call that instantiates it.
 fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
     let mut imports = cx.contract.imports.iter();
     let import = imports.find(|import| import.call == Some(instance))?;
@@ -85,7 +85,7 @@ fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
     Some(given.flatten().copied().collect())
 }
 
-/// Returns the instance of an imported contract; creates it on first use.
+/// Returns the call expression that instantiates an imported contract; creates it on first use.
 fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
     let import = cx.contract.imports[at];
     if let Some(call) = import.call {

@@ -71,8 +71,8 @@ pub(crate) fn instance_name(
     }
 }
 
-/// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred
-/// are reported at `told_at`, if that is given.
+/// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred are
+/// reported at `told_at`, if that is given.
 pub(crate) fn resolve_instance(
     cx: &mut Body<'_, '_>,
     header: &Rc<Header>,
@@ -112,7 +112,7 @@ pub(crate) fn report_missing(cx: &mut Body<'_, '_>, id: DeclId, left: &[Name], s
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Returns the source text of a value that [distinguishes instances](tells_apart).
+/// Returns the source text of a value that [distinguishes instances](distinguishes_instances).
 fn value_text(ty: &Ty, leaves: &[Leaf]) -> String {
     match (ty, leaves) {
         (Ty::Array(element, n), _) => {

@@ -20,10 +20,10 @@ use rpi_diag::{Code, Diagnostic, Severity};
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
 
-/// Sample value of a size.
+/// Value that stands for a size parameter without an argument, so that the body can be checked.
 const SAMPLE_SIZE: i64 = 4;
 
-/// Whether a diagnostic about a sample applies to the declaration itself.
+/// Whether a diagnostic about a callable checked with sample arguments applies to the declaration itself.
 pub(crate) fn is_sample_independent(diagnostic: &Diagnostic) -> bool {
     !Cause::SampleValue.explains(diagnostic) && diagnostic.code != Code::RPI1012
 }

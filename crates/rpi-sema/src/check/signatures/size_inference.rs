@@ -83,11 +83,11 @@ fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signatur
     }
 }
 
-/// Result of inferring a size from the type of an argument.
+/// Size that the type of an argument gives for a size parameter.
 enum InferredSize {
-    /// The size.
+    /// The type gives this size.
     Size(u32),
-    /// The type of the argument is not known yet.
+    /// The size is not known yet, because the type of the argument is not.
     Pending,
     /// The type does not determine the size.
     Undetermined,

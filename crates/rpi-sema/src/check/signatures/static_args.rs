@@ -27,16 +27,17 @@ use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, StaticArg, StaticVal
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Value of a static parameter.
+/// What a static parameter is bound to.
 #[derive(Clone, Debug)]
 pub(crate) enum StaticBinding {
-    /// A type.
+    /// The parameter is a type.
     Type(Ty),
-    /// A value that is known at compile time.
+    /// The parameter is a value known at compile time.
     Value(Constant),
-    /// A value that is known at load time: a flow in the body.
+    /// The parameter is a value known only at load time: a flow in the body.
     LoadTime,
-    /// A callable, and the diagnostic for calling it although its ports differ from those of the parameter.
+    /// The parameter is a callable; with the diagnostic for calling it although its ports differ from those of the
+    /// parameter.
     Callable(Callable, Option<Rc<Diagnostic>>),
 }
 
@@ -52,7 +53,7 @@ impl<'a> StaticParamDecl<'a> {
     }
 }
 
-/// Static arguments of a call, sorted by the parameters that they are for.
+/// Static arguments of a call, assigned to the parameters that they are for.
 pub(crate) struct BoundStatics<'a> {
     /// Values of the static parameters that have an argument.
     pub(crate) statics: StaticBindings,
@@ -200,7 +201,8 @@ fn static_expr<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<ExprId> 
         StaticValue::Expr(expr) => Some(expr::check_expr(cx, expr)),
         _ => {
             let diagnostic = Diagnostic::new(Code::RPI1010, "a value is expected here")
-                .primary(arg.span, "not a value");
+                .primary(arg.span, "not a value")
+                .help("write a constant expression here");
             report::report_diagnostic(cx, diagnostic);
             None
         }
@@ -234,7 +236,8 @@ fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: S
         ),
     )
     .primary(span, "unexpected argument")
-    .secondary(decl.span, "declared here");
+    .secondary(decl.span, "declared here")
+    .help("delete it, or pass it in `(...)` if it is a value of an in-port");
     report::report_diagnostic(cx, diagnostic);
 }
 

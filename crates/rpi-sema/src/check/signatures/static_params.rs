@@ -17,14 +17,14 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Declaration of a static parameter.
+/// Declaration of a static parameter: a type, a value or a node.
 #[derive(Clone, Copy)]
 pub(crate) enum StaticParamDecl<'a> {
-    /// Type parameter: `type t`, `type T: number`.
+    /// Type parameter with its constraint: `type t`, `type T: number`.
     Type(&'a Ident, Option<&'a Ident>),
     /// Value parameter: `n: int = 3`.
     Value(&'a Ident, &'a ConstDef),
-    /// Node parameter: `node f (...) returns (...)`.
+    /// Node parameter with its ports: `node f (...) returns (...)`.
     Node(&'a Signature),
 }
 

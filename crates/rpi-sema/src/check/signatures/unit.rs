@@ -32,12 +32,13 @@ use std::rc::Rc;
 /// Maximum number of units of a program. An infinite recursion over static parameters exceeds it.
 const MAX_UNITS: usize = 20_000;
 
-/// Header and progress of a unit.
+/// Entry of a unit in the table of instances: its header and how far it has been checked.
 pub(crate) struct UnitEntry {
     pub(crate) header: Rc<Header>,
     /// Location of the first call.
     called: Span,
-    /// Number of nested instances around the unit: each is created while the previous one is checked.
+    /// Number of instances whose check was in progress when the unit was created, each created while the previous one
+    /// was checked.
     depth: u32,
     state: Progress,
 }
@@ -340,16 +341,17 @@ fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
             diagnostic.help(format!("remove `{outside}` or the body")),
         );
     }
-    let lacks = match node.modifier {
-        Modifier::Opaque if node.contract.is_none() => "a contract, which is all that callers see",
-        Modifier::Transparent if !has_body => "a body, which callers see",
+    let (lacks, word) = match node.modifier {
+        Modifier::Opaque if node.contract.is_none() => ("a contract", "opaque"),
+        Modifier::Transparent if !has_body => ("a body", "transparent"),
         _ => return,
     };
-    let message = format!("`{}` lacks {lacks}", node.signature.name.name);
-    report::report_diagnostic(
-        cx,
-        Diagnostic::new(Code::RPI1014, message).primary(node.signature.name.span, "declared here"),
-    );
+    let name = &node.signature.name;
+    let message = format!("`{}` is `{word}` but lacks {lacks}", name.name);
+    let diagnostic = Diagnostic::new(Code::RPI1014, message)
+        .primary(name.span, format!("callers rely on {lacks}"))
+        .help(format!("add {lacks}, or remove `{word}`"));
+    report::report_diagnostic(cx, diagnostic);
 }
 
 fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
@@ -371,7 +373,7 @@ fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
     );
 }
 
-/// Returns the kind and the name of the node or fragment that is called at a location.
+/// Returns the kind and the name of the node or fragment that is called at a location of the body.
 fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
     let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
     here.find_map(|expr| match &expr.kind {
@@ -436,7 +438,7 @@ fn check_body_with<'a>(
     assumed
 }
 
-/// Whether the file is RPI text, not Lustre.
+/// Whether the file of the body is RPI text, not Lustre.
 pub(crate) fn reads_rpi_syntax(cx: &Body<'_, '_>) -> bool {
     cx.mode == rpi_syntax::Dialect::Rpi
 }

@@ -15,11 +15,11 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{NextStep, Run};
 
-/// Steps that may run before a step.
+/// Steps of a task that may run before a step.
 pub(super) enum Predecessors<'a> {
-    /// None: the step may be the first one.
+    /// No step: the step may be the first one.
     None,
-    /// This step.
+    /// This step runs directly before.
     Run(&'a Run),
     /// Parallel branches, each with the steps that it can end with. A value comes from the first branch that provides
     /// it at each of its ends.
@@ -124,13 +124,14 @@ fn sources_from_all(
     Ok(all)
 }
 
-/// Returns the unit of the command that a step runs; `None` for a task, and before the arguments are known.
+/// Returns the unit of the command that a step runs; `None` if the step runs a task, and before the arguments are
+/// known.
 pub(super) fn command_of(cx: &Body<'_, '_>, run: &Run) -> Option<UnitId> {
     let step = task_step_of(cx, run).filter(|step| is_command_step(cx, *step))?;
     Some(cx.unit.steps[step].unit)
 }
 
-/// Returns the index of the task step for a run; `None` before its arguments are known.
+/// Returns the index of the step in the unit of the task; `None` before its arguments are known.
 fn task_step_of(cx: &Body<'_, '_>, run: &Run) -> Option<usize> {
     let mut steps = cx.unit.steps.iter();
     steps.position(|step| step.span == run.callee.span)
@@ -185,9 +186,10 @@ fn source_from(
         }),
         Err(_) => {
             let text = format!("this `{name}` is `{found}`, expected `{ty}`");
-            Err(Box::new(
-                missing_handover(taken, run).secondary(export.span, text),
-            ))
+            let help =
+                format!("give both the same type, for example `{name}: {found}` after `given`");
+            let diagnostic = missing_handover(taken, run).secondary(export.span, text);
+            Err(Box::new(diagnostic.help(help)))
         }
     }
 }

@@ -42,14 +42,14 @@ use rpi_syntax::ast::{Expr, Ident, NextStep, ParallelBranch, Run, Step, StepKind
 /// Maximum number of repetitions: at one per millisecond they take twelve days.
 const MAX_REPETITIONS: i64 = 1 << 30;
 
-/// Steps that can be reached by label, the innermost list last.
+/// Labels that a step can jump to, with their steps; those of the innermost list last.
 type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 
-/// Steps that follow a step without branches; several if parallel branches begin.
+/// Steps that follow a step if no branch is taken; several if parallel branches begin.
 #[derive(Clone, Default)]
 struct Continuation<'a> {
     runs: Vec<&'a Run>,
-    /// Whether they start only after other parallel branches have ended, too.
+    /// Whether the steps start only after other parallel branches have ended, too.
     waits_for_branches: bool,
 }
 
@@ -62,7 +62,7 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// Checks a task.
+/// Checks the steps of a task.
 pub(crate) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
     let first = first_steps(&task.steps).into_iter();
     let mut follows: Vec<Succession<'a>> = first.map(|run| (Predecessors::None, run)).collect();
@@ -72,8 +72,7 @@ pub(crate) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
     parallel::check_parallel_devices(cx, task);
 }
 
-/// Checks a list of steps; `again` are the steps after the last one, which in a `repeat` are the first ones of the
-/// list.
+/// Checks a list of steps; `again` are the steps that follow the last one: in a `repeat` the first ones of the list.
 fn check_steps<'a>(
     cx: &mut Body<'_, 'a>,
     steps: &'a [Step],
@@ -150,7 +149,16 @@ fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> 
     if found.is_none() {
         let names = labels.iter().map(|(known, _)| known.name.as_str());
         let near = cx.checker.suggest(&label.name, names);
-        report::report_diagnostic(cx, undefined_name("step", &label.name, label.span, near));
+        report::report_diagnostic(cx, {
+            let is_near = near.is_some();
+            let diagnostic = undefined_name("step", &label.name, label.span, near);
+            match is_near {
+                true => diagnostic,
+                false => diagnostic.help(
+                    "name a step of the same list: a branch cannot lead into `repeat` or `parallel`, or out of them",
+                ),
+            }
+        });
     }
     found.map(|(_, run)| *run)
 }
@@ -191,7 +199,8 @@ fn check_known_at_load(cx: &mut Body<'_, '_>, value: ExprId) -> bool {
     let known = args::is_load_time_constant(cx, value);
     if !known {
         let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
-            .primary(cx.span_of(value), "this changes while commands run");
+            .primary(cx.span_of(value), "this changes while commands run")
+            .help("use a number, a constant or a parameter of the task");
         report::report_diagnostic(cx, diagnostic);
     }
     known

@@ -17,7 +17,7 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Run, Step, StepKind, TaskDecl, VarDecl};
 
-/// Devices that steps drive, by their names in the task of these steps.
+/// Devices that some steps of a task drive, by their names in that task.
 #[derive(Clone, Default)]
 pub(crate) struct DeviceUses {
     /// Driven devices, each with the location of its first use.

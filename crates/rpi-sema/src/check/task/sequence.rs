@@ -10,7 +10,7 @@ pub(super) fn run_of(step: &Step) -> Option<&Run> {
     }
 }
 
-/// Returns the steps with which a list begins; several if it begins with parallel branches.
+/// Returns the steps with which a list of steps begins; several if it begins with parallel branches.
 pub(super) fn first_steps(steps: &[Step]) -> Vec<&Run> {
     let start = steps.iter().find_map(|step| match &step.kind {
         StepKind::Start(label) => Some(&label.name),
@@ -38,7 +38,7 @@ pub(super) fn entry_steps(step: &Step) -> Vec<&Run> {
     }
 }
 
-/// Returns the steps with which a list can end: the last one, and those with a branch to `end`.
+/// Returns the steps with which a list of steps can end: the last one, and those with a branch to `end`.
 pub(super) fn last_steps(steps: &[Step]) -> Vec<&Run> {
     let ends = |run: &&Run| {
         run.branches

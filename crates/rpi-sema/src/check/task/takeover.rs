@@ -93,7 +93,7 @@ fn is_motion_type(ty: &Ty) -> bool {
     }
 }
 
-/// Returns the steps that follow a result; several if parallel branches begin.
+/// Returns the steps that run after a result of a command; several if parallel branches begin.
 fn check_target<'a>(
     run: &'a Run,
     result: &Name,

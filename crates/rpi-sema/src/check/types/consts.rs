@@ -187,7 +187,8 @@ pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
                 cx,
                 Diagnostic::new(Code::RPI2008, "a constant is needed here")
                     .primary(span, "this is only known at run time")
-                    .secondary(cx.span_of(id), "needed at compile time"),
+                    .secondary(cx.span_of(id), "needed at compile time")
+                    .help("use a number, a constant or a static parameter"),
             );
             None
         }
@@ -195,7 +196,8 @@ pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
             report::report_diagnostic(
                 cx,
                 Diagnostic::new(Code::RPI2010, what)
-                    .primary(span, "while evaluating this constant"),
+                    .primary(span, "while evaluating this constant")
+                    .help("correct the values from which it is computed"),
             );
             None
         }
@@ -207,7 +209,7 @@ pub(crate) fn fold_silently(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Lea
     try_fold(cx, id).ok()
 }
 
-/// Returns the value of an expression, or why it is not constant.
+/// Returns the value of an expression, or the reason why it is not constant.
 pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstantError> {
     match &cx.unit.expr(id).kind {
         TypedKind::Literal(leaf) => return Ok([leaf.clone()].into()),
@@ -232,7 +234,7 @@ fn constant_without_value(name: &ast::Ident, is_rpi: bool) -> Diagnostic {
         .help("add a value: `= ...`")
 }
 
-/// Returns the units that an expression calls.
+/// Returns the units that an expression calls, directly or in its operands.
 fn called_units(unit: &Unit, id: ExprId) -> Vec<UnitId> {
     let mut found = Vec::new();
     let mut parts = unit.traverse(id);

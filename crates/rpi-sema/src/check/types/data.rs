@@ -35,7 +35,7 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Name of the member that holds the alternative of a value.
+/// Name of the struct field that tells which alternative of a `datatype` a value has.
 pub(crate) const TAG: &str = "tag";
 
 /// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
@@ -59,7 +59,8 @@ pub(crate) fn type_instance_for<'a>(
         );
         let diagnostic = Diagnostic::new(Code::RPI1010, message)
             .primary(span, "wrong number of type arguments")
-            .secondary(decl.span, "declared here");
+            .secondary(decl.span, "declared here")
+            .help(type_args_help(&decl.name, names.len()));
         report::report_diagnostic(cx, diagnostic);
         return Ty::Unknown;
     }
@@ -312,6 +313,14 @@ pub(crate) fn constructor_value<'a>(
     cx.add(TypedKind::Build(parts.into()), Ty::Struct(ty), span)
 }
 
+/// Returns how a type with `count` type arguments is written.
+fn type_args_help(name: &str, count: usize) -> String {
+    match count {
+        0 => format!("write only its name: `{name}`"),
+        _ => format!("write it as `{name}<<{}>>`", vec!["T"; count].join("; ")),
+    }
+}
+
 /// Reports a wrong number of parts of an alternative.
 pub(crate) fn report_part_count(
     cx: &mut Body<'_, '_>,
@@ -327,7 +336,15 @@ pub(crate) fn report_part_count(
     );
     let diagnostic = Diagnostic::new(Code::RPI1010, message)
         .primary(span, "wrong number of parts")
-        .secondary(name.span, "declared here");
+        .secondary(name.span, "declared here")
+        .help(match count {
+            0 => format!("write only its name: `{}`", name.name),
+            _ => format!(
+                "write it as `{}({})`",
+                name.name,
+                vec!["..."; count].join(", ")
+            ),
+        });
     cx.report_error_expr(diagnostic, span)
 }
 
@@ -351,13 +368,14 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     if !ty.is_unknown() {
         let diagnostic =
             Diagnostic::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
-                .primary(span, format!("this is `{ty}`"));
+                .primary(span, format!("this is `{ty}`"))
+                .help("compare numbers and Booleans by `if`: `if x = 1 then ... else ...`");
         report::report_diagnostic(cx, diagnostic);
     }
     None
 }
 
-/// Adds the test of a tag for one alternative.
+/// Adds an expression that tests whether a tag has one alternative of a `datatype`.
 pub(crate) fn tag_test(
     cx: &mut Body<'_, '_>,
     all: &Rc<EnumTy>,
@@ -420,7 +438,8 @@ fn zero_value(ty: &Ty) -> Rc<[Leaf]> {
     leaves.into()
 }
 
-/// Returns the value of the parts of other alternatives: zeros, or the value nearest to zero in a subrange.
+/// Returns the value that the fields of other alternatives have in a value of a `datatype`: zeros, or the value nearest
+/// to zero in a subrange.
 fn filler_value(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = zero_value(ty).to_vec();
     for (at, range) in ty.subranges(true) {

@@ -30,7 +30,7 @@ use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
 /// Maximum number of alternatives of an expression in seconds that may become a time.
 const MAX_ALTERNATIVES: usize = 1000;
 
-/// Operator on times: its primitive on ticks, whether the operands are swapped, and the type of its result.
+/// Operator on exact times: its primitive on ticks, whether the operands are swapped, and the type of its result.
 struct TimeOp {
     op: BinaryOp,
     prim: PrimId,
@@ -61,7 +61,8 @@ const TIME_OPS: &[TimeOp] = &[
     time_op(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
 ];
 
-/// Whether an expression is added with a part that may be turned into a conversion.
+/// Whether an expression is wrapped in a part expression when it is added, because it may later become a conversion
+/// between ticks and seconds.
 pub(crate) fn may_be_converted(unit: &Unit, kind: &TypedKind, ty: &Ty) -> bool {
     match ty {
         Ty::Duration => !matches!(kind, TypedKind::Error),
@@ -92,7 +93,7 @@ fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
     }
 }
 
-/// Returns the expression of type `ty` that a part covers completely.
+/// Returns the expression of type `ty` that a part expression covers completely.
 fn covered_expr(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
     match unit.expr(id).kind {
         TypedKind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
@@ -104,7 +105,7 @@ fn covers_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
     covered_expr(unit, id, ty).is_some()
 }
 
-/// Turns a time into seconds.
+/// Converts the expression of a time to one in seconds.
 pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     if *cx.ty_of(id) != Ty::Duration {
         return;
@@ -132,8 +133,8 @@ pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     }
 }
 
-/// Turns seconds that are fixed at load time, or chosen among such values, into whole ticks, rounded up; returns
-/// whether they are.
+/// Converts seconds that are fixed at load time, or chosen among such values, to whole ticks, rounded up; returns
+/// whether that was possible.
 pub(crate) fn convert_to_ticks(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
     let Some(parts) = fixed_alternatives(cx, id) else {
         return false;
@@ -236,7 +237,7 @@ fn unify_time_operands(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right:
     false
 }
 
-/// Turns the fixed duration in `n * 10[ms]` into ticks; the product is a multiple of it.
+/// Converts the fixed duration in `n * 10[ms]` to ticks, so that the product is an exact multiple of it.
 fn convert_multiplied_duration(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) {
     let is_constant = cx.unit.kind == UnitKind::Constant;
     for (count, duration) in [(left, right), (right, left)] {

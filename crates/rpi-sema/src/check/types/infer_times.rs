@@ -18,21 +18,22 @@ use crate::typed::{ElementwiseOp, Expr, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowId, FlowRole, Unit};
 use std::collections::BTreeMap;
 
-/// Maximum number of rounds of inference. After the first round, types can only change from time to seconds.
+/// Maximum number of rounds of type inference. After the first round, types can only change from time to seconds.
 const MAX_ROUNDS: u32 = 4;
 
-/// Kinds of values that reach a flow, and its neighbours.
+/// Which of times and seconds reach a flow through its definition, and the flows that it reads and that read it.
 #[derive(Default)]
 struct TimeSources {
-    /// Whether a time reaches it.
+    /// Whether the value of a time reaches the flow.
     time: bool,
-    /// Whether seconds that are not fixed reach it.
+    /// Whether seconds that change at run time reach the flow.
     seconds: bool,
-    /// Flows with an inferred type that read this one.
+    /// Flows with an inferred type that read the flow.
     readers: Vec<FlowId>,
-    /// Flows with an inferred type that it reads.
+    /// Flows with an inferred type that the flow reads.
     reads: Vec<FlowId>,
-    /// Whether the flow, or a flow of a state that contributes to it, was inferred as a time, and as seconds.
+    /// Whether the flow, or a flow of a state that contributes to it, was inferred as a time (first entry), and as
+    /// seconds (second entry).
     inferred_as: [bool; 2],
 }
 
@@ -55,7 +56,7 @@ pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
     type_inference::infer_types(cx);
 }
 
-/// Adds the correct type of each wrongly inferred flow to `settled`; returns whether there are any.
+/// Adds the correct type of each flow that the last round inferred wrongly to `settled`; returns whether there are any.
 fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut FastMap<FlowId, Ty>) -> bool {
     let mut all = time_sources(cx, open, settled);
     propagate_seconds(&mut all);
@@ -71,7 +72,7 @@ fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut FastMap<Flow
     changed
 }
 
-/// Returns the sources of each flow that may be a time or seconds.
+/// Returns, for each flow that may be a time or seconds, which of both reach it.
 fn time_sources(
     cx: &Body<'_, '_>,
     open: &[usize],
@@ -112,7 +113,7 @@ fn outermost_shared_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
         .unwrap_or(flow)
 }
 
-/// Adds the sources of a flow's defining value.
+/// Adds the times and seconds that reach a flow through the expression `value` that defines it.
 fn add_sources(
     cx: &Body<'_, '_>,
     flow: FlowId,
@@ -141,7 +142,7 @@ fn add_sources(
     }
 }
 
-/// Resets the inferred types, except the settled ones, for another round.
+/// Resets the inferred types, except the settled ones, before another round of inference.
 fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &FastMap<FlowId, Ty>) {
     for index in open {
         cx.pending[*index].state = EquationState::Unchecked;
@@ -161,7 +162,8 @@ fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &FastMap
     }
 }
 
-/// Propagates seconds from each flow to its readers.
+/// Marks each flow that reads a flow in seconds, directly or indirectly, as reached by seconds. A sum of a time and
+/// seconds is in seconds.
 fn propagate_seconds(all: &mut BTreeMap<FlowId, TimeSources>) {
     let mut open = flows_with(all, |sources| sources.seconds);
     while let Some(flow) = open.pop() {
@@ -175,7 +177,8 @@ fn propagate_seconds(all: &mut BTreeMap<FlowId, TimeSources>) {
     }
 }
 
-/// Propagates times from each flow to its readers, and to the fixed durations that it reads.
+/// Marks each flow that reads a time, directly or indirectly, as reached by a time; also the flows with fixed durations
+/// that such a flow reads.
 fn propagate_times(all: &mut BTreeMap<FlowId, TimeSources>) {
     let mut open = flows_with(all, |sources| sources.time && !sources.seconds);
     while let Some(flow) = open.pop() {
@@ -239,13 +242,13 @@ const UNIT_PRESERVING: &[&str] = &[
     "Rpi::SecondsFromTicks",
 ];
 
-/// Whether a value in seconds is a converted time of the core.
+/// Whether an expression in seconds is a conversion of a time that the core provides in ticks.
 fn is_converted_time(kind: &TypedKind) -> bool {
     let name = |call: &PrimCall| call.prim.desc().name;
     matches!(kind, TypedKind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
 }
 
-/// Whether a value in seconds may also be in ticks: it is fixed, or its type is unknown.
+/// Whether an expression in seconds can also be computed in ticks: it is fixed, or its type is unknown.
 fn may_be_ticks(unit: &Unit, expr: &Expr) -> bool {
     match &expr.kind {
         TypedKind::Literal(_) | TypedKind::Const(_) | TypedKind::Error | TypedKind::None => true,

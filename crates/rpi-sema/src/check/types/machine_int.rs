@@ -69,7 +69,9 @@ pub(crate) fn machine_int_type<'a>(
         let diagnostic = Diagnostic::new(Code::RPI2009, message);
         report::report_diagnostic(
             cx,
-            diagnostic.primary(span, "a machine integer has at least one bit"),
+            diagnostic
+                .primary(span, "a machine integer has at least one bit")
+                .help("use a size from 1 to 64 bits"),
         );
     } else if found.is_none() {
         proof_only::not_executable(
@@ -95,7 +97,14 @@ pub(crate) fn convert_to_machine(
         found => {
             let diagnostic =
                 Diagnostic::new(Code::RPI2006, format!("cannot convert `{found}` to `{to}`"))
-                    .primary(cx.span_of(value), format!("this is `{found}`"));
+                    .primary(cx.span_of(value), format!("this is `{found}`"))
+                    .help(match found {
+                        Ty::Real(_) => {
+                            let to = to.conversion_name();
+                            format!("convert it to an integer first: `({to} (int x))`")
+                        }
+                        _ => "only integers and machine integers can be converted".to_owned(),
+                    });
             cx.report_error_expr(diagnostic, span)
         }
     }
@@ -292,7 +301,8 @@ pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a BitRange, span: Span)
     }
     let Ty::Machine(machine) = ty else {
         let diagnostic = Diagnostic::new(Code::RPI2006, "only a machine integer has bits")
-            .primary(of.base.span, format!("this is `{ty}`"));
+            .primary(of.base.span, format!("this is `{ty}`"))
+            .help("convert an integer first: `(uint8 n)[3:0]`");
         return cx.report_error_expr(diagnostic, span);
     };
     for (bit, at) in [(high, &of.high), (low, &of.low)] {
@@ -361,4 +371,8 @@ fn bit_out_of_range(bit: i64, of: MachineInt, at: &Expr) -> Diagnostic {
     let bits = rpi_diag::with_noun(usize::from(of.bits), "bit");
     Diagnostic::new(Code::RPI2009, format!("bit index {bit} is out of range"))
         .primary(at.span, format!("the integer has {bits}, counted from 0"))
+        .help(format!(
+            "use an index from 0 to {}",
+            of.bits.saturating_sub(1)
+        ))
 }

@@ -42,7 +42,7 @@ use std::rc::Rc;
 /// memory.
 pub(crate) const MAX_LEAVES: usize = 1 << 16;
 
-/// A type, and whether a value may be absent.
+/// Type of a declaration, and whether a value of it may be absent.
 #[derive(Clone, Debug)]
 pub(crate) struct DeclaredType {
     pub(crate) ty: Ty,
@@ -104,9 +104,10 @@ fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
     }
 }
 
-/// Resolves a unit; `None` while a type parameter in it is unknown.
+/// Resolves the unit in a type; `None` while a type parameter in it is unknown.
 ///
 /// # Errors
+///
 /// Returns the diagnostic for an invalid unit.
 pub(crate) fn resolve_unit(
     cx: &Body<'_, '_>,
@@ -279,7 +280,7 @@ fn kind2_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
     }
 }
 
-/// Returns a static argument of such a type as text; empty after an error.
+/// Returns the text of a static argument of a Kind 2 type, such as the key type of a map; empty after an error.
 fn type_argument<'a>(cx: &mut Body<'_, 'a>, arg: &'a rpi_syntax::ast::StaticArg) -> String {
     match &arg.value {
         rpi_syntax::ast::StaticValue::Expr(value) => {
@@ -292,7 +293,7 @@ fn type_argument<'a>(cx: &mut Body<'_, 'a>, arg: &'a rpi_syntax::ast::StaticArg)
     }
 }
 
-/// Checks `history(x)`, the past values of a flow.
+/// Checks the Kind 2 type `history(x)`, the past values of a flow.
 fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
     let of = named
         .frames
@@ -345,7 +346,7 @@ fn check_geometry(cx: &mut Body<'_, '_>, frames: Option<&FramePair>) -> Geometry
     }
 }
 
-/// Resolves a frame: declared, of a device, or (in a signature) free.
+/// Resolves the name of a frame: declared, of a device, or (in a signature) free.
 fn check_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
     match &frame.parts[..] {
         [one] => {
@@ -373,7 +374,8 @@ fn is_frame_name(cx: &Body<'_, '_>, name: &Name) -> bool {
     }
 }
 
-/// Whether a name may be a free frame of the signature. In the signature itself every name may be one.
+/// Whether a name may be a free frame of the signature, bound by the arguments of a call. In the signature itself every
+/// name may be one.
 fn free_frame(cx: &mut Body<'_, '_>, name: &Name) -> bool {
     let known = cx.unit.free_frames.contains(name);
     if !known && cx.in_signature {
@@ -435,4 +437,5 @@ pub(crate) fn is_kind2_type(ty: &Ty, beginnings: &[&str]) -> bool {
 pub(crate) fn too_large(span: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI2009, "the array is too large")
         .primary(span, format!("more than {MAX_LEAVES} values"))
+        .help("use a smaller array, or several")
 }

@@ -5,7 +5,7 @@ use crate::units::{BaseDim, Dimension, Ratio, UnitError};
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::ops::UnaryOp;
 
-/// A value in a diagnostic: its dimension, its location, and whether it is a number literal.
+/// Value in a diagnostic about quantities: its dimension, its location, and whether it is a number literal.
 #[derive(Clone, Copy)]
 pub(crate) struct MeasuredValue {
     pub(crate) dim: Dimension,
@@ -87,7 +87,7 @@ pub(crate) fn angle_without_unit(wanted: Dimension, found: MeasuredValue) -> Dia
     }
 }
 
-/// Adds a suggestion that gives a value the expected dimension.
+/// Adds to a diagnostic how the value can be given the expected dimension.
 fn with_suggestion(diagnostic: Diagnostic, wanted: Dimension, found: MeasuredValue) -> Diagnostic {
     if found.is_number && found.dim == Dimension::ONE {
         return with_unit_fixes(diagnostic, wanted, found.span);
@@ -118,7 +118,7 @@ fn with_suggestion(diagnostic: Diagnostic, wanted: Dimension, found: MeasuredVal
     }
 }
 
-/// Returns the operation with a factor: "divide by a time in `s`", "multiply by ...".
+/// Returns the operation with a factor as text: "divide by a time in `s`", "multiply by ...".
 fn factor_text(factor: Dimension) -> String {
     let (word, dim) = match factor.is_reciprocal() {
         true => ("divide", factor.inverse()),
@@ -132,7 +132,7 @@ fn is_charge_for_temperature(wanted: Dimension, found: Dimension) -> bool {
     wanted == Dimension::base(BaseDim::Temperature) && Some(found) == charge
 }
 
-/// Units that are common for a dimension, by its coherent unit.
+/// Units that are commonly used for a dimension, by its coherent unit.
 const COMMON_UNITS: &[(&str, &[&str])] = &[
     ("m", &["m", "mm"]),
     ("m/s", &["m/s", "mm/s"]),
@@ -143,7 +143,7 @@ const COMMON_UNITS: &[(&str, &[&str])] = &[
     ("rad/s^2", &["deg/s^2", "rad/s^2"]),
 ];
 
-/// Adds a fix for each unit that may have been meant.
+/// Adds a fix for each unit that the author may have meant for a number.
 pub(crate) fn with_unit_fixes(
     diagnostic: Diagnostic,
     wanted: Dimension,

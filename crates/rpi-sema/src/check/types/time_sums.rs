@@ -51,7 +51,8 @@ fn rounding_warning(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> D
         .fix(Fix::maybe("declare it as `time`").replace(declared, "time"))
 }
 
-/// Defining expressions of the flows of a unit. Flows of states count as the outer flow that they define.
+/// Search for sums of a time and a previous value in the defining expressions of a unit. Flows of states count as the
+/// outer flow that they define.
 struct TimeSums<'u> {
     unit: &'u Unit,
     shared_flow_of: &'u FastMap<FlowId, FlowId>,
@@ -114,7 +115,7 @@ impl<'u> TimeSums<'u> {
         takes && (of(self, a, b) || adds && of(self, b, a))
     }
 
-    /// Whether a real is a converted time.
+    /// Whether an expression in seconds is a converted time.
     fn is_time(&self, id: ExprId) -> bool {
         let TypedKind::Prim(call) = &self.unit.expr(id).kind else {
             return false;

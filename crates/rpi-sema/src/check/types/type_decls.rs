@@ -34,12 +34,12 @@ pub(crate) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
     }
 }
 
-/// Returns the type of a declaration without static arguments.
+/// Returns the type that a declaration without static parameters declares.
 pub(crate) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
     type_instance(checker, id, Rc::default())
 }
 
-/// Returns the type of a declaration with static arguments.
+/// Returns the type that a declaration declares for these static arguments.
 pub(crate) fn type_instance(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -118,7 +118,14 @@ pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id:
             _ => diagnostic.secondary(decl.span, text),
         };
     }
-    checker.diagnostics.push(diagnostic);
+    let help = match what {
+        "constant" => "give one of these constants a value of its own",
+        "type" => {
+            "delete one of these parts: a type has a fixed size, so that it cannot hold itself"
+        }
+        _ => "break the circle: define one of them without the others",
+    };
+    checker.diagnostics.push(diagnostic.help(help));
 }
 
 fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {

@@ -197,7 +197,8 @@ fn define_shared<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, state: &'a 
     }
 }
 
-/// Strong transitions are evaluated in the enclosing scope, weak ones in the scope of the state.
+/// Records the references in the transitions of a state. Strong transitions are evaluated in the enclosing scope, weak
+/// ones in the scope of the state.
 fn index_transitions<'a>(
     builder: &mut Builder<'a>,
     around: ScopeId,

@@ -40,7 +40,7 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
     builder.index
 }
 
-/// Syntax tree that refers to names.
+/// Part of the syntax tree whose names are resolved once all names are defined.
 #[derive(Clone, Copy)]
 enum PendingRef<'a> {
     Expr(&'a Expr),
@@ -50,13 +50,13 @@ enum PendingRef<'a> {
     Dotted(&'a Dotted),
     Callee(&'a Callee),
     Run(&'a Run),
-    /// Plain name of a state or step.
+    /// Plain name that refers to a state or step.
     Name(&'a Ident),
-    /// Name of a module.
+    /// Name that refers to a module.
     Module(&'a Ident),
 }
 
-/// Source from which the members of a definition are found.
+/// Syntax from which the members of a definition follow: its type, or the expression that defines it.
 #[derive(Clone, Copy)]
 enum ShapeOrigin<'a> {
     Type(&'a Type),
@@ -83,7 +83,7 @@ impl<'a> DefPosition<'a> {
     }
 }
 
-/// State of the table construction.
+/// State of the construction of the index.
 struct Builder<'a> {
     index: Index,
     mode: Dialect,
@@ -182,7 +182,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Records the declared type of a definition.
+    /// Records the declared type of a definition, which gives its members.
     fn set_type(&mut self, def: DefId, scope: ScopeId, ty: &'a Type) {
         self.index.defs[def.0 as usize].ty = Some(ty.span);
         self.shapes.set(def, scope, ShapeOrigin::Type(ty));

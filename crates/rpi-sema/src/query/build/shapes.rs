@@ -9,10 +9,11 @@ use crate::query::build::{Builder, DefId, Expr, ScopeId, ShapeOrigin, Type};
 use crate::query::def::DefKind;
 use rpi_syntax::ast::{Call, ExprKind, TypeKind};
 
-/// Greatest length of a chain of equations that is followed.
+/// Greatest length of a chain of equations that is followed to find the members of a flow.
 const MAX_DEPTH: u32 = 100;
 
-/// Origins of shapes, and the shapes found so far.
+/// For each definition, the syntax from which its members follow, and the definition that has these members once it is
+/// known.
 #[derive(Default)]
 pub(super) struct Shapes<'a> {
     origins: FastMap<DefId, (ScopeId, ShapeOrigin<'a>)>,
@@ -25,7 +26,8 @@ impl<'a> Shapes<'a> {
         self.origins.insert(def, (scope, origin));
     }
 
-    /// Sets the origin of a flow unless it has one. A flow with several definitions has the shape of the first.
+    /// Sets the syntax from which the members of a flow follow, unless it is set already: a flow with several
+    /// definitions has the members of the first.
     pub(super) fn set_if_unset(&mut self, def: DefId, scope: ScopeId, origin: ShapeOrigin<'a>) {
         self.origins.entry(def).or_insert((scope, origin));
     }
@@ -102,8 +104,8 @@ pub(super) fn owner_of<'a>(
     }
 }
 
-/// Returns the shape of a call's result: that of its only output, or the callee if it has several. `hold(x, init)`
-/// has the shape of x.
+/// Returns the definition with the members of a call's result: that of its only output, or the callee if it has
+/// several. `hold(x, init)` has the members of x.
 fn owner_of_call<'a>(builder: &mut Builder<'a>, scope: ScopeId, call: &'a Call) -> Option<DefId> {
     let Some(callee) = builder.index.lookup(scope, &call.callee.name.name) else {
         return owner_of(builder, scope, &call.args.first()?.value);

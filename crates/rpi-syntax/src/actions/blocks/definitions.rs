@@ -18,7 +18,7 @@ pub(super) struct Definitions {
     pub(super) keys_by_flow: BTreeMap<Name, Vec<String>>,
 }
 
-/// Desugared equation.
+/// Equation that defines one key of a block after desugaring, with its left side.
 #[derive(Clone)]
 pub(super) struct Definition {
     pub(super) targets: Vec<Target>,

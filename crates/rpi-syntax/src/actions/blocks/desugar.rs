@@ -8,7 +8,7 @@ use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
 use std::collections::BTreeSet;
 
-/// Desugaring of a block.
+/// State of desugaring one block of conditional equations or `frame` block.
 pub(super) struct Desugarer<'c, 't> {
     cx: &'c ParseContext<'t>,
     /// Flows of a `frame`, which keep their previous values where no branch defines them.
@@ -164,7 +164,7 @@ impl<'c, 't> Desugarer<'c, 't> {
         joined
     }
 
-    /// Returns the combined definition of one key over all branches.
+    /// Returns the definition of one key as a conditional expression over all branches.
     fn join_branches(
         &mut self,
         key: &str,
@@ -188,7 +188,7 @@ impl<'c, 't> Desugarer<'c, 't> {
         })
     }
 
-    /// Returns the value of targets in a branch.
+    /// Returns the value that targets have in one branch: the defined one, else the previous one.
     fn value_in(&mut self, defined: &Definitions, targets: &[Target], place: Span) -> Expr {
         if let Some(value) = defined.value_of(targets) {
             return value;

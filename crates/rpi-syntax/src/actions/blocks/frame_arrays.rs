@@ -11,7 +11,7 @@ enum TargetForm {
     Whole,
     /// Element with the given number of indices: `A[i][j] = e`.
     Elements(usize),
-    /// Another part of a flow, or several flows.
+    /// Left side of another form: a field or slice of a flow, or several flows.
     Other,
 }
 

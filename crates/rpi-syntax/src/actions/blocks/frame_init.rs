@@ -49,7 +49,8 @@ pub(super) fn insert_initial_values(
     }
 }
 
-/// Moves an index into conditionals: `(if c then x else last A)[k]` becomes `if c then x[k] else last A[k]`.
+/// Moves the index of an indexed conditional into its branches: `(if c then x else last A)[k]` becomes `if c then x[k]
+/// else last A[k]`.
 // Initial values may be given by element, so `last` must apply to elements.
 fn push_index(expr: &mut Expr) {
     let ExprKind::Index(of) = &mut expr.kind else {
@@ -157,7 +158,7 @@ fn common_initial_value(part: &Expr, initial: &Definitions) -> Option<Expr> {
     found.map(|d| d.value.clone())
 }
 
-/// Returns a placeholder for `mem::replace`.
+/// Returns an expression without meaning, which stands in while `mem::replace` moves another one.
 fn placeholder() -> Expr {
     Expr {
         kind: ExprKind::Bool(false),

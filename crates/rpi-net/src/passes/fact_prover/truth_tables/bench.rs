@@ -6,7 +6,8 @@ use rpi_diag::Span;
 use rpi_image::{PrimDesc, StateSize};
 use rpi_prims::{Context, CycleTime, NoDevices, Prim, PrimId};
 
-/// Primitive with its own memory: inputs, parameters, output and state. The presence flag of a port follows its value.
+/// Test bench of a primitive with its own memory for inputs, parameters, output and state. The presence flag of a port
+/// follows its value.
 pub(crate) struct Bench {
     prim: &'static Prim,
     slots: Vec<u64>,
@@ -51,7 +52,7 @@ impl Bench {
         self.slots.extend([0, 1]);
     }
 
-    /// Runs one cycle. A strict primitive is not run while an input is absent.
+    /// Runs the primitive for one cycle and returns its output. A strict primitive is not run while an input is absent.
     pub(crate) fn run(&mut self, inputs: &[ValueSet]) -> ValueSet {
         if self.total && inputs.contains(&ValueSet::ABSENT) {
             return ValueSet::ABSENT;

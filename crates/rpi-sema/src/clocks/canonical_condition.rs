@@ -1,31 +1,34 @@
 //! Canonical names of deciding flows. A flow that only copies another flow, or a part of one, is named after that flow.
 
-use crate::clocks::clock::Decider;
+use crate::clocks::clock::ClockCondition;
 use crate::clocks::solve::Solver;
 use crate::typed::{Activation, TypedKind};
 use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
 
-/// Returns the canonical decider for a flow.
-pub(super) fn decider_of(solver: &mut Solver<'_>, flow: FlowId) -> Decider {
+/// Returns the clock condition that a flow stands for: itself, or the flow that it copies.
+pub(super) fn condition_of(solver: &mut Solver<'_>, flow: FlowId) -> ClockCondition {
     if let Some(known) = solver.canonical.get(&flow) {
         return *known;
     }
-    let name = source(solver, flow, 0).unwrap_or(Decider::Flow(flow));
+    let name = source(solver, flow, 0).unwrap_or(ClockCondition::Flow(flow));
     solver.canonical.insert(flow, name);
     name
 }
 
-/// Returns the decider that leaf `k` of an expression stands for; none if the expression computes a new value.
-pub(super) fn decider(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<Decider> {
+/// Returns the clock condition that leaf `k` of an expression stands for; `None` if the expression computes a new
+/// value.
+pub(super) fn condition(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<ClockCondition> {
     match copied_source(solver, id, k)? {
-        CopySource::Leaf(flow, 0) if is_scalar(solver.unit, flow) => Some(decider_of(solver, flow)),
+        CopySource::Leaf(flow, 0) if is_scalar(solver.unit, flow) => {
+            Some(condition_of(solver, flow))
+        }
         CopySource::Leaf(flow, k) => source(solver, flow, k),
         CopySource::CallResult(by) => Some(by),
     }
 }
 
-/// Returns the flow or call result that leaf `k` of a flow copies, following copies to their source.
-fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<Decider> {
+/// Returns the flow or call result that leaf `k` of a flow copies, followed through all copies.
+fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<ClockCondition> {
     let (mut at, mut best) = ((flow, k), None);
     for _ in 0..solver.unit.flows.len() {
         let Some((value, k)) = single_definition(solver, at.0, at.1) else {
@@ -37,7 +40,7 @@ fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<Decider> {
             Some(CopySource::Leaf(flow, k)) if !solver.unit.is_lustre => {
                 at = (flow, k);
                 if is_scalar(solver.unit, flow) {
-                    best = Some(Decider::Flow(flow));
+                    best = Some(ClockCondition::Flow(flow));
                 }
             }
             _ => break,
@@ -94,8 +97,8 @@ fn copied_source(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<CopySource
                 let port = port_of(callee, k)?;
                 let exposed = solver.facts[call.unit.0 as usize].clocks.exposed();
                 let mut exposed = exposed.iter();
-                let number = exposed.position(|(by, _)| *by == Decider::Flow(port))?;
-                let by = Decider::CallInternal(id, u32::try_from(number).ok()?);
+                let number = exposed.position(|(by, _)| *by == ClockCondition::Flow(port))?;
+                let by = ClockCondition::CallInternal(id, u32::try_from(number).ok()?);
                 return Some(CopySource::CallResult(by));
             }
             _ => return None,
@@ -109,12 +112,12 @@ pub(super) fn runs_always(solver: &Solver<'_>, callee: &Unit) -> bool {
     solver.is_last_round() && !solver.unit.is_lustre && callee.has_state
 }
 
-/// Source of a leaf that is passed on unchanged.
+/// Source of a leaf (scalar part) that an expression passes on unchanged.
 enum CopySource {
-    /// Leaf of a flow, by its index.
+    /// Leaf of a flow: the flow and the index of the leaf.
     Leaf(FlowId, usize),
-    /// Exposed decider inside a call.
-    CallResult(Decider),
+    /// Clock condition inside a called unit.
+    CallResult(ClockCondition),
 }
 
 fn is_scalar(unit: &Unit, flow: FlowId) -> bool {
