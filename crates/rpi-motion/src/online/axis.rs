@@ -1,0 +1,198 @@
+//! Time-optimal motion of one axis to a target position, and its motions with a given duration.
+
+use super::brake::{Return, return_into_limits};
+use super::family::{Ends, Family, Knot, Times};
+use super::limits::AxisLimits;
+use super::profile::AxisProfile;
+use super::timed::Timed;
+use rpi_kin::state_to_rest::AxisState;
+
+/// Signs of the jerk in the phases of a family.
+pub(super) const SIGNS: [f64; 7] = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0];
+
+/// Distance from a position and change of velocity that count as rounding: a remaining motion whose target is missed by
+/// less is not replaced by a detour. In rad or m, and in rad/s or m/s.
+pub(super) const TOLERANCE: f64 = 1e-10;
+
+/// Motion in normalised time: the durations of the phases and the sign of their first jerk.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    times: Times,
+    sign: f64,
+    duration: f64,
+}
+
+/// Planning problem of one axis, after the return into the limits, divided by the maximum jerk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisPlanner {
+    start: AxisState,
+    target: AxisState,
+    jerk: f64,
+    entry: Return,
+    ends: Ends,
+    distance: f64,
+    tolerance: f64,
+    best: Plan,
+}
+
+impl AxisPlanner {
+    /// Plans the time-optimal motion. All numbers must have been checked.
+    pub(super) fn new(start: AxisState, target: AxisState, limits: &AxisLimits) -> Self {
+        let jerk = limits.max_jerk;
+        let mut ends = Ends::new(&start, &target, limits);
+        let entry = return_into_limits(&ends);
+        ends.start_velocity = entry.velocity;
+        ends.start_acceleration = entry.acceleration;
+        let distance = (target.position - start.position) / jerk - entry.position;
+        let tolerance = TOLERANCE / jerk;
+        let best = fastest(&ends, distance, tolerance);
+        Self {
+            start,
+            target,
+            jerk,
+            entry,
+            ends,
+            distance,
+            tolerance,
+            best,
+        }
+    }
+
+    fn entry_profile(&self) -> AxisProfile {
+        let mut profile = AxisProfile::standing(self.start, self.target);
+        for (time, sign) in self.entry.phases {
+            profile.push(time, self.jerk * sign);
+        }
+        profile
+    }
+}
+
+/// Planning problem of one axis of a synchronised motion.
+pub(super) trait Planner {
+    /// Shortest duration, s.
+    fn duration(&self) -> f64;
+
+    /// Time-optimal motion.
+    fn profile(&self) -> AxisProfile;
+
+    /// Collects the durations in s at which it may change whether there is a motion of exactly a duration.
+    fn durations(&self, add: &mut dyn FnMut(f64));
+
+    /// Returns the motion with a given duration in s, or `None` if there is none. With the shortest duration this is the
+    /// time-optimal motion.
+    fn profile_with_duration(&self, duration: f64) -> Option<AxisProfile>;
+}
+
+impl Planner for AxisPlanner {
+    fn duration(&self) -> f64 {
+        self.entry.duration() + self.best.duration
+    }
+
+    fn profile(&self) -> AxisProfile {
+        let mut profile = self.entry_profile();
+        for (time, sign) in self.best.times.iter().zip(SIGNS) {
+            profile.push(*time, self.jerk * self.best.sign * sign);
+        }
+        profile
+    }
+
+    fn durations(&self, add: &mut dyn FnMut(f64)) {
+        let entry = self.entry.duration();
+        Family::new(&self.ends).durations_at(self.distance, |time| add(entry + time));
+        let mirror = Family::new(&self.ends.mirrored());
+        mirror.durations_at(-self.distance, |time| add(entry + time));
+    }
+
+    fn profile_with_duration(&self, duration: f64) -> Option<AxisProfile> {
+        let time = duration - self.entry.duration();
+        if (time - self.best.duration).abs() <= 1e-12 * duration {
+            let mut profile = self.profile();
+            profile.set_duration(duration);
+            return Some(profile);
+        }
+        let timed = Timed::new(&self.ends, self.distance, time, self.tolerance)?;
+        let mut profile = self.entry_profile();
+        timed.each_phase(|phase, sign| profile.push(phase, self.jerk * sign));
+        profile.set_duration(duration);
+        Some(profile)
+    }
+}
+
+/// Returns the motion with one phase of maximum jerk, or of none, if it meets the target within `tolerance`.
+fn straight_ramp(ends: &Ends, distance: f64, tolerance: f64) -> Option<Plan> {
+    let (from, to) = (ends.start_acceleration, ends.end_acceleration);
+    let time = (to - from).abs();
+    let gained = (from + to) / 2.0 * time;
+    let velocity_error = ends.end_velocity - ends.start_velocity - gained;
+    // Position of a phase of constant jerk by the trapezoidal rule and its error term.
+    let mean = (ends.start_velocity + ends.end_velocity) / 2.0;
+    let travelled = time * (mean - (to - from) * time / 12.0);
+    let is_met = velocity_error.abs() <= tolerance && (distance - travelled).abs() <= tolerance;
+    is_met.then(|| Plan {
+        times: [time, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        sign: if to < from { -1.0 } else { 1.0 },
+        duration: time,
+    })
+}
+
+/// Returns the time-optimal motion.
+///
+/// A motion that misses the target by less than `tolerance` replaces the exact one if this is a detour. Where the
+/// target has a velocity or an acceleration, the shortest duration jumps: past the target by a rounding error, an axis
+/// must go back. So a motion that is planned anew on its way must not miss its own rest by rounding.
+fn fastest(ends: &Ends, distance: f64, tolerance: f64) -> Plan {
+    let (mut best, rough) = candidates(ends, distance, tolerance);
+    // Twice the time from rest to rest over a distance of the tolerance.
+    let detour = 2.0 * libm::cbrt(32.0 * tolerance);
+    for rough in [rough, straight_ramp(ends, distance, tolerance)] {
+        if let Some(rough) = rough.filter(|rough| rough.duration + detour < best.duration) {
+            best = rough;
+        }
+    }
+    best
+}
+
+/// Returns the time-optimal motion, and a motion before it that misses the target by less than `tolerance`.
+///
+/// A duration is possible if the target is between the travels of both extremal motions with this duration, so the
+/// shortest one is the first at which one of both reaches the target. Both have the same travel at the start of a
+/// segment, which decides the one to search.
+fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Plan>) {
+    let farthest = Family::new(ends);
+    let mut nearest = None;
+    let mut rough = None;
+    let segments: &[bool] = if farthest.has_two_segments() {
+        &[true, false]
+    } else {
+        &[false]
+    };
+    for is_first in segments {
+        let start = farthest.segment_start(*is_first);
+        let left = distance - farthest.position(start);
+        if left.abs() <= tolerance && rough.is_none() {
+            rough = Some(plan(&farthest, start, 1.0));
+        }
+        if left >= 0.0 {
+            if let Some(knot) = farthest.first_reaching(*is_first, distance, tolerance) {
+                return (plan(&farthest, knot, 1.0), rough);
+            }
+        } else {
+            let mirror = nearest.get_or_insert_with(|| Family::new(&ends.mirrored()));
+            let is_first = *is_first && mirror.has_two_segments();
+            if let Some(knot) = mirror.first_reaching(is_first, -distance, tolerance) {
+                return (plan(mirror, knot, -1.0), rough);
+            }
+        }
+    }
+    // Not reached: the last segment ends with a cruise of any duration.
+    (plan(&farthest, farthest.segment_start(false), 1.0), rough)
+}
+
+fn plan(family: &Family, knot: Knot, sign: f64) -> Plan {
+    let times = family.times(knot);
+    Plan {
+        times,
+        sign,
+        duration: times.iter().sum(),
+    }
+}

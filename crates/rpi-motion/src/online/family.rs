@@ -1,0 +1,401 @@
+//! Families of extremal motions between two velocities and accelerations.
+//!
+//! Of all motions with a given duration, the one that travels farthest has a rising, a falling and a rising
+//! acceleration, each with the maximum jerk, with holds at the limits of the acceleration and of the velocity
+//! (Pontryagin). These motions form a family with one parameter, along which the duration grows. The family of the
+//! shortest travel is its mirror image. The family is not connected if a fast start acceleration leaves a range of
+//! durations in which no motion reaches the end velocity; then it has two segments.
+
+use super::limits::AxisLimits;
+pub(super) use super::lines::Knot;
+use super::lines::{Lines, PieceKind, Shape};
+use super::root::root;
+use rpi_kin::state_to_rest::AxisState;
+
+/// Velocities and accelerations at both ends, and limits, divided by the maximum jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ends {
+    pub(super) start_velocity: f64,
+    pub(super) start_acceleration: f64,
+    pub(super) end_velocity: f64,
+    pub(super) end_acceleration: f64,
+    pub(super) max_velocity: f64,
+    pub(super) min_velocity: f64,
+    pub(super) max_acceleration: f64,
+    pub(super) min_acceleration: f64,
+}
+
+impl Ends {
+    pub(super) fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Self {
+        let jerk = limits.max_jerk;
+        Self {
+            start_velocity: start.velocity / jerk,
+            start_acceleration: start.acceleration / jerk,
+            end_velocity: target.velocity / jerk,
+            end_acceleration: target.acceleration / jerk,
+            max_velocity: limits.max_velocity / jerk,
+            min_velocity: limits.min_velocity / jerk,
+            max_acceleration: limits.max_acceleration / jerk,
+            min_acceleration: limits.min_acceleration / jerk,
+        }
+    }
+
+    pub(super) fn mirrored(&self) -> Self {
+        Self {
+            start_velocity: -self.start_velocity,
+            start_acceleration: -self.start_acceleration,
+            end_velocity: -self.end_velocity,
+            end_acceleration: -self.end_acceleration,
+            max_velocity: -self.min_velocity,
+            min_velocity: -self.max_velocity,
+            max_acceleration: -self.min_acceleration,
+            min_acceleration: -self.max_acceleration,
+        }
+    }
+}
+
+/// Durations of constant jerk: rise, hold, fall, cruise, fall, hold, rise.
+pub(super) type Times = [f64; 7];
+
+/// Interval of the parameter of a family in which the same limits are reached.
+#[derive(Clone, Copy, Debug, Default)]
+struct Piece {
+    kind: PieceKind,
+    low: f64,
+    high: f64,
+}
+
+/// Family of the motions with the longest travel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Family {
+    lines: Lines,
+    start_acceleration: f64,
+    /// What the motion between the lines has more than the motion between the ends.
+    extra_position: f64,
+    extra_time: f64,
+    /// The lines are those of the motion in reversed time.
+    reversed: bool,
+    pieces: [Piece; 8],
+    count: usize,
+    /// Number of pieces of the first segment if there are two.
+    split: usize,
+}
+
+impl Family {
+    /// Creates the family. Ends beyond the limits widen these.
+    pub(super) fn new(ends: &Ends) -> Self {
+        let (a0, af) = (ends.start_acceleration, ends.end_acceleration);
+        let first = ends.start_velocity - a0 * a0 / 2.0;
+        let last = ends.end_velocity - af * af / 2.0;
+        let fastest = ends
+            .max_velocity
+            .max(first + a0.max(0.0) * a0)
+            .max(last + af.min(0.0) * af)
+            .max(first)
+            .max(last);
+        let on_line = |velocity: f64, a: f64| a * (velocity + a * a / 6.0);
+        let reversed = last < first;
+        let top = ends.max_acceleration.max(a0).max(af);
+        let bottom = -ends.min_acceleration.min(a0).min(af);
+        let mut lines = Lines {
+            first,
+            last,
+            gain: last - first,
+            top,
+            bottom,
+            fastest,
+            end_acceleration: af,
+        };
+        let mut start_acceleration = a0;
+        if reversed {
+            (lines.first, lines.last, lines.gain) = (last, first, first - last);
+            (lines.top, lines.bottom) = (bottom, top);
+            (start_acceleration, lines.end_acceleration) = (-af, -a0);
+        }
+        let mut family = Self {
+            lines,
+            start_acceleration,
+            extra_position: on_line(first, a0) - on_line(last, af),
+            extra_time: a0 - af,
+            reversed,
+            pieces: [Piece::default(); 8],
+            count: 0,
+            split: 0,
+        };
+        family.collect_pieces();
+        family
+    }
+
+    fn push(&mut self, kind: PieceKind, low: f64, high: f64) {
+        if low <= high {
+            self.pieces[self.count] = Piece { kind, low, high };
+            self.count += 1;
+        }
+    }
+
+    fn collect_pieces(&mut self) {
+        let Lines {
+            gain,
+            top,
+            bottom,
+            first,
+            last,
+            fastest,
+            end_acceleration: end,
+        } = self.lines;
+        let start = self.start_acceleration;
+        let end_root = libm::sqrt(end * end + gain);
+        // Shortest fall for which the last rise is not negative.
+        let mut shortest = if end > 0.0 {
+            gain / (end + end_root)
+        } else {
+            end_root - end
+        };
+        let room = top * top - gain;
+        let side = libm::sqrt(room.max(0.0));
+        let gap = start * start - gain;
+        if start > 0.0 && gap > 0.0 {
+            let trough = libm::sqrt(gap);
+            if end >= trough {
+                self.push(PieceKind::HoldHigh, top - end, top - side);
+                let longest = gain / (start + trough);
+                self.push(
+                    PieceKind::Switching,
+                    shortest.max(gain / (top + side)).min(longest),
+                    longest,
+                );
+                self.split = self.count;
+            }
+            shortest = shortest.max(start + trough);
+        } else if room > 0.0 && end > side {
+            self.push(PieceKind::HoldHigh, top - end, top - side);
+            shortest = shortest.max(gain / (top + side));
+        }
+        let fall = (fastest - last).max(0.0);
+        let rise = (fastest - first).max(gain);
+        let deepest = libm::sqrt(fall).min(bottom);
+        if room > 0.0 {
+            let longest = (top + side)
+                .min(bottom + libm::sqrt(bottom * bottom + gain))
+                .min(libm::sqrt(rise) + libm::sqrt(fall));
+            self.push(PieceKind::Switching, shortest, longest);
+        }
+        if room <= 0.0 || side <= bottom {
+            let highest = if room > 0.0 { end.min(-side) } else { end };
+            self.push(PieceKind::HoldHigh, top - highest, top + deepest);
+        }
+        if room > 0.0 && side >= bottom {
+            let lowest = libm::sqrt(bottom * bottom + gain).max(start);
+            self.push(
+                PieceKind::HoldLow,
+                lowest + bottom,
+                libm::sqrt(rise).min(top) + bottom,
+            );
+        }
+        let lowest = (first + top * top).max(last + bottom * bottom);
+        self.push(PieceKind::HoldBoth, lowest, fastest);
+        self.push(PieceKind::Cruise, 0.0, f64::INFINITY);
+    }
+
+    /// Whether there are two segments.
+    pub(super) fn has_two_segments(&self) -> bool {
+        self.split > 0
+    }
+
+    fn segment(&self, is_first: bool) -> &[Piece] {
+        let (from, to) = if is_first {
+            (0, self.split)
+        } else {
+            (self.split, self.count)
+        };
+        &self.pieces[from..to]
+    }
+
+    /// Travel of a motion.
+    pub(super) fn position(&self, knot: Knot) -> f64 {
+        self.lines.position(knot) - self.extra_position
+    }
+
+    /// Duration of a motion.
+    pub(super) fn duration(&self, knot: Knot) -> f64 {
+        self.lines.duration(knot) - self.extra_time
+    }
+
+    /// First motion of a segment, which is the shortest change of velocity, or the shortest after the gap.
+    pub(super) fn segment_start(&self, is_first: bool) -> Knot {
+        let piece = &self.segment(is_first)[0];
+        Knot {
+            kind: piece.kind,
+            at: piece.low,
+        }
+    }
+
+    /// Returns the first motion of a segment that travels `distance`, provided that its start travels less. An extremum
+    /// or an end that misses the distance by `tolerance` counts as reaching it.
+    pub(super) fn first_reaching(
+        &self,
+        is_first: bool,
+        distance: f64,
+        tolerance: f64,
+    ) -> Option<Knot> {
+        let target = distance + self.extra_position;
+        let mut found = None;
+        self.walk(is_first, target, |part| {
+            let near = if part.is_extremum { -tolerance } else { 0.0 };
+            if part.off_high >= near {
+                found = Some(part.solve(&self.lines, target));
+            }
+            found.is_some()
+        });
+        found
+    }
+
+    /// Collects the durations of all motions that travel `distance`, and of the ends of the segments.
+    pub(super) fn durations_at(&self, distance: f64, mut add: impl FnMut(f64)) {
+        let target = distance + self.extra_position;
+        for is_first in [true, false] {
+            let pieces = self.segment(is_first);
+            let Some((head, tail)) = pieces.first().zip(pieces.last()) else {
+                continue;
+            };
+            for (piece, at) in [(head, head.low), (tail, tail.high)] {
+                let duration = self.duration(Knot {
+                    kind: piece.kind,
+                    at,
+                });
+                if duration.is_finite() {
+                    add(duration);
+                }
+            }
+            self.walk(is_first, target, |part| {
+                if (part.off_low <= 0.0) != (part.off_high <= 0.0) {
+                    add(self.duration(part.solve(&self.lines, target)));
+                }
+                false
+            });
+        }
+    }
+
+    /// Returns the motion with a given duration, if the end velocity can be reached in it.
+    pub(super) fn with_duration(&self, duration: f64) -> Option<Knot> {
+        let between_lines = duration + self.extra_time;
+        // Rounding at the limits of a segment.
+        let slack = 1e-13 * (duration.abs() + self.extra_time.abs()) + 1e-300;
+        let end_of = |piece: &Piece, at: f64| {
+            self.lines.duration(Knot {
+                kind: piece.kind,
+                at,
+            })
+        };
+        for is_first in [true, false] {
+            for piece in self.segment(is_first) {
+                if between_lines < end_of(piece, piece.low) - slack {
+                    return None;
+                }
+                if between_lines <= end_of(piece, piece.high) + slack {
+                    let mut knot = self.lines.at_duration(piece.kind, between_lines);
+                    knot.at = knot.at.max(piece.low).min(piece.high);
+                    return Some(knot);
+                }
+            }
+        }
+        None
+    }
+
+    /// Visits the intervals of a segment in which the position is monotone, until `visit` returns true.
+    fn walk(&self, is_first: bool, target: f64, mut visit: impl FnMut(&Part) -> bool) {
+        let pieces = self.segment(is_first);
+        for (number, piece) in pieces.iter().enumerate() {
+            let off = |at: f64| {
+                self.lines.position(Knot {
+                    kind: piece.kind,
+                    at,
+                }) - target
+            };
+            let mut part = Part {
+                kind: piece.kind,
+                low: piece.low,
+                off_low: off(piece.low),
+                ..Part::default()
+            };
+            let extrema = self.lines.extrema(piece.kind);
+            let inside = extrema
+                .iter()
+                .filter(|at| **at > piece.low && **at < piece.high);
+            for (at, is_extremum) in inside
+                .map(|at| (*at, true))
+                .chain([(piece.high, number + 1 == pieces.len())])
+            {
+                (part.high, part.off_high) = (at, off(at));
+                part.is_extremum = is_extremum;
+                if visit(&part) {
+                    return;
+                }
+                (part.low, part.off_low) = (part.high, part.off_high);
+            }
+        }
+    }
+
+    /// Accelerations and times of a motion, in the direction of time of the lines.
+    pub(super) fn shape(&self, knot: Knot) -> Shape {
+        self.lines.shape(knot)
+    }
+
+    /// Velocity at the moment at which the acceleration falls through zero, if it does.
+    pub(super) fn peak_velocity(&self, knot: Knot) -> Option<f64> {
+        let shape = self.shape(knot);
+        let peak = self.lines.first + shape.peak * (shape.peak + shape.peak_hold);
+        (shape.peak >= 0.0 && shape.trough <= 0.0).then_some(peak)
+    }
+
+    /// Durations of the seven phases of a motion.
+    pub(super) fn times(&self, knot: Knot) -> Times {
+        let shape = self.shape(knot);
+        let (fall, cruise, second_fall) = match shape.cruise {
+            Some(cruise) => (shape.peak, cruise, -shape.trough),
+            None => (shape.peak - shape.trough, 0.0, 0.0),
+        };
+        let mut times = [
+            shape.peak - self.start_acceleration,
+            shape.peak_hold,
+            fall,
+            cruise,
+            second_fall,
+            shape.trough_hold,
+            self.lines.end_acceleration - shape.trough,
+        ]
+        .map(|time| time.max(0.0));
+        if self.reversed {
+            times.reverse();
+        }
+        times
+    }
+}
+
+/// Interval of a piece in which the position is monotone, with its distances from the target at both ends.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    kind: PieceKind,
+    low: f64,
+    off_low: f64,
+    high: f64,
+    off_high: f64,
+    /// The high end is an extremum of the position, or the end of the segment.
+    is_extremum: bool,
+}
+
+impl Part {
+    /// Returns the motion of the interval that is nearest to the target.
+    fn solve(&self, lines: &Lines, target: f64) -> Knot {
+        let kind = self.kind;
+        let at = if kind == PieceKind::Cruise {
+            (-self.off_low / lines.fastest).max(0.0)
+        } else {
+            root((self.low, self.off_low), (self.high, self.off_high), |at| {
+                let knot = Knot { kind, at };
+                (lines.position(knot) - target, lines.slope(knot))
+            })
+        };
+        Knot { kind, at }
+    }
+}
