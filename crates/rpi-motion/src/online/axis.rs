@@ -10,9 +10,18 @@ use rpi_kin::state_to_rest::AxisState;
 /// Signs of the jerk in the phases of a family.
 pub(super) const SIGNS: [f64; 7] = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0];
 
-/// Distance from a position and change of velocity that count as rounding: a remaining motion whose target is missed by
-/// less is not replaced by a detour. In rad or m, and in rad/s or m/s.
-pub(super) const TOLERANCE: f64 = 1e-10;
+/// Deviation of position and velocity from the target that counts as rounding where the exact motion is a detour; rad or
+/// m, and rad/s or m/s.
+pub(super) const TOLERANCE: f64 = 1e-8;
+
+/// Deviation that always counts as rounding, with that of the numbers themselves. An exact motion over such a distance
+/// takes 1e-4 s and more.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// Deviation that counts as rounding of values of a given size.
+pub(super) fn rounding(size: f64) -> f64 {
+    ROUNDING + 8.0 * f64::EPSILON * size
+}
 
 /// Motion in normalised time: the durations of the phases and the sign of their first jerk.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +54,7 @@ impl AxisPlanner {
         ends.start_acceleration = entry.acceleration;
         let distance = (target.position - start.position) / jerk - entry.position;
         let tolerance = TOLERANCE / jerk;
-        let best = fastest(&ends, distance, tolerance);
+        let best = fastest(&ends, distance, jerk);
         Self {
             start,
             target,
@@ -93,7 +102,7 @@ impl Planner for AxisPlanner {
         for (time, sign) in self.best.times.iter().zip(SIGNS) {
             profile.push(*time, self.jerk * self.best.sign * sign);
         }
-        profile
+        profile.finished(self.duration())
     }
 
     fn durations(&self, add: &mut dyn FnMut(f64)) {
@@ -106,46 +115,48 @@ impl Planner for AxisPlanner {
     fn profile_with_duration(&self, duration: f64) -> Option<AxisProfile> {
         let time = duration - self.entry.duration();
         if (time - self.best.duration).abs() <= 1e-12 * duration {
-            let mut profile = self.profile();
-            profile.set_duration(duration);
-            return Some(profile);
+            return Some(self.profile().finished(duration));
         }
         let timed = Timed::new(&self.ends, self.distance, time, self.tolerance)?;
         let mut profile = self.entry_profile();
         timed.each_phase(|phase, sign| profile.push(phase, self.jerk * sign));
-        profile.set_duration(duration);
-        Some(profile)
+        Some(profile.finished(duration))
     }
 }
 
-/// Returns the motion with one phase of maximum jerk, or of none, if it meets the target within `tolerance`.
-fn straight_ramp(ends: &Ends, distance: f64, tolerance: f64) -> Option<Plan> {
+/// Motion that may miss the target by a distance.
+type Rough = (Plan, f64);
+
+/// Returns the motion with one phase of maximum jerk, or of none, and by what it misses the target.
+fn straight_ramp(ends: &Ends, distance: f64) -> Rough {
     let (from, to) = (ends.start_acceleration, ends.end_acceleration);
     let time = (to - from).abs();
     let gained = (from + to) / 2.0 * time;
     let velocity_error = ends.end_velocity - ends.start_velocity - gained;
-    // Position of a phase of constant jerk by the trapezoidal rule and its error term.
-    let mean = (ends.start_velocity + ends.end_velocity) / 2.0;
-    let travelled = time * (mean - (to - from) * time / 12.0);
-    let is_met = velocity_error.abs() <= tolerance && (distance - travelled).abs() <= tolerance;
-    is_met.then(|| Plan {
+    let sign = if to < from { -1.0 } else { 1.0 };
+    let travelled = time * (ends.start_velocity + time * (from / 2.0 + time * sign / 6.0));
+    let plan = Plan {
         times: [time, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        sign: if to < from { -1.0 } else { 1.0 },
+        sign,
         duration: time,
-    })
+    };
+    (plan, velocity_error.abs().max((distance - travelled).abs()))
 }
 
 /// Returns the time-optimal motion.
 ///
-/// A motion that misses the target by less than `tolerance` replaces the exact one if this is a detour. Where the
-/// target has a velocity or an acceleration, the shortest duration jumps: past the target by a rounding error, an axis
-/// must go back. So a motion that is planned anew on its way must not miss its own rest by rounding.
-fn fastest(ends: &Ends, distance: f64, tolerance: f64) -> Plan {
-    let (mut best, rough) = candidates(ends, distance, tolerance);
+/// A motion that misses the target by rounding replaces the exact one. Where the target has a velocity or an
+/// acceleration, the shortest duration jumps: past the target by a rounding error, an axis must go back. So a motion that
+/// is planned anew on its way must not miss its own rest by rounding.
+fn fastest(ends: &Ends, distance: f64, jerk: f64) -> Plan {
+    let (mut best, rough) = candidates(ends, distance, TOLERANCE / jerk);
     // Twice the time from rest to rest over a distance of the tolerance.
-    let detour = 2.0 * libm::cbrt(32.0 * tolerance);
-    for rough in [rough, straight_ramp(ends, distance, tolerance)] {
-        if let Some(rough) = rough.filter(|rough| rough.duration + detour < best.duration) {
+    let detour = 2.0 * libm::cbrt(32.0 * TOLERANCE / jerk);
+    for (rough, error) in rough.into_iter().chain([straight_ramp(ends, distance)]) {
+        let speed = ends.start_velocity.abs() + ends.end_velocity.abs();
+        let is_rounding = error * jerk <= rounding(jerk * (distance.abs() + speed * rough.duration.max(1.0)));
+        let is_detour = error * jerk <= TOLERANCE && rough.duration + detour < best.duration;
+        if is_detour || is_rounding && rough.duration < best.duration {
             best = rough;
         }
     }
@@ -157,7 +168,7 @@ fn fastest(ends: &Ends, distance: f64, tolerance: f64) -> Plan {
 /// A duration is possible if the target is between the travels of both extremal motions with this duration, so the
 /// shortest one is the first at which one of both reaches the target. Both have the same travel at the start of a
 /// segment, which decides the one to search.
-fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Plan>) {
+fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Rough>) {
     let farthest = Family::new(ends);
     let mut nearest = None;
     let mut rough = None;
@@ -170,7 +181,7 @@ fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Plan>
         let start = farthest.segment_start(*is_first);
         let left = distance - farthest.position(start);
         if left.abs() <= tolerance && rough.is_none() {
-            rough = Some(plan(&farthest, start, 1.0));
+            rough = Some((plan(&farthest, start, 1.0), left.abs()));
         }
         if left >= 0.0 {
             if let Some(knot) = farthest.first_reaching(*is_first, distance, tolerance) {
@@ -178,8 +189,7 @@ fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Plan>
             }
         } else {
             let mirror = nearest.get_or_insert_with(|| Family::new(&ends.mirrored()));
-            let is_first = *is_first && mirror.has_two_segments();
-            if let Some(knot) = mirror.first_reaching(is_first, -distance, tolerance) {
+            if let Some(knot) = mirror.first_reaching(*is_first, -distance, tolerance) {
                 return (plan(mirror, knot, -1.0), rough);
             }
         }

@@ -5,7 +5,7 @@
 
 use super::family::Ends;
 
-/// Share by which a start may exceed a limit by rounding; the limit is widened to it.
+/// Share by which a start may exceed a limit of the velocity by rounding; the limit is widened to it.
 const SLACK: f64 = 1e-12;
 
 /// Return into the limits: durations with the jerk of each, and the state at its end.
@@ -40,10 +40,10 @@ pub(super) fn return_into_limits(ends: &Ends) -> Return {
         ..Return::default()
     };
     let (high, low) = (ends.max_acceleration, ends.min_acceleration);
-    if way.acceleration > high * (1.0 + SLACK) {
+    if way.acceleration > high {
         way.add(0, way.acceleration - high, -1.0);
         way.acceleration = high;
-    } else if way.acceleration < low * (1.0 + SLACK) {
+    } else if way.acceleration < low {
         way.add(0, low - way.acceleration, 1.0);
         way.acceleration = low;
     }
@@ -71,12 +71,12 @@ fn mirrored(way: Return) -> Return {
 
 fn is_too_fast(way: &Return, max_velocity: f64, min_velocity: f64) -> bool {
     let (v, a) = (way.velocity, way.acceleration);
-    let slack = SLACK * max_velocity.max(-min_velocity);
+    let highest = max_velocity * (1.0 + SLACK);
     if a > 0.0 {
-        return v + a * a / 2.0 > max_velocity + slack;
+        return v + a * a / 2.0 > highest;
     }
     // With a deceleration that cannot end before the minimum velocity, the state is too slow instead.
-    v > max_velocity + slack && v - a * a / 2.0 >= min_velocity - slack
+    v > highest && v - a * a / 2.0 >= min_velocity * (1.0 + SLACK)
 }
 
 /// Adds the fastest fall to the maximum velocity. The acceleration there must be able to decay before the minimum

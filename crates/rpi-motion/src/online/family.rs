@@ -87,20 +87,30 @@ impl Family {
         let (a0, af) = (ends.start_acceleration, ends.end_acceleration);
         let first = ends.start_velocity - a0 * a0 / 2.0;
         let last = ends.end_velocity - af * af / 2.0;
+        // Differences of velocities come first: the rest is exact then, however small the accelerations are.
+        let gain = ends.end_velocity - ends.start_velocity + (a0 - af) * (a0 + af) / 2.0;
         let fastest = ends
             .max_velocity
-            .max(first + a0.max(0.0) * a0)
-            .max(last + af.min(0.0) * af)
-            .max(first)
-            .max(last);
+            .max(ends.start_velocity + a0.max(0.0) * a0 / 2.0)
+            .max(ends.start_velocity)
+            .max(ends.end_velocity + af.min(0.0) * af / 2.0)
+            .max(ends.end_velocity);
+        let rise = (fastest - ends.start_velocity + a0 * a0 / 2.0)
+            .max(a0.max(0.0) * a0)
+            .max(gain);
+        let fall = (fastest - ends.end_velocity + af * af / 2.0)
+            .max(af.min(0.0) * af)
+            .max(-gain);
         let on_line = |velocity: f64, a: f64| a * (velocity + a * a / 6.0);
-        let reversed = last < first;
+        let reversed = gain < 0.0;
         let top = ends.max_acceleration.max(a0).max(af);
         let bottom = -ends.min_acceleration.min(a0).min(af);
         let mut lines = Lines {
             first,
             last,
-            gain: last - first,
+            gain,
+            rise,
+            fall,
             top,
             bottom,
             fastest,
@@ -108,7 +118,8 @@ impl Family {
         };
         let mut start_acceleration = a0;
         if reversed {
-            (lines.first, lines.last, lines.gain) = (last, first, first - last);
+            (lines.first, lines.last, lines.gain) = (last, first, -gain);
+            (lines.rise, lines.fall) = (fall, rise);
             (lines.top, lines.bottom) = (bottom, top);
             (start_acceleration, lines.end_acceleration) = (-af, -a0);
         }
@@ -141,6 +152,8 @@ impl Family {
             first,
             last,
             fastest,
+            rise,
+            fall,
             end_acceleration: end,
         } = self.lines;
         let start = self.start_acceleration;
@@ -171,8 +184,6 @@ impl Family {
             self.push(PieceKind::HoldHigh, top - end, top - side);
             shortest = shortest.max(gain / (top + side));
         }
-        let fall = (fastest - last).max(0.0);
-        let rise = (fastest - first).max(gain);
         let deepest = libm::sqrt(fall).min(bottom);
         if room > 0.0 {
             let longest = (top + side)
@@ -238,16 +249,45 @@ impl Family {
         distance: f64,
         tolerance: f64,
     ) -> Option<Knot> {
+        if is_first && !self.has_two_segments() {
+            return None;
+        }
         let target = distance + self.extra_position;
         let mut found = None;
         self.walk(is_first, target, |part| {
             let near = if part.is_extremum { -tolerance } else { 0.0 };
             if part.off_high >= near {
-                found = Some(part.solve(&self.lines, target));
+                found = Some(self.shortened(part, part.solve(&self.lines, target), target));
             }
             found.is_some()
         });
         found
+    }
+
+    /// Returns the shortest motion that cannot be told from a root by the rounding of its position. Near an extremum this
+    /// rounding is worth up to 1e-5 s, and motions planned anew on their way would become longer each time.
+    fn shortened(&self, part: &Part, knot: Knot, target: f64) -> Knot {
+        let slope = self.lines.slope(knot).abs();
+        let duration = self.lines.duration(knot);
+        // The velocities of the lines are differences of larger numbers.
+        let ends = self.start_acceleration * self.start_acceleration
+            + self.lines.end_acceleration * self.lines.end_acceleration;
+        let speed = self.lines.first.abs() + self.lines.last.abs() + ends;
+        let size = target.abs() + self.extra_position.abs() + speed * duration;
+        let slack = 4.0 * f64::EPSILON * size;
+        let mut step = slack / slope;
+        if step < 1e-10 * duration {
+            return knot;
+        }
+        for _ in 0..4 {
+            let at = (knot.at - step).max(part.low);
+            let shorter = Knot { at, ..knot };
+            if self.lines.position(shorter) >= target - 2.0 * slack {
+                return shorter;
+            }
+            step /= 4.0;
+        }
+        knot
     }
 
     /// Collects the durations of all motions that travel `distance`, and of the ends of the segments.
@@ -338,7 +378,12 @@ impl Family {
 
     /// Accelerations and times of a motion, in the direction of time of the lines.
     pub(super) fn shape(&self, knot: Knot) -> Shape {
-        self.lines.shape(knot)
+        let mut shape = self.lines.shape(knot);
+        // The acceleration at an end is never passed by rounding: a cruise that starts with the smallest acceleration
+        // that is not zero would go on with it.
+        shape.peak = shape.peak.max(self.start_acceleration);
+        shape.trough = shape.trough.min(self.lines.end_acceleration);
+        shape
     }
 
     /// Velocity at the moment at which the acceleration falls through zero, if it does.

@@ -124,9 +124,9 @@ impl AxisLimits {
     /// Checks that a target is within the limits, and that its acceleration can be built up within them.
     pub(super) fn check_target(&self, target: &AxisState) -> Result<(), OnlineErrorKind> {
         self.check_acceleration(target)?;
-        let slack = SLACK * self.max_velocity.max(-self.min_velocity);
         let (v, a) = (target.velocity, target.acceleration);
-        let (highest, lowest) = (self.max_velocity + slack, self.min_velocity - slack);
+        let slack = 1.0 + SLACK;
+        let (highest, lowest) = (self.max_velocity * slack, self.min_velocity * slack);
         if v > highest || v < lowest {
             return Err(OnlineErrorKind::TargetVelocity);
         }

@@ -39,6 +39,10 @@ pub(super) struct Lines {
     pub(super) top: f64,
     /// Magnitude of the minimum acceleration; positive.
     pub(super) bottom: f64,
+    /// Change of velocity from the first line to the maximum velocity; not below `gain`.
+    pub(super) rise: f64,
+    /// Change of velocity from the maximum velocity to the last line; not negative.
+    pub(super) fall: f64,
     /// Maximum velocity.
     pub(super) fastest: f64,
     /// Acceleration at the end of the motion; decides the shape where start and end lie on one line.
@@ -235,12 +239,12 @@ impl Lines {
             if change >= level * level {
                 change / level + level
             } else {
-                2.0 * libm::sqrt(change.max(0.0))
+                2.0 * libm::sqrt(change)
             }
         };
         [
-            ramp(self.fastest - self.first, self.top),
-            ramp(self.fastest - self.last, self.bottom),
+            ramp(self.rise, self.top),
+            ramp(self.fall, self.bottom),
         ]
     }
 
@@ -270,11 +274,10 @@ impl Lines {
                 shape.trough_hold = (x - self.last) / self.bottom - self.bottom;
             }
             PieceKind::Cruise => {
-                let (rise, fall) = (self.fastest - self.first, self.fastest - self.last);
-                shape.peak = libm::sqrt(rise.max(0.0)).min(self.top);
-                shape.peak_hold = rise / self.top - self.top;
-                shape.trough = -libm::sqrt(fall.max(0.0)).min(self.bottom);
-                shape.trough_hold = fall / self.bottom - self.bottom;
+                shape.peak = libm::sqrt(self.rise).min(self.top);
+                shape.peak_hold = self.rise / self.top - self.top;
+                shape.trough = -libm::sqrt(self.fall).min(self.bottom);
+                shape.trough_hold = self.fall / self.bottom - self.bottom;
                 shape.cruise = Some(x);
             }
         }

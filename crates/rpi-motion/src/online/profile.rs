@@ -24,6 +24,8 @@ pub struct AxisProfile {
     phases: [JerkPhase; Self::MAX_PHASES],
     count: usize,
     duration: f64,
+    /// Drift of the position, which brings the last phase to the target: rounding, and what a motion may miss.
+    drift: f64,
 }
 
 impl AxisProfile {
@@ -38,6 +40,7 @@ impl AxisProfile {
             phases: [JerkPhase::default(); Self::MAX_PHASES],
             count: 0,
             duration: 0.0,
+            drift: 0.0,
         }
     }
 
@@ -46,18 +49,28 @@ impl AxisProfile {
         if duration > 0.0 && self.count < Self::MAX_PHASES {
             self.phases[self.count] = JerkPhase { duration, jerk };
             self.count += 1;
-            self.duration += duration;
         }
     }
 
-    /// Sets the duration to that of a synchronised motion, from which it differs by rounding only.
-    pub(super) fn set_duration(&mut self, duration: f64) {
+    /// Completes a motion to the position of its target. `duration` differs from the sum of the phases by rounding only.
+    pub(super) fn finished(mut self, duration: f64) -> Self {
         self.duration = duration;
+        let missed = self.end.position - self.integrated().position;
+        if duration > 0.0 {
+            self.drift = missed / duration;
+        }
+        self
     }
 
-    /// Sets the position at the end to that of the phases, for a motion without a goal.
-    pub(super) fn release_position(&mut self) {
-        self.end.position = self.phases().iter().fold(self.start, advance).position;
+    /// Completes a motion without a goal for the position.
+    pub(super) fn released(mut self, duration: f64) -> Self {
+        self.duration = duration;
+        self.end.position = self.integrated().position;
+        self
+    }
+
+    fn integrated(&self) -> AxisState {
+        self.phases().iter().fold(self.start, advance)
     }
 
     /// Phases of constant jerk in order, without those of no duration.
@@ -100,6 +113,7 @@ impl AxisProfile {
                 break;
             }
         }
+        state.position += self.drift * time.max(0.0);
         state
     }
 

@@ -47,8 +47,7 @@ pub(super) fn straight_line<const N: usize>(
         for phase in line.phases() {
             profile.push(phase.duration, phase.jerk * shares[axis]);
         }
-        profile.set_duration(line.duration());
-        profile
+        profile.finished(line.duration())
     }))
 }
 

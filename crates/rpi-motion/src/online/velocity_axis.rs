@@ -1,6 +1,6 @@
 //! Time-optimal motion of one axis to a target velocity, and its motions with a given duration.
 
-use super::axis::{Planner, TOLERANCE};
+use super::axis::{Planner, TOLERANCE, rounding};
 use super::brake::{Return, return_into_limits};
 use super::family::Ends;
 use super::limits::AxisLimits;
@@ -39,6 +39,9 @@ impl VelocityPlanner {
         let exact = VelocityChange::new(from, to, range);
         let direct = VelocityChange::straight(from, to, tolerance)
             .filter(|direct| direct.duration() + 4.0 * libm::sqrt(tolerance) < exact.duration());
+        let size = start.velocity.abs() + target.velocity.abs();
+        let rounding = rounding(size) / limits.max_jerk;
+        let direct = VelocityChange::straight(from, to, rounding).or(direct);
         Self {
             start,
             target,
@@ -51,13 +54,12 @@ impl VelocityPlanner {
         }
     }
 
-    fn profile_of(&self, change: &VelocityChange) -> AxisProfile {
+    fn profile_of(&self, change: &VelocityChange, duration: f64) -> AxisProfile {
         let mut profile = AxisProfile::standing(self.start, self.target);
         for (time, sign) in self.entry.phases.into_iter().chain(change.phases()) {
             profile.push(time, self.jerk * sign);
         }
-        profile.release_position();
-        profile
+        profile.released(duration)
     }
 }
 
@@ -67,7 +69,7 @@ impl Planner for VelocityPlanner {
     }
 
     fn profile(&self) -> AxisProfile {
-        self.profile_of(&self.best)
+        self.profile_of(&self.best, self.duration())
     }
 
     fn durations(&self, add: &mut dyn FnMut(f64)) {
@@ -85,8 +87,6 @@ impl Planner for VelocityPlanner {
             let tolerance = TOLERANCE / self.jerk;
             VelocityChange::with_duration(self.from, self.to, self.limits, time, tolerance)?
         };
-        let mut profile = self.profile_of(&change);
-        profile.set_duration(duration);
-        Some(profile)
+        Some(self.profile_of(&change, duration))
     }
 }

@@ -1,0 +1,4 @@
+//! Time of a calculation.
+
+/// Measures.
+pub fn measure() {}
