@@ -276,7 +276,7 @@ impl Family {
         let size = target.abs() + self.extra_position.abs() + speed * duration;
         let slack = 4.0 * f64::EPSILON * size;
         let mut step = slack / slope;
-        if step < 1e-10 * duration {
+        if step < 1e-12 * duration {
             return knot;
         }
         for _ in 0..4 {

@@ -5,10 +5,8 @@
 //! of this duration: all limits are convex, so the mean keeps them. It always exists where a motion exists.
 
 use super::family::{Ends, Family, Times};
+use super::root::root;
 use super::velocity::VelocityChange;
-
-/// Maximum number of steps of the search for the cruise velocity. At least every fourth step halves the interval.
-const STEPS: u32 = 100;
 
 /// Motion with a given duration, as two weighted sequences of phases.
 #[derive(Clone, Copy, Debug)]
@@ -136,45 +134,25 @@ impl Cruise<'_> {
         (first, cruise, last)
     }
 
-    /// Travel beyond the distance.
-    fn beyond(&self, velocity: f64) -> f64 {
+    /// Travel beyond the distance, and its derivative by the cruise velocity: the time of the cruise, and half the time of
+    /// each ramp of the acceleration next to it.
+    fn beyond(&self, velocity: f64) -> (f64, f64) {
         let (first, cruise, last) = self.changes(velocity);
         let ends = self.ends;
-        first.travel(ends.start_velocity, ends.start_acceleration)
+        let travel = first.travel(ends.start_velocity, ends.start_acceleration)
             + velocity * cruise
-            + last.travel(velocity, 0.0)
-            - self.distance
+            + last.travel(velocity, 0.0);
+        let slope = cruise + (first.level().abs() + last.level().abs()) / 2.0;
+        (travel - self.distance, slope)
     }
 
     /// Searches between two velocities. Returns `None` if no cruise of positive duration is found.
-    fn search(&self, mut low: f64, mut high: f64) -> Option<Timed> {
-        let (mut below, mut above) = (self.beyond(low), self.beyond(high));
+    fn search(&self, low: f64, high: f64) -> Option<Timed> {
+        let (below, above) = (self.beyond(low).0, self.beyond(high).0);
         if below > 0.0 || above < 0.0 || low > high {
             return None;
         }
-        for step in 0..STEPS {
-            if below == 0.0 || above == 0.0 || high - low <= f64::EPSILON * (low.abs() + high.abs())
-            {
-                break;
-            }
-            let share = if step % 4 == 3 {
-                0.5
-            } else {
-                below / (below - above)
-            };
-            let middle = low + share * (high - low);
-            let at = self.beyond(middle);
-            if at <= 0.0 {
-                (low, below, above) = (middle, at, above / 2.0);
-            } else {
-                (high, above, below) = (middle, at, below / 2.0);
-            }
-        }
-        let velocity = if below == 0.0 || self.beyond(low).abs() <= self.beyond(high).abs() {
-            low
-        } else {
-            high
-        };
+        let velocity = root((low, below), (high, above), |velocity| self.beyond(velocity));
         let (first, cruise, last) = self.changes(velocity);
         (cruise >= 0.0).then_some(Timed::Cruising {
             first,

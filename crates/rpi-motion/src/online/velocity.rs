@@ -124,6 +124,11 @@ impl VelocityChange {
         ]
     }
 
+    /// Acceleration that is held between the two ramps.
+    pub(super) fn level(&self) -> f64 {
+        self.level
+    }
+
     /// Duration.
     pub(super) fn duration(&self) -> f64 {
         (self.level - self.from).abs() + self.hold + (self.to - self.level).abs()
