@@ -274,7 +274,7 @@ impl Family {
             + self.lines.end_acceleration * self.lines.end_acceleration;
         let speed = self.lines.first.abs() + self.lines.last.abs() + ends;
         let size = target.abs() + self.extra_position.abs() + speed * duration;
-        let slack = 4.0 * f64::EPSILON * size;
+        let slack = 16.0 * f64::EPSILON * size;
         let mut step = slack / slope;
         if step < 1e-12 * duration {
             return knot;

@@ -3,7 +3,7 @@
 use super::axis::{AxisPlanner, Planner};
 use super::limits::{AxisLimits, OnlineError, OnlineErrorKind, check_finite};
 use super::profile::{AxisProfile, PositionExtrema};
-use super::straight::straight_line;
+use super::straight::{straight_change, straight_line};
 use super::velocity_axis::VelocityPlanner;
 use rpi_kin::state_to_rest::AxisState;
 
@@ -16,7 +16,8 @@ pub enum Synchronization {
     #[default]
     Time,
     /// All axes move in proportion to each other, on a straight line in joint space, if their states at the start and at
-    /// the target allow it. Otherwise as [`Synchronization::Time`].
+    /// the target are in proportion. The motion is the fastest one on this line; it may take longer than without the line.
+    /// Otherwise as [`Synchronization::Time`].
     Phase,
 }
 
@@ -81,6 +82,11 @@ impl<const N: usize> OnlineMotion<N> {
             check(&start[axis], &target[axis], &limits[axis], &options)
                 .and_then(|()| limits[axis].check_acceleration(&target[axis]))
                 .map_err(|kind| OnlineError { axis, kind })?;
+        }
+        if options.synchronization == Synchronization::Phase
+            && let Some(line) = straight_change(start, target, limits, options.minimum_duration)
+        {
+            return Ok(Self::new(line, Synchronization::Phase));
         }
         let plan = |axis| VelocityPlanner::new(start[axis], target[axis], &limits[axis]);
         Ok(Self::synchronised(&core::array::from_fn(plan), &options))

@@ -4,6 +4,7 @@ use super::axis::AxisPlanner;
 use super::limits::AxisLimits;
 use super::motion::at_one_time;
 use super::profile::AxisProfile;
+use super::velocity_axis::VelocityPlanner;
 use rpi_kin::state_to_rest::AxisState;
 
 /// Deviation from a straight line that counts as rounding, as a share of the largest value of all axes.
@@ -12,15 +13,52 @@ const SLACK: f64 = 1e-10;
 /// Displacement, and velocity and acceleration at the start and at the target.
 type Row = [f64; 5];
 
-/// Plans the time-optimal motion on a straight line. Returns `None` if the displacement, the velocities and the
-/// accelerations of the axes are not all in one proportion.
+/// Plans the time-optimal motion to a position on a straight line. Returns `None` if the displacement, the velocities and
+/// the accelerations of the axes are not all in one proportion.
 pub(super) fn straight_line<const N: usize>(
     start: &[AxisState; N],
     target: &[AxisState; N],
     limits: &[AxisLimits; N],
     minimum_duration: f64,
 ) -> Option<[AxisProfile; N]> {
-    let rows: [Row; N] = core::array::from_fn(|axis| {
+    let rows = rows(start, target);
+    let (leading, shares) = proportions(&rows)?;
+    let common = common_limits(&shares, limits)?;
+    let (from, to) = leading_states(&rows[leading]);
+    common.check_target(&to).ok()?;
+    let planner = AxisPlanner::new(from, to, &common);
+    let [line] = at_one_time(&[planner], minimum_duration)?;
+    let scale = |axis| scaled_profile(start[axis], target[axis], &line, shares[axis]);
+    Some(core::array::from_fn(|axis| {
+        scale(axis).finished(line.duration())
+    }))
+}
+
+/// Plans the time-optimal motion to a velocity on a straight line, as [`straight_line`]; there is no displacement.
+pub(super) fn straight_change<const N: usize>(
+    start: &[AxisState; N],
+    target: &[AxisState; N],
+    limits: &[AxisLimits; N],
+    minimum_duration: f64,
+) -> Option<[AxisProfile; N]> {
+    let rows = rows(start, target).map(|[_, rest @ ..]| {
+        let [v0, a0, vf, af] = rest;
+        [vf - v0, v0, a0, vf, af]
+    });
+    let (leading, shares) = proportions(&rows)?;
+    let common = common_limits(&shares, limits)?;
+    let (from, to) = leading_states(&rows[leading]);
+    common.check_acceleration(&to).ok()?;
+    let planner = VelocityPlanner::new(from, to, &common);
+    let [line] = at_one_time(&[planner], minimum_duration)?;
+    let scale = |axis| scaled_profile(start[axis], target[axis], &line, shares[axis]);
+    Some(core::array::from_fn(|axis| {
+        scale(axis).released(line.duration())
+    }))
+}
+
+fn rows<const N: usize>(start: &[AxisState; N], target: &[AxisState; N]) -> [Row; N] {
+    core::array::from_fn(|axis| {
         let (from, to) = (&start[axis], &target[axis]);
         [
             to.position - from.position,
@@ -29,26 +67,30 @@ pub(super) fn straight_line<const N: usize>(
             to.velocity,
             to.acceleration,
         ]
-    });
-    let (leading, shares) = proportions(&rows)?;
-    let common = common_limits(&shares, limits)?;
-    let [distance, v0, a0, vf, af] = rows[leading];
-    let state = |position, velocity, acceleration| AxisState {
+    })
+}
+
+/// States of the leading axis at the start, which is at the position 0, and at the target.
+fn leading_states([distance, v0, a0, vf, af]: &Row) -> (AxisState, AxisState) {
+    let state = |position: f64, velocity: &f64, acceleration: &f64| AxisState {
         position,
-        velocity,
-        acceleration,
+        velocity: *velocity,
+        acceleration: *acceleration,
     };
-    let (from, to) = (state(0.0, v0, a0), state(distance, vf, af));
-    common.check_target(&to).ok()?;
-    let planner = AxisPlanner::new(from, to, &common);
-    let [line] = at_one_time(&[planner], minimum_duration)?;
-    Some(core::array::from_fn(|axis| {
-        let mut profile = AxisProfile::standing(start[axis], target[axis]);
-        for phase in line.phases() {
-            profile.push(phase.duration, phase.jerk * shares[axis]);
-        }
-        profile.finished(line.duration())
-    }))
+    (state(0.0, v0, a0), state(*distance, vf, af))
+}
+
+fn scaled_profile(
+    start: AxisState,
+    target: AxisState,
+    line: &AxisProfile,
+    share: f64,
+) -> AxisProfile {
+    let mut profile = AxisProfile::standing(start, target);
+    for phase in line.phases() {
+        profile.push(phase.duration, phase.jerk * share);
+    }
+    profile
 }
 
 /// Returns the axis with the largest displacement (or velocity or acceleration, if there is none), and the share of each

@@ -88,7 +88,9 @@ impl Case {
             target: state(random, &limits, 1.0),
             limits,
         };
-        match (random.unit() * 6.0) as usize {
+        match (random.unit() * 8.0) as usize {
+            4 => case.be_whole_numbers(random),
+            5 => case.scale_limits(10f64.powf(random.between(0.0, 5.0))),
             0 => case.start = state(random, &limits, 2.0),
             1 => case.be_close(random),
             2 => case.be_at_limits(random),
@@ -142,6 +144,35 @@ impl Case {
                 );
             }
         }
+    }
+
+    /// All values are small whole numbers, so that many of them coincide.
+    fn be_whole_numbers(&mut self, random: &mut Random) {
+        for state in [&mut self.start, &mut self.target] {
+            *state = AxisState {
+                position: pick(random, &[-1.0, 0.0, 1.0]),
+                velocity: pick(random, &[-1.0, 0.0, 1.0]),
+                acceleration: pick(random, &[-1.0, 0.0, 1.0]),
+            };
+        }
+        let mut limit = || pick(random, &[1.0, 2.0]);
+        let (velocity, acceleration) = (limit(), limit());
+        self.limits = AxisLimits {
+            max_velocity: velocity,
+            min_velocity: -velocity,
+            max_acceleration: acceleration,
+            min_acceleration: -acceleration,
+            max_jerk: limit(),
+        };
+    }
+
+    fn scale_limits(&mut self, factor: f64) {
+        let limits = &mut self.limits;
+        limits.max_velocity *= factor;
+        limits.min_velocity *= factor;
+        limits.max_acceleration *= factor;
+        limits.min_acceleration *= factor;
+        limits.max_jerk *= factor;
     }
 
     /// The start lies on the way of an earlier motion to the same target.
