@@ -42,6 +42,8 @@ pub(super) struct AxisPlanner {
     distance: f64,
     tolerance: f64,
     best: Plan,
+    /// The time-optimal motion needs no return into the limits.
+    is_direct: bool,
 }
 
 impl AxisPlanner {
@@ -49,12 +51,14 @@ impl AxisPlanner {
     pub(super) fn new(start: AxisState, target: AxisState, limits: &AxisLimits) -> Self {
         let jerk = limits.max_jerk;
         let mut ends = Ends::new(&start, &target, limits);
+        let whole = (target.position - start.position) / jerk;
+        let direct = direct(&ends, whole, jerk);
         let entry = return_into_limits(&ends);
         ends.start_velocity = entry.velocity;
         ends.start_acceleration = entry.acceleration;
-        let distance = (target.position - start.position) / jerk - entry.position;
-        let tolerance = TOLERANCE / jerk;
+        let distance = whole - entry.position;
         let best = fastest(&ends, distance, jerk);
+        let direct = direct.filter(|plan| plan.duration < entry.duration() + best.duration);
         Self {
             start,
             target,
@@ -62,8 +66,9 @@ impl AxisPlanner {
             entry,
             ends,
             distance,
-            tolerance,
-            best,
+            tolerance: TOLERANCE / jerk,
+            best: direct.unwrap_or(best),
+            is_direct: direct.is_some(),
         }
     }
 
@@ -94,11 +99,19 @@ pub(super) trait Planner {
 
 impl Planner for AxisPlanner {
     fn duration(&self) -> f64 {
-        self.entry.duration() + self.best.duration
+        if self.is_direct {
+            self.best.duration
+        } else {
+            self.entry.duration() + self.best.duration
+        }
     }
 
     fn profile(&self) -> AxisProfile {
-        let mut profile = self.entry_profile();
+        let mut profile = if self.is_direct {
+            AxisProfile::standing(self.start, self.target)
+        } else {
+            self.entry_profile()
+        };
         for (time, sign) in self.best.times.iter().zip(SIGNS) {
             profile.push(*time, self.jerk * self.best.sign * sign);
         }
@@ -113,10 +126,10 @@ impl Planner for AxisPlanner {
     }
 
     fn profile_with_duration(&self, duration: f64) -> Option<AxisProfile> {
-        let time = duration - self.entry.duration();
-        if (time - self.best.duration).abs() <= 1e-12 * duration {
+        if (duration - self.duration()).abs() <= 1e-12 * duration {
             return Some(self.profile().finished(duration));
         }
+        let time = duration - self.entry.duration();
         let timed = Timed::new(&self.ends, self.distance, time, self.tolerance)?;
         let mut profile = self.entry_profile();
         timed.each_phase(|phase, sign| profile.push(phase, self.jerk * sign));
@@ -154,13 +167,88 @@ fn fastest(ends: &Ends, distance: f64, jerk: f64) -> Plan {
     let detour = 2.0 * libm::cbrt(32.0 * TOLERANCE / jerk);
     for (rough, error) in rough.into_iter().chain([straight_ramp(ends, distance)]) {
         let speed = ends.start_velocity.abs() + ends.end_velocity.abs();
-        let is_rounding = error * jerk <= rounding(jerk * (distance.abs() + speed * rough.duration.max(1.0)));
+        let is_rounding =
+            error * jerk <= rounding(jerk * (distance.abs() + speed * rough.duration.max(1.0)));
         let is_detour = error * jerk <= TOLERANCE && rough.duration + detour < best.duration;
         if is_detour || is_rounding && rough.duration < best.duration {
             best = rough;
         }
     }
+    near_change_of_shape(ends, distance, jerk)
+        .filter(|near| near.duration + detour < best.duration)
+        .unwrap_or(best)
+}
+
+/// Returns the shortest motion to an end velocity that cannot be told from the one of the target, if the shape of the
+/// shortest change of velocity changes there.
+///
+/// This is so for a change with one ramp, and for one in which the acceleration just reaches zero. Beside it, the
+/// position after the change grows with the root of the difference: a rounding error of 1e-14 m/s makes it 1e-6 m.
+fn near_change_of_shape(ends: &Ends, distance: f64, jerk: f64) -> Option<Plan> {
+    let (from, to) = (ends.start_acceleration, ends.end_acceleration);
+    let squares = from * from + to * to;
+    let size = ends.start_velocity.abs() + ends.end_velocity.abs() + squares;
+    let slack = rounding(size * jerk) / jerk;
+    let beside = 4.0 * f64::EPSILON * size;
+    let mut best: Option<Plan> = None;
+    for gained in [
+        (from + to) / 2.0 * (to - from).abs(),
+        squares / 2.0,
+        -squares / 2.0,
+    ] {
+        let reached = ends.start_velocity + gained;
+        if (ends.end_velocity - reached).abs() > slack {
+            continue;
+        }
+        for end_velocity in [reached, reached - beside, reached + beside] {
+            let shifted = Ends {
+                end_velocity,
+                ..*ends
+            };
+            let plan = candidates(&shifted, distance, 0.0).0;
+            if best.is_none_or(|best| plan.duration < best.duration) {
+                best = Some(plan);
+            }
+        }
+    }
     best
+}
+
+/// Returns the time-optimal motion without a return into the limits, if it exists and the return is not needed.
+///
+/// The velocity of a target with an acceleration may be such that it exceeds its limit afterwards. The states on the last
+/// part of the way to it do so as well: they count as outside of the limits, but are not.
+fn direct(ends: &Ends, distance: f64, jerk: f64) -> Option<Plan> {
+    let Ends {
+        start_velocity: v,
+        start_acceleration: a,
+        end_velocity,
+        end_acceleration,
+        ..
+    } = *ends;
+    let coasting = |v: f64, a: f64| v + a * a.abs() / 2.0;
+    // States on the way exceed the limits by rounding.
+    let slack = 1.0 + 1e-12;
+    let is_inside = |v: f64| v <= slack * ends.max_velocity && v >= slack * ends.min_velocity;
+    let is_outside_at_both =
+        !is_inside(coasting(v, a)) && !is_inside(coasting(end_velocity, end_acceleration));
+    let is_steep = a > slack * ends.max_acceleration || a < slack * ends.min_acceleration;
+    if !is_outside_at_both || !is_inside(v) || is_steep {
+        return None;
+    }
+    let plan = fastest(ends, distance, jerk);
+    let mut motion = (v, a);
+    for (time, sign) in plan.times.into_iter().zip(SIGNS) {
+        let (v, a, jerk) = (motion.0, motion.1, plan.sign * sign);
+        // The extremum of the velocity within the phase, or its end.
+        let turn = (-a * jerk).clamp(0.0, time);
+        let velocity = |time: f64| v + time * (a + time * jerk / 2.0);
+        motion = (velocity(time), a + time * jerk);
+        if !is_inside(velocity(turn)) || !is_inside(motion.0) {
+            return None;
+        }
+    }
+    Some(plan)
 }
 
 /// Returns the time-optimal motion, and a motion before it that misses the target by less than `tolerance`.

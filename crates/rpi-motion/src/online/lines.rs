@@ -242,10 +242,7 @@ impl Lines {
                 2.0 * libm::sqrt(change)
             }
         };
-        [
-            ramp(self.rise, self.top),
-            ramp(self.fall, self.bottom),
-        ]
+        [ramp(self.rise, self.top), ramp(self.fall, self.bottom)]
     }
 
     /// Accelerations and times of the motion.

@@ -44,9 +44,16 @@ impl AxisProfile {
         }
     }
 
-    /// Appends a phase; one without duration is left out.
+    /// Appends a phase. One without duration is left out, and one with the jerk of the last phase prolongs it.
     pub(super) fn push(&mut self, duration: f64, jerk: f64) {
-        if duration > 0.0 && self.count < Self::MAX_PHASES {
+        if duration <= 0.0 {
+            return;
+        }
+        if let Some(last) = self.phases[..self.count].last_mut()
+            && last.jerk == jerk
+        {
+            last.duration += duration;
+        } else if self.count < Self::MAX_PHASES {
             self.phases[self.count] = JerkPhase { duration, jerk };
             self.count += 1;
         }
@@ -148,6 +155,8 @@ impl AxisProfile {
             }
             state = advance(state, phase);
             begin += phase.duration;
+            // A turn at the end of a phase may lie beyond it by rounding.
+            extrema.add(state.position, begin);
         }
         extrema.add(self.end.position, self.duration);
         extrema

@@ -93,8 +93,8 @@ fn scaled_profile(
     profile
 }
 
-/// Returns the axis with the largest displacement (or velocity or acceleration, if there is none), and the share of each
-/// axis in its motion.
+/// Returns the axis with the largest value of all, and the share of each axis in its motion. A small displacement between
+/// large positions would give inexact shares.
 fn proportions<const N: usize>(rows: &[Row; N]) -> Option<(usize, [f64; N])> {
     let largest = |k: usize| {
         rows.iter().map(|row| row[k].abs()).enumerate().fold(
@@ -104,10 +104,18 @@ fn proportions<const N: usize>(rows: &[Row; N]) -> Option<(usize, [f64; N])> {
             },
         )
     };
-    let (leading, kind) = (0..5)
-        .map(|k| (largest(k), k))
-        .find(|((_, size), _)| *size > 0.0)
-        .map(|((axis, _), k)| (axis, k))?;
+    let ((leading, size), kind) =
+        (0..5)
+            .map(|k| (largest(k), k))
+            .fold(
+                ((0, 0.0), 0),
+                |best, next| {
+                    if next.0.1 > best.0.1 { next } else { best }
+                },
+            );
+    if size == 0.0 {
+        return None;
+    }
     let shares = core::array::from_fn(|axis| rows[axis][kind] / rows[leading][kind]);
     let is_proportional = (0..5).all(|k| {
         let slack = SLACK * largest(k).1;

@@ -152,7 +152,9 @@ impl Cruise<'_> {
         if below > 0.0 || above < 0.0 || low > high {
             return None;
         }
-        let velocity = root((low, below), (high, above), |velocity| self.beyond(velocity));
+        let velocity = root((low, below), (high, above), |velocity| {
+            self.beyond(velocity)
+        });
         let (first, cruise, last) = self.changes(velocity);
         (cruise >= 0.0).then_some(Timed::Cruising {
             first,

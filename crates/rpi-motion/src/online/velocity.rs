@@ -42,6 +42,22 @@ impl VelocityChange {
         }
     }
 
+    /// Returns the shortest change whose velocity cannot be told from that of this one by a rounding of `slack`. Where both
+    /// ramps are short, this rounding is worth up to 1e-5 s.
+    pub(super) fn shortened(self, slack: f64) -> Self {
+        let sign = if self.level < 0.0 { -1.0 } else { 1.0 };
+        let outer = (sign * self.from).max(sign * self.to);
+        if self.hold > 0.0 || outer < 0.0 {
+            return self;
+        }
+        let square = self.level * self.level - slack;
+        let level = libm::sqrt(square.max(outer * outer)).min(sign * self.level);
+        Self {
+            level: sign * level,
+            ..self
+        }
+    }
+
     /// Returns the change with one ramp of the acceleration if it meets the end within `tolerance`.
     pub(super) fn straight(start: Motion, end: Motion, tolerance: f64) -> Option<Self> {
         let (from, to) = (start.1, end.1);

@@ -36,7 +36,8 @@ impl VelocityPlanner {
         let to = (ends.end_velocity, ends.end_acceleration);
         let range = (ends.max_acceleration, ends.min_acceleration);
         let tolerance = TOLERANCE / limits.max_jerk;
-        let exact = VelocityChange::new(from, to, range);
+        let speed = from.0.abs() + to.0.abs() + from.1 * from.1 + to.1 * to.1;
+        let exact = VelocityChange::new(from, to, range).shortened(4.0 * f64::EPSILON * speed);
         let direct = VelocityChange::straight(from, to, tolerance)
             .filter(|direct| direct.duration() + 4.0 * libm::sqrt(tolerance) < exact.duration());
         let size = start.velocity.abs() + target.velocity.abs();

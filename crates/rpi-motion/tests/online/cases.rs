@@ -5,18 +5,18 @@ use rpi_motion::online::{AxisLimits, MotionOptions, OnlineMotion};
 
 /// Xorshift generator.
 #[derive(Clone)]
-pub struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     /// Creates a generator from a seed.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut random = Self(0x9E37_79B9_7F4A_7C15 ^ seed.wrapping_mul(0xD134_2543_DE82_EF95));
         (0..20).for_each(|_| _ = random.unit());
         random
     }
 
     /// Returns a number from 0 to 1.
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -24,23 +24,23 @@ impl Random {
     }
 
     /// Returns a number between two bounds.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// Returns whether an event of a given probability happens.
-    pub fn chance(&mut self, probability: f64) -> bool {
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
     /// Returns a normally distributed number with the mean 0.
-    pub fn normal(&mut self, deviation: f64) -> f64 {
+    pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
         let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
         deviation * radius * (std::f64::consts::TAU * self.unit()).cos()
     }
 
     /// Returns 0, or a number of random sign from 1e-17 to 1e-3.
-    pub fn noise(&mut self) -> f64 {
+    pub(crate) fn noise(&mut self) -> f64 {
         let size = 10f64.powf(self.between(-17.0, -3.0));
         [0.0, size, -size][(self.unit() * 3.0) as usize]
     }
@@ -48,20 +48,20 @@ impl Random {
 
 /// Request for a motion of one axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub(crate) struct Case {
     /// The target is a velocity.
-    pub is_velocity: bool,
+    pub(crate) is_velocity: bool,
     /// State at the start.
-    pub start: AxisState,
+    pub(crate) start: AxisState,
     /// State at the target.
-    pub target: AxisState,
+    pub(crate) target: AxisState,
     /// Limits.
-    pub limits: AxisLimits,
+    pub(crate) limits: AxisLimits,
 }
 
 impl Case {
     /// Plans the motion.
-    pub fn plan(&self, options: MotionOptions) -> Option<OnlineMotion<1>> {
+    pub(crate) fn plan(&self, options: MotionOptions) -> Option<OnlineMotion<1>> {
         let (start, target, limits) = ([self.start], [self.target], [self.limits]);
         if self.is_velocity {
             OnlineMotion::to_velocity(&start, &target, &limits, options).ok()
@@ -71,7 +71,7 @@ impl Case {
     }
 
     /// Returns a random request that is accepted.
-    pub fn random(random: &mut Random) -> Self {
+    pub(crate) fn random(random: &mut Random) -> Self {
         loop {
             let case = Self::proposal(random);
             if case.plan(MotionOptions::default()).is_some() {
@@ -140,7 +140,12 @@ impl Case {
             if random.chance(0.3) {
                 state.velocity = pick(
                     random,
-                    &[limits.max_velocity - change, limits.min_velocity + change, change, -change],
+                    &[
+                        limits.max_velocity - change,
+                        limits.min_velocity + change,
+                        change,
+                        -change,
+                    ],
                 );
             }
         }
@@ -183,7 +188,10 @@ impl Case {
                 // At the end of a phase.
                 let phases = profile.phases();
                 let count = (random.unit() * (phases.len() + 1) as f64) as usize;
-                phases[..count.min(phases.len())].iter().map(|phase| phase.duration).sum()
+                phases[..count.min(phases.len())]
+                    .iter()
+                    .map(|phase| phase.duration)
+                    .sum()
             } else {
                 random.unit() * profile.duration()
             };

@@ -6,19 +6,19 @@ use rpi_motion::online::AxisProfile;
 
 /// Largest errors of a motion.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Errors {
+pub(crate) struct Errors {
     /// Distance of the end of the integrated phases from the target: position, velocity and acceleration.
-    pub end: [f64; 3],
+    pub(crate) end: [f64; 3],
     /// Excess over the limits of velocity, acceleration and jerk, as a share of the limit, after the limits have been
     /// reached once.
-    pub excess: [f64; 3],
+    pub(crate) excess: [f64; 3],
     /// Error at the end that rounding explains.
-    pub rounding: f64,
+    pub(crate) rounding: f64,
 }
 
 impl Errors {
     /// Largest excess.
-    pub fn worst_excess(&self) -> f64 {
+    pub(crate) fn worst_excess(&self) -> f64 {
         self.excess.iter().copied().fold(0.0, f64::max)
     }
 }
@@ -35,23 +35,37 @@ fn share_beyond(value: f64, low: f64, high: f64) -> f64 {
 
 /// Integrates the phases of a motion. Velocity and acceleration are checked at the ends of phases and at each extremum
 /// of the velocity, from the moment at which they are within the limits.
-pub fn errors(case: &Case, profile: &AxisProfile) -> Errors {
+pub(crate) fn errors(case: &Case, profile: &AxisProfile) -> Errors {
     let Case { limits, target, .. } = case;
     let mut errors = Errors::default();
     let mut state = profile.start();
     // Rounding of accelerations and velocities, integrated.
     let time = profile.duration();
-    let fastest = limits.max_velocity.max(-limits.min_velocity).max(state.velocity.abs());
-    let steepest = limits.max_acceleration.max(-limits.min_acceleration).max(state.acceleration.abs());
+    let fastest = limits
+        .max_velocity
+        .max(-limits.min_velocity)
+        .max(state.velocity.abs());
+    let steepest = limits
+        .max_acceleration
+        .max(-limits.min_acceleration)
+        .max(state.acceleration.abs());
     errors.rounding = 1e-15 * (fastest + time * steepest) * time.max(1.0);
     let rounding = 1e-15 * (fastest + time * steepest);
     let (mut is_inside_v, mut is_inside_a) = (false, false);
     let mut check = |state: &AxisState, errors: &mut Errors| {
         let v = share_beyond(state.velocity, limits.min_velocity, limits.max_velocity);
-        let a = share_beyond(state.acceleration, limits.min_acceleration, limits.max_acceleration);
+        let a = share_beyond(
+            state.acceleration,
+            limits.min_acceleration,
+            limits.max_acceleration,
+        );
         // A start within the velocity limits, whose acceleration carries it beyond them, is outside of the limits.
         let change = state.acceleration * state.acceleration.abs() / (2.0 * limits.max_jerk);
-        let coasting = share_beyond(state.velocity + change, limits.min_velocity, limits.max_velocity);
+        let coasting = share_beyond(
+            state.velocity + change,
+            limits.min_velocity,
+            limits.max_velocity,
+        );
         is_inside_a |= a <= 1e-9;
         is_inside_v |= v <= 1e-9 && coasting <= 1e-9;
         if is_inside_v && !case.is_velocity {
@@ -73,7 +87,11 @@ pub fn errors(case: &Case, profile: &AxisProfile) -> Errors {
         errors.excess[2] = errors.excess[2].max(phase.jerk.abs() / limits.max_jerk - 1.0);
     }
     errors.end = [
-        if case.is_velocity { 0.0 } else { (state.position - target.position).abs() },
+        if case.is_velocity {
+            0.0
+        } else {
+            (state.position - target.position).abs()
+        },
         (state.velocity - target.velocity).abs(),
         (state.acceleration - target.acceleration).abs(),
     ];
