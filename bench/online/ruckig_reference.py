@@ -5,7 +5,7 @@ Usage: ruckig_reference.py REQUESTS RESULTS
 A request is a row of little-endian doubles: number of axes, interface (0 position, 1 velocity), synchronisation (0 none,
 1 time, 2 phase), minimum duration, and for each axis position, velocity and acceleration of start and target, maximum and
 minimum velocity, maximum and minimum acceleration, maximum jerk. A result is a row of six doubles: 1 for a motion and 0
-for an error, duration, largest error of position, velocity and acceleration at the end, time of the calculation in s.
+for an error, duration, largest error of position, velocity and acceleration, time of the calculation in s.
 Results that the file already has are kept: the caller goes on after a crash of the package on a request.
 """
 
@@ -40,13 +40,16 @@ def request_of(header, columns):
     return request
 
 
-def errors_at_end(trajectory, is_velocity):
-    """Largest error of position, velocity and acceleration at the end of all profiles."""
+def errors_of(trajectory, columns, is_velocity):
+    """Largest error of position, velocity and acceleration at the end of all profiles. That of the velocity includes the
+    excess over its limits after the return into these."""
     worst = [0.0, 0.0, 0.0]
-    for profile in trajectory.profiles[0]:
+    for axis, profile in enumerate(trajectory.profiles[0]):
+        highest, lowest = columns[6][axis], columns[7][axis]
+        excess = 0.0 if is_velocity else max(max(profile.v) / highest, min(profile.v) / lowest) - 1.0
         errors = [
             0.0 if is_velocity else abs(profile.p[-1] - profile.pf),
-            abs(profile.v[-1] - profile.vf),
+            max(abs(profile.v[-1] - profile.vf), excess),
             abs(profile.a[-1] - profile.af),
         ]
         worst = [max(pair) for pair in zip(worst, errors)]
@@ -70,13 +73,14 @@ def main():
             if missing > 0:
                 missing -= 1
                 continue
-            request = request_of(header, [values[k::11].tolist() for k in range(11)])
+            columns = [values[k::11].tolist() for k in range(11)]
             generator = generators.setdefault(axes, ruckig.Ruckig(axes))
-            output.write(array.array("d", result_of(generator, request, header[1] == 1)).tobytes())
+            output.write(array.array("d", result_of(generator, header, columns)).tobytes())
 
 
-def result_of(generator, request, is_velocity):
+def result_of(generator, header, columns):
     """The result row of a request."""
+    request = request_of(header, columns)
     trajectory = ruckig.Trajectory(request.degrees_of_freedom)
     begin = time.perf_counter()
     try:
@@ -85,7 +89,7 @@ def result_of(generator, request, is_velocity):
         status = None
     spent = time.perf_counter() - begin
     if status in (ruckig.Result.Working, ruckig.Result.Finished):
-        return [1.0, trajectory.duration, *errors_at_end(trajectory, is_velocity), spent]
+        return [1.0, trajectory.duration, *errors_of(trajectory, columns, header[1] == 1), spent]
     return [0.0, 0.0, 0.0, 0.0, 0.0, spent]
 
 

@@ -19,7 +19,9 @@ const ROUNDS: usize = 15;
 
 /// Measures motions of 1, 3 and 7 axes to a position, and of 1 and 7 axes to a velocity.
 pub fn measure() {
-    println!("microseconds per calculation, {COUNT} requests, best of {ROUNDS} (ruckig with its Python interface: mean)");
+    println!(
+        "microseconds per calculation, {COUNT} requests, best of {ROUNDS} (ruckig with its Python interface: mean)"
+    );
     row::<1>(false);
     row::<3>(false);
     row::<7>(false);
@@ -33,9 +35,17 @@ fn row<const N: usize>(is_velocity: bool) {
         .map(|_| core::array::from_fn(|_| case(&mut random, is_velocity)))
         .collect();
     let own = best_of(&requests, |axes| {
-        let (start, target, limits) = (axes.map(|c| c.start), axes.map(|c| c.target), axes.map(|c| c.limits));
+        let (start, target, limits) = (
+            axes.map(|c| c.start),
+            axes.map(|c| c.target),
+            axes.map(|c| c.limits),
+        );
         let options = MotionOptions::default();
-        let plan = if is_velocity { OnlineMotion::to_velocity } else { OnlineMotion::to_position };
+        let plan = if is_velocity {
+            OnlineMotion::to_velocity
+        } else {
+            OnlineMotion::to_position
+        };
         plan(&start, &target, &limits, options).map_or(0.0, |motion| motion.duration())
     });
     let mut generator = other::Ruckig::<N, other::IgnoreErrorHandler>::new(None, 0.01);
@@ -72,7 +82,11 @@ fn best_of<T>(requests: &[T], mut plan: impl FnMut(&T) -> f64) -> f64 {
 
 fn case(random: &mut Random, is_velocity: bool) -> Case {
     let or_zero = |random: &mut Random, share: f64| {
-        if random.chance(share) { random.normal(0.8) } else { 0.0 }
+        if random.chance(share) {
+            random.normal(0.8)
+        } else {
+            0.0
+        }
     };
     loop {
         let start = AxisState {
@@ -94,7 +108,12 @@ fn case(random: &mut Random, is_velocity: bool) -> Case {
             min_acceleration: -acceleration,
             max_jerk: random.between(0.1, 12.0),
         };
-        let case = Case { is_velocity, start, target, limits };
+        let case = Case {
+            is_velocity,
+            start,
+            target,
+            limits,
+        };
         if case.plan(MotionOptions::default()).is_some() {
             return case;
         }

@@ -16,7 +16,10 @@ mod verify;
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |at: usize, default: u64| {
-        arguments.get(at).and_then(|text| text.parse().ok()).unwrap_or(default)
+        arguments
+            .get(at)
+            .and_then(|text| text.parse().ok())
+            .unwrap_or(default)
     };
     match arguments.first().map(String::as_str) {
         Some("compare") => compare::single(number(1, 100_000), number(2, 1)),

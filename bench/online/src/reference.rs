@@ -43,7 +43,13 @@ impl Request<'_> {
             synchronization,
             self.minimum_duration,
         ]);
-        for Case { start, target, limits, .. } in self.axes {
+        for Case {
+            start,
+            target,
+            limits,
+            ..
+        } in self.axes
+        {
             numbers.extend([
                 start.position,
                 start.velocity,
@@ -71,26 +77,39 @@ pub fn run<'a>(requests: impl Iterator<Item = Request<'a>>) -> Option<Vec<Refere
     }
     let mut numbers = Vec::new();
     requests.for_each(|request| request.append(&mut numbers));
-    let file = |name: &str| std::env::temp_dir().join(format!("rpi-online-{}-{name}", std::process::id()));
+    let file =
+        |name: &str| std::env::temp_dir().join(format!("rpi-online-{}-{name}", std::process::id()));
     let (input, output) = (file("requests"), file("results"));
-    let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    let bytes: Vec<u8> = numbers
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
     std::fs::write(&input, bytes).expect("the temporary folder is writable");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/ruckig_reference.py");
     _ = std::fs::remove_file(&output);
     // The package crashes on some requests (version 0.19.4); these count as errors.
     loop {
-        let status = Command::new(&python).arg(script).args([&input, &output]).status();
+        let status = Command::new(&python)
+            .arg(script)
+            .args([&input, &output])
+            .status();
         let status = status.expect("the interpreter runs");
         if status.success() {
             break;
         }
         assert!(status.code().is_none(), "the script failed: {status}");
-        let mut file = std::fs::OpenOptions::new().append(true).create(true).open(&output).expect("the temporary folder is writable");
-        file.write_all(&[0; 48]).expect("the temporary folder is writable");
+        let mut file = std::fs::OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(&output)
+            .expect("the temporary folder is writable");
+        file.write_all(&[0; 48])
+            .expect("the temporary folder is writable");
     }
     let bytes = std::fs::read(&output).expect("the script has written its results");
     let rows = bytes.chunks_exact(48).map(|row| {
-        let number = |k: usize| f64::from_le_bytes(row[8 * k..8 * k + 8].try_into().expect("8 bytes"));
+        let number =
+            |k: usize| f64::from_le_bytes(row[8 * k..8 * k + 8].try_into().expect("8 bytes"));
         Reference {
             is_planned: number(0) > 0.5,
             duration: number(1),
@@ -100,7 +119,9 @@ pub fn run<'a>(requests: impl Iterator<Item = Request<'a>>) -> Option<Vec<Refere
     });
     let results = rows.collect();
     for path in [input, output] {
-        if std::env::var("RPI_KEEP").is_err() { _ = std::fs::remove_file(path); }
+        if std::env::var("RPI_KEEP").is_err() {
+            _ = std::fs::remove_file(path);
+        }
     }
     Some(results)
 }

@@ -8,8 +8,8 @@
 
 use super::limits::AxisLimits;
 pub(super) use super::lines::Knot;
-use super::lines::{Lines, PieceKind, Shape};
-use super::root::root;
+use super::lines::{Lines, Shape};
+use super::pieces::{Part, Piece, Pieces};
 use rpi_kin::state_to_rest::AxisState;
 
 /// Velocities and accelerations at both ends, and limits, divided by the maximum jerk.
@@ -57,14 +57,6 @@ impl Ends {
 /// Durations of constant jerk: rise, hold, fall, cruise, fall, hold, rise.
 pub(super) type Times = [f64; 7];
 
-/// Interval of the parameter of a family in which the same limits are reached.
-#[derive(Clone, Copy, Debug, Default)]
-struct Piece {
-    kind: PieceKind,
-    low: f64,
-    high: f64,
-}
-
 /// Family of the motions with the longest travel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Family {
@@ -75,10 +67,7 @@ pub(super) struct Family {
     extra_time: f64,
     /// The lines are those of the motion in reversed time.
     reversed: bool,
-    pieces: [Piece; 8],
-    count: usize,
-    /// Number of pieces of the first segment if there are two.
-    split: usize,
+    pieces: Pieces,
 }
 
 impl Family {
@@ -89,12 +78,7 @@ impl Family {
         let last = ends.end_velocity - af * af / 2.0;
         // Differences of velocities come first: the rest is exact then, however small the accelerations are.
         let gain = ends.end_velocity - ends.start_velocity + (a0 - af) * (a0 + af) / 2.0;
-        let fastest = ends
-            .max_velocity
-            .max(ends.start_velocity + a0.max(0.0) * a0 / 2.0)
-            .max(ends.start_velocity)
-            .max(ends.end_velocity + af.min(0.0) * af / 2.0)
-            .max(ends.end_velocity);
+        let fastest = widened_velocity(ends);
         let rise = (fastest - ends.start_velocity + a0 * a0 / 2.0)
             .max(a0.max(0.0) * a0)
             .max(gain);
@@ -123,103 +107,19 @@ impl Family {
             (lines.top, lines.bottom) = (bottom, top);
             (start_acceleration, lines.end_acceleration) = (-af, -a0);
         }
-        let mut family = Self {
+        Self {
+            pieces: Pieces::new(&lines, start_acceleration),
             lines,
             start_acceleration,
             extra_position: on_line(first, a0) - on_line(last, af),
             extra_time: a0 - af,
             reversed,
-            pieces: [Piece::default(); 8],
-            count: 0,
-            split: 0,
-        };
-        family.collect_pieces();
-        family
-    }
-
-    fn push(&mut self, kind: PieceKind, low: f64, high: f64) {
-        if low <= high {
-            self.pieces[self.count] = Piece { kind, low, high };
-            self.count += 1;
         }
-    }
-
-    fn collect_pieces(&mut self) {
-        let Lines {
-            gain,
-            top,
-            bottom,
-            first,
-            last,
-            fastest,
-            rise,
-            fall,
-            end_acceleration: end,
-        } = self.lines;
-        let start = self.start_acceleration;
-        let end_root = libm::sqrt(end * end + gain);
-        // Shortest fall for which the last rise is not negative.
-        let mut shortest = if end > 0.0 {
-            gain / (end + end_root)
-        } else {
-            end_root - end
-        };
-        let room = top * top - gain;
-        let side = libm::sqrt(room.max(0.0));
-        let gap = start * start - gain;
-        if start > 0.0 && gap > 0.0 {
-            let trough = libm::sqrt(gap);
-            if end >= trough {
-                self.push(PieceKind::HoldHigh, top - end, top - side);
-                let longest = gain / (start + trough);
-                self.push(
-                    PieceKind::Switching,
-                    shortest.max(gain / (top + side)).min(longest),
-                    longest,
-                );
-                self.split = self.count;
-            }
-            shortest = shortest.max(start + trough);
-        } else if room > 0.0 && end > side {
-            self.push(PieceKind::HoldHigh, top - end, top - side);
-            shortest = shortest.max(gain / (top + side));
-        }
-        let deepest = libm::sqrt(fall).min(bottom);
-        if room > 0.0 {
-            let longest = (top + side)
-                .min(bottom + libm::sqrt(bottom * bottom + gain))
-                .min(libm::sqrt(rise) + libm::sqrt(fall));
-            self.push(PieceKind::Switching, shortest, longest);
-        }
-        if room <= 0.0 || side <= bottom {
-            let highest = if room > 0.0 { end.min(-side) } else { end };
-            self.push(PieceKind::HoldHigh, top - highest, top + deepest);
-        }
-        if room > 0.0 && side >= bottom {
-            let lowest = libm::sqrt(bottom * bottom + gain).max(start);
-            self.push(
-                PieceKind::HoldLow,
-                lowest + bottom,
-                libm::sqrt(rise).min(top) + bottom,
-            );
-        }
-        let lowest = (first + top * top).max(last + bottom * bottom);
-        self.push(PieceKind::HoldBoth, lowest, fastest);
-        self.push(PieceKind::Cruise, 0.0, f64::INFINITY);
     }
 
     /// Whether there are two segments.
     pub(super) fn has_two_segments(&self) -> bool {
-        self.split > 0
-    }
-
-    fn segment(&self, is_first: bool) -> &[Piece] {
-        let (from, to) = if is_first {
-            (0, self.split)
-        } else {
-            (self.split, self.count)
-        };
-        &self.pieces[from..to]
+        self.pieces.has_two_segments()
     }
 
     /// Travel of a motion.
@@ -234,7 +134,7 @@ impl Family {
 
     /// First motion of a segment, which is the shortest change of velocity, or the shortest after the gap.
     pub(super) fn segment_start(&self, is_first: bool) -> Knot {
-        let piece = &self.segment(is_first)[0];
+        let piece = &self.pieces.segment(is_first)[0];
         Knot {
             kind: piece.kind,
             at: piece.low,
@@ -294,7 +194,7 @@ impl Family {
     pub(super) fn durations_at(&self, distance: f64, mut add: impl FnMut(f64)) {
         let target = distance + self.extra_position;
         for is_first in [true, false] {
-            let pieces = self.segment(is_first);
+            let pieces = self.pieces.segment(is_first);
             let Some((head, tail)) = pieces.first().zip(pieces.last()) else {
                 continue;
             };
@@ -328,7 +228,7 @@ impl Family {
             })
         };
         for is_first in [true, false] {
-            for piece in self.segment(is_first) {
+            for piece in self.pieces.segment(is_first) {
                 if between_lines < end_of(piece, piece.low) - slack {
                     return None;
                 }
@@ -344,7 +244,7 @@ impl Family {
 
     /// Visits the intervals of a segment in which the position is monotone, until `visit` returns true.
     fn walk(&self, is_first: bool, target: f64, mut visit: impl FnMut(&Part) -> bool) {
-        let pieces = self.segment(is_first);
+        let pieces = self.pieces.segment(is_first);
         for (number, piece) in pieces.iter().enumerate() {
             let off = |at: f64| {
                 self.lines.position(Knot {
@@ -417,30 +317,12 @@ impl Family {
     }
 }
 
-/// Interval of a piece in which the position is monotone, with its distances from the target at both ends.
-#[derive(Clone, Copy, Debug, Default)]
-struct Part {
-    kind: PieceKind,
-    low: f64,
-    off_low: f64,
-    high: f64,
-    off_high: f64,
-    /// The high end is an extremum of the position, or the end of the segment.
-    is_extremum: bool,
-}
-
-impl Part {
-    /// Returns the motion of the interval that is nearest to the target.
-    fn solve(&self, lines: &Lines, target: f64) -> Knot {
-        let kind = self.kind;
-        let at = if kind == PieceKind::Cruise {
-            (-self.off_low / lines.fastest).max(0.0)
-        } else {
-            root((self.low, self.off_low), (self.high, self.off_high), |at| {
-                let knot = Knot { kind, at };
-                (lines.position(knot) - target, lines.slope(knot))
-            })
-        };
-        Knot { kind, at }
-    }
+/// Maximum velocity, or that which start and end demand if they exceed it by rounding.
+fn widened_velocity(ends: &Ends) -> f64 {
+    let (a0, af) = (ends.start_acceleration, ends.end_acceleration);
+    ends.max_velocity
+        .max(ends.start_velocity + a0.max(0.0) * a0 / 2.0)
+        .max(ends.start_velocity)
+        .max(ends.end_velocity + af.min(0.0) * af / 2.0)
+        .max(ends.end_velocity)
 }

@@ -6,7 +6,8 @@
 //! fail once the request has been checked.
 //!
 //! The method: of all motions of one axis with a duration T, one travels farthest and one nearest. Both have three to
-//! seven phases of maximum jerk, hold or cruise, and are known in closed form for every T (`family`, `lines`). The limits
+//! seven phases of maximum jerk, hold or cruise, and are known in closed form for every T (`family`, `pieces`,
+//! `lines`). The limits
 //! are convex, so a target position can be reached in T exactly if it lies between both travels. This gives
 //!
 //! - the time-optimal motion: the first T at which one of both reaches the target. The travel is piecewise monotone, and
@@ -24,6 +25,7 @@ mod family;
 mod limits;
 mod lines;
 mod motion;
+mod pieces;
 mod profile;
 mod root;
 mod straight;

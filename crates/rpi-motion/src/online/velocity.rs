@@ -98,10 +98,9 @@ impl VelocityChange {
             return None;
         }
         let level = if gained >= above(high) {
-            sum / 2.0 - libm::sqrt((sum * sum / 4.0 - squares - gained).max(0.0))
+            lower_root(sum, squares + gained)
         } else if gained <= below(low) {
-            libm::sqrt((difference * difference / 4.0 - squares + gained).max(0.0))
-                - difference / 2.0
+            -lower_root(difference, squares - gained)
         } else {
             low + (gained - below(low)) / spare
         };
@@ -170,5 +169,16 @@ impl VelocityChange {
             a += time * jerk;
         }
         travel
+    }
+}
+
+/// Lower root of `x (sum - x) = product`, without cancellation.
+fn lower_root(sum: f64, product: f64) -> f64 {
+    let half = sum / 2.0;
+    let distance = libm::sqrt((half * half - product).max(0.0));
+    if half > 0.0 {
+        product / (half + distance)
+    } else {
+        half - distance
     }
 }

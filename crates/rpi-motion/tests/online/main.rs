@@ -7,3 +7,5 @@ mod published;
 mod random;
 mod requests;
 mod verify;
+
+rpi_testkit::trap_allocations!();
