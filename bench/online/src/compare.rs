@@ -69,13 +69,12 @@ impl Tally {
     fn verify<const N: usize>(&mut self, axes: &[Case; N], motion: &OnlineMotion<N>) {
         for (case, profile) in axes.iter().zip(motion.axes()) {
             let found = errors(case, profile);
-            let end = found.end.iter().copied().fold(0.0, f64::max) - found.rounding;
+            let end = found.worst_end() - found.rounding;
+            let (is_missed, is_over) = (end > 1.01e-8, found.worst_excess() > 1e-9);
             self.worst_end = self.worst_end.max(end);
-            self.missed += u64::from(!(end <= 1.01e-8));
-            self.over_limits += u64::from(!(found.worst_excess() <= 1e-9));
-            if !(end <= 1.01e-8) && self.missed <= 10
-                || !(found.worst_excess() <= 1e-9) && self.over_limits <= 10
-            {
+            self.missed += u64::from(is_missed);
+            self.over_limits += u64::from(is_over);
+            if is_missed && self.missed <= 10 || is_over && self.over_limits <= 10 {
                 println!("invalid: {found:?}: {case:?}\n {:?}", profile.phases());
             }
         }

@@ -21,7 +21,7 @@ fn together(synchronization: Synchronization, minimum_duration: f64) -> MotionOp
 fn assert_valid<const N: usize>(cases: &[Case; N], motion: &OnlineMotion<N>) {
     for (case, profile) in cases.iter().zip(motion.axes()) {
         let found = errors(case, profile);
-        let end = found.end.iter().copied().fold(0.0, f64::max);
+        let end = found.worst_end();
         assert!(end <= 1.01e-8 + found.rounding, "{found:?} {case:?}");
         assert!(found.worst_excess() <= 1e-9, "{found:?} {case:?}");
         let last = profile.state_at(profile.duration());

@@ -17,10 +17,27 @@ pub(crate) struct Errors {
 }
 
 impl Errors {
-    /// Largest excess.
+    /// Largest excess over a limit.
     pub(crate) fn worst_excess(&self) -> f64 {
-        self.excess.iter().copied().fold(0.0, f64::max)
+        largest(&self.excess)
     }
+
+    /// Largest distance from the target.
+    pub(crate) fn worst_end(&self) -> f64 {
+        largest(&self.end)
+    }
+}
+
+/// Largest number; infinite if one is not a number, so that no comparison passes.
+fn largest(numbers: &[f64]) -> f64 {
+    let sized = |number: &f64| {
+        if number.is_nan() {
+            f64::INFINITY
+        } else {
+            *number
+        }
+    };
+    numbers.iter().map(sized).fold(0.0, f64::max)
 }
 
 fn share_beyond(value: f64, low: f64, high: f64) -> f64 {
@@ -70,10 +87,10 @@ pub(crate) fn errors(case: &Case, profile: &AxisProfile) -> Errors {
         is_inside_v |= v <= 1e-9 && coasting <= 1e-9;
         if is_inside_v && !case.is_velocity {
             let rounding = rounding / limits.max_velocity.min(-limits.min_velocity);
-            errors.excess[0] = errors.excess[0].max(v - rounding);
+            errors.excess[0] = largest(&[errors.excess[0], v - rounding]);
         }
         if is_inside_a {
-            errors.excess[1] = errors.excess[1].max(a);
+            errors.excess[1] = largest(&[errors.excess[1], a]);
         }
     };
     check(&state, &mut errors);
