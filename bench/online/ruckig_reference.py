@@ -10,6 +10,7 @@ Results that the file already has are kept: the caller goes on after a crash of 
 """
 
 import array
+import os
 import sys
 import time
 
@@ -64,7 +65,7 @@ def main():
     generators = {}
     at = 0
     with open(sys.argv[2], "ab", buffering=0) as output:
-        missing = output.tell() // 48
+        missing = os.path.getsize(sys.argv[2]) // 48
         while at < len(numbers):
             axes = int(numbers[at])
             header = numbers[at : at + 4]

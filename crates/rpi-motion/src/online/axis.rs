@@ -1,10 +1,10 @@
 //! Time-optimal motion of one axis to a target position, and its motions with a given duration.
 
 use super::brake::{Return, return_into_limits};
-use super::family::{Ends, Family, Knot, Times};
+use super::family::{Ends, Family, Member, Times};
 use super::limits::AxisLimits;
 use super::profile::AxisProfile;
-use super::timed::Timed;
+use super::timed::TimedMotion;
 use rpi_kin::state_to_rest::AxisState;
 
 /// Signs of the jerk in the phases of a family.
@@ -130,7 +130,7 @@ impl Planner for AxisPlanner {
             return Some(self.profile().finished(duration));
         }
         let time = duration - self.entry.duration();
-        let timed = Timed::new(&self.ends, self.distance, time, self.tolerance)?;
+        let timed = TimedMotion::new(&self.ends, self.distance, time, self.tolerance)?;
         let mut profile = self.entry_profile();
         timed.each_phase(|phase, sign| profile.push(phase, self.jerk * sign));
         Some(profile.finished(duration))
@@ -179,7 +179,7 @@ fn fastest(ends: &Ends, distance: f64, jerk: f64) -> Plan {
         .unwrap_or(best)
 }
 
-/// Returns the shortest motion to an end velocity that cannot be told from the one of the target, if the shape of the
+/// Returns the shortest motion to an end velocity that cannot be distinguished from that of the target, if the shape of the
 /// shortest change of velocity changes there.
 ///
 /// This is so for a change with one ramp, and for one in which the acceleration just reaches zero. Beside it, the
@@ -272,13 +272,13 @@ fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Rough
             rough = Some((plan(&farthest, start, 1.0), left.abs()));
         }
         if left >= 0.0 {
-            if let Some(knot) = farthest.first_reaching(*is_first, distance, tolerance) {
-                return (plan(&farthest, knot, 1.0), rough);
+            if let Some(member) = farthest.first_reaching(*is_first, distance, tolerance) {
+                return (plan(&farthest, member, 1.0), rough);
             }
         } else {
             let mirror = nearest.get_or_insert_with(|| Family::new(&ends.mirrored()));
-            if let Some(knot) = mirror.first_reaching(*is_first, -distance, tolerance) {
-                return (plan(mirror, knot, -1.0), rough);
+            if let Some(member) = mirror.first_reaching(*is_first, -distance, tolerance) {
+                return (plan(mirror, member, -1.0), rough);
             }
         }
     }
@@ -286,8 +286,8 @@ fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Rough
     (plan(&farthest, farthest.segment_start(false), 1.0), rough)
 }
 
-fn plan(family: &Family, knot: Knot, sign: f64) -> Plan {
-    let times = family.times(knot);
+fn plan(family: &Family, member: Member, sign: f64) -> Plan {
+    let times = family.times(member);
     Plan {
         times,
         sign,

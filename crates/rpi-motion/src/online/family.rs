@@ -7,7 +7,7 @@
 //! durations in which no motion reaches the end velocity; then it has two segments.
 
 use super::limits::AxisLimits;
-pub(super) use super::lines::Knot;
+pub(super) use super::lines::Member;
 use super::lines::{Lines, Shape};
 use super::pieces::{Part, Piece, Pieces};
 use rpi_kin::state_to_rest::AxisState;
@@ -123,19 +123,19 @@ impl Family {
     }
 
     /// Travel of a motion.
-    pub(super) fn position(&self, knot: Knot) -> f64 {
-        self.lines.position(knot) - self.extra_position
+    pub(super) fn position(&self, member: Member) -> f64 {
+        self.lines.position(member) - self.extra_position
     }
 
     /// Duration of a motion.
-    pub(super) fn duration(&self, knot: Knot) -> f64 {
-        self.lines.duration(knot) - self.extra_time
+    pub(super) fn duration(&self, member: Member) -> f64 {
+        self.lines.duration(member) - self.extra_time
     }
 
     /// First motion of a segment, which is the shortest change of velocity, or the shortest after the gap.
-    pub(super) fn segment_start(&self, is_first: bool) -> Knot {
+    pub(super) fn segment_start(&self, is_first: bool) -> Member {
         let piece = &self.pieces.segment(is_first)[0];
-        Knot {
+        Member {
             kind: piece.kind,
             at: piece.low,
         }
@@ -148,7 +148,7 @@ impl Family {
         is_first: bool,
         distance: f64,
         tolerance: f64,
-    ) -> Option<Knot> {
+    ) -> Option<Member> {
         if is_first && !self.has_two_segments() {
             return None;
         }
@@ -164,11 +164,11 @@ impl Family {
         found
     }
 
-    /// Returns the shortest motion that cannot be told from a root by the rounding of its position. Near an extremum this
-    /// rounding is worth up to 1e-5 s, and motions planned anew on their way would become longer each time.
-    fn shortened(&self, part: &Part, knot: Knot, target: f64) -> Knot {
-        let slope = self.lines.slope(knot).abs();
-        let duration = self.lines.duration(knot);
+    /// Returns the shortest motion that cannot be distinguished from a root within the rounding of its position. Near an
+    /// extremum this rounding is worth up to 1e-5 s, and motions planned anew on their way would become longer each time.
+    fn shortened(&self, part: &Part, member: Member, target: f64) -> Member {
+        let slope = self.lines.slope(member).abs();
+        let duration = self.lines.duration(member);
         // The velocities of the lines are differences of larger numbers.
         let ends = self.start_acceleration * self.start_acceleration
             + self.lines.end_acceleration * self.lines.end_acceleration;
@@ -177,17 +177,17 @@ impl Family {
         let slack = 16.0 * f64::EPSILON * size;
         let mut step = slack / slope;
         if step < 1e-12 * duration {
-            return knot;
+            return member;
         }
         for _ in 0..4 {
-            let at = (knot.at - step).max(part.low);
-            let shorter = Knot { at, ..knot };
+            let at = (member.at - step).max(part.low);
+            let shorter = Member { at, ..member };
             if self.lines.position(shorter) >= target - 2.0 * slack {
                 return shorter;
             }
             step /= 4.0;
         }
-        knot
+        member
     }
 
     /// Collects the durations of all motions that travel `distance`, and of the ends of the segments.
@@ -199,7 +199,7 @@ impl Family {
                 continue;
             };
             for (piece, at) in [(head, head.low), (tail, tail.high)] {
-                let duration = self.duration(Knot {
+                let duration = self.duration(Member {
                     kind: piece.kind,
                     at,
                 });
@@ -217,12 +217,12 @@ impl Family {
     }
 
     /// Returns the motion with a given duration, if the end velocity can be reached in it.
-    pub(super) fn with_duration(&self, duration: f64) -> Option<Knot> {
+    pub(super) fn with_duration(&self, duration: f64) -> Option<Member> {
         let between_lines = duration + self.extra_time;
         // Rounding at the limits of a segment.
         let slack = 1e-13 * (duration.abs() + self.extra_time.abs()) + 1e-300;
         let end_of = |piece: &Piece, at: f64| {
-            self.lines.duration(Knot {
+            self.lines.duration(Member {
                 kind: piece.kind,
                 at,
             })
@@ -233,9 +233,9 @@ impl Family {
                     return None;
                 }
                 if between_lines <= end_of(piece, piece.high) + slack {
-                    let mut knot = self.lines.at_duration(piece.kind, between_lines);
-                    knot.at = knot.at.max(piece.low).min(piece.high);
-                    return Some(knot);
+                    let mut member = self.lines.at_duration(piece.kind, between_lines);
+                    member.at = member.at.max(piece.low).min(piece.high);
+                    return Some(member);
                 }
             }
         }
@@ -247,7 +247,7 @@ impl Family {
         let pieces = self.pieces.segment(is_first);
         for (number, piece) in pieces.iter().enumerate() {
             let off = |at: f64| {
-                self.lines.position(Knot {
+                self.lines.position(Member {
                     kind: piece.kind,
                     at,
                 }) - target
@@ -277,8 +277,8 @@ impl Family {
     }
 
     /// Accelerations and times of a motion, in the direction of time of the lines.
-    pub(super) fn shape(&self, knot: Knot) -> Shape {
-        let mut shape = self.lines.shape(knot);
+    pub(super) fn shape(&self, member: Member) -> Shape {
+        let mut shape = self.lines.shape(member);
         // The acceleration at an end is never passed by rounding: a cruise that starts with the smallest acceleration
         // that is not zero would go on with it.
         shape.peak = shape.peak.max(self.start_acceleration);
@@ -287,15 +287,15 @@ impl Family {
     }
 
     /// Velocity at the moment at which the acceleration falls through zero, if it does.
-    pub(super) fn peak_velocity(&self, knot: Knot) -> Option<f64> {
-        let shape = self.shape(knot);
+    pub(super) fn peak_velocity(&self, member: Member) -> Option<f64> {
+        let shape = self.shape(member);
         let peak = self.lines.first + shape.peak * (shape.peak + shape.peak_hold);
         (shape.peak >= 0.0 && shape.trough <= 0.0).then_some(peak)
     }
 
     /// Durations of the seven phases of a motion.
-    pub(super) fn times(&self, knot: Knot) -> Times {
-        let shape = self.shape(knot);
+    pub(super) fn times(&self, member: Member) -> Times {
+        let shape = self.shape(member);
         let (fall, cruise, second_fall) = match shape.cruise {
             Some(cruise) => (shape.peak, cruise, -shape.trough),
             None => (shape.peak - shape.trough, 0.0, 0.0),

@@ -20,7 +20,7 @@ pub(super) enum PieceKind {
 
 /// Motion of a family: the piece and its parameter.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Knot {
+pub(super) struct Member {
     pub(super) kind: PieceKind,
     pub(super) at: f64,
 }
@@ -140,9 +140,9 @@ impl Lines {
     }
 
     /// Position of the motion.
-    pub(super) fn position(&self, knot: Knot) -> f64 {
-        let x = knot.at;
-        match knot.kind {
+    pub(super) fn position(&self, member: Member) -> f64 {
+        let x = member.at;
+        match member.kind {
             PieceKind::Switching => {
                 (self.first + self.last) * x + (x * x * x - self.gain * self.sum(x)) / 4.0
             }
@@ -161,9 +161,9 @@ impl Lines {
     }
 
     /// Derivative of the position by the parameter.
-    pub(super) fn slope(&self, knot: Knot) -> f64 {
-        let x = knot.at;
-        match knot.kind {
+    pub(super) fn slope(&self, member: Member) -> f64 {
+        let x = member.at;
+        match member.kind {
             PieceKind::Switching => {
                 let sum = self.sum(x);
                 self.first + self.last + (3.0 * x * x + sum * sum) / 4.0
@@ -176,9 +176,9 @@ impl Lines {
     }
 
     /// Duration of the motion; grows with the parameter.
-    pub(super) fn duration(&self, knot: Knot) -> f64 {
-        let x = knot.at;
-        match knot.kind {
+    pub(super) fn duration(&self, member: Member) -> f64 {
+        let x = member.at;
+        match member.kind {
             PieceKind::Switching => 2.0 * x,
             PieceKind::HoldHigh => self.high().duration(x),
             PieceKind::HoldLow => self.low().duration(x),
@@ -188,7 +188,7 @@ impl Lines {
     }
 
     /// Parameter of the motion of a piece with a given duration.
-    pub(super) fn at_duration(&self, kind: PieceKind, duration: f64) -> Knot {
+    pub(super) fn at_duration(&self, kind: PieceKind, duration: f64) -> Member {
         let at = match kind {
             PieceKind::Switching => duration / 2.0,
             PieceKind::HoldHigh => self.high().dip_of(duration),
@@ -201,7 +201,7 @@ impl Lines {
             }
             PieceKind::Cruise => duration - self.ramps_to_fastest().iter().sum::<f64>(),
         };
-        Knot { kind, at }
+        Member { kind, at }
     }
 
     /// Parameters at which the position of a piece has an extremum, in order; NaN where there is none.
@@ -246,14 +246,14 @@ impl Lines {
     }
 
     /// Accelerations and times of the motion.
-    pub(super) fn shape(&self, knot: Knot) -> Shape {
-        let x = knot.at;
+    pub(super) fn shape(&self, member: Member) -> Shape {
+        let x = member.at;
         let mut shape = Shape {
             peak: self.top,
             trough: -self.bottom,
             ..Shape::default()
         };
-        match knot.kind {
+        match member.kind {
             PieceKind::Switching => {
                 shape.peak = (self.sum(x) + x) / 2.0;
                 shape.trough = (self.sum(x) - x) / 2.0;

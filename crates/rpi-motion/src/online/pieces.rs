@@ -1,6 +1,6 @@
 //! Pieces of a family of extremal motions, in the order of their durations.
 
-use super::lines::{Knot, Lines, PieceKind};
+use super::lines::{Lines, Member, PieceKind};
 use super::root::root;
 
 /// Interval of the parameter of a family in which the same limits are reached.
@@ -148,16 +148,16 @@ pub(super) struct Part {
 
 impl Part {
     /// Returns the motion of the interval that is nearest to the target.
-    pub(super) fn solve(&self, lines: &Lines, target: f64) -> Knot {
+    pub(super) fn solve(&self, lines: &Lines, target: f64) -> Member {
         let kind = self.kind;
         let at = if kind == PieceKind::Cruise {
             (-self.off_low / lines.fastest).max(0.0)
         } else {
             root((self.low, self.off_low), (self.high, self.off_high), |at| {
-                let knot = Knot { kind, at };
-                (lines.position(knot) - target, lines.slope(knot))
+                let member = Member { kind, at };
+                (lines.position(member) - target, lines.slope(member))
             })
         };
-        Knot { kind, at }
+        Member { kind, at }
     }
 }

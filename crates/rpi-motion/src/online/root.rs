@@ -1,6 +1,6 @@
 //! Root of a monotone function between two bounds.
 
-/// Maximum number of steps. At least every second step halves the interval, so that this resolves every number.
+/// Maximum number of steps. A step that does not halve the one before is replaced by halving the interval.
 const STEPS: u32 = 130;
 
 /// Returns the root of a monotone function between two points with values of different signs; if the signs are equal,

@@ -10,7 +10,7 @@ use super::velocity::VelocityChange;
 
 /// Motion with a given duration, as two weighted sequences of phases.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Timed {
+pub(super) enum TimedMotion {
     /// Change to the cruise velocity, cruise, and change to the end.
     Cruising {
         /// Change of velocity at the start.
@@ -31,7 +31,7 @@ pub(super) enum Timed {
     },
 }
 
-impl Timed {
+impl TimedMotion {
     /// Plans a motion over `distance` in exactly `duration`. Returns `None` if no motion has this duration.
     pub(super) fn new(ends: &Ends, distance: f64, duration: f64, tolerance: f64) -> Option<Self> {
         if duration < 0.0 {
@@ -147,7 +147,7 @@ impl Cruise<'_> {
     }
 
     /// Searches between two velocities. Returns `None` if no cruise of positive duration is found.
-    fn search(&self, low: f64, high: f64) -> Option<Timed> {
+    fn search(&self, low: f64, high: f64) -> Option<TimedMotion> {
         let (below, above) = (self.beyond(low).0, self.beyond(high).0);
         if below > 0.0 || above < 0.0 || low > high {
             return None;
@@ -156,7 +156,7 @@ impl Cruise<'_> {
             self.beyond(velocity)
         });
         let (first, cruise, last) = self.changes(velocity);
-        (cruise >= 0.0).then_some(Timed::Cruising {
+        (cruise >= 0.0).then_some(TimedMotion::Cruising {
             first,
             cruise,
             last,

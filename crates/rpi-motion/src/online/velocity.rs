@@ -42,8 +42,8 @@ impl VelocityChange {
         }
     }
 
-    /// Returns the shortest change whose velocity cannot be told from that of this one by a rounding of `slack`. Where both
-    /// ramps are short, this rounding is worth up to 1e-5 s.
+    /// Returns the shortest change whose velocity cannot be distinguished from that of this one within a rounding of
+    /// `slack`. Where both ramps are short, this rounding is worth up to 1e-5 s.
     pub(super) fn shortened(self, slack: f64) -> Self {
         let sign = if self.level < 0.0 { -1.0 } else { 1.0 };
         let outer = (sign * self.from).max(sign * self.to);

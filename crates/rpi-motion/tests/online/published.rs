@@ -4,7 +4,7 @@ use rpi_kin::state_to_rest::AxisState;
 use rpi_motion::online::{AxisLimits, MotionOptions, OnlineMotion, Synchronization};
 
 /// Request for three axes with the published durations: of the motion, and of each axis by itself.
-struct Published {
+struct PublishedCase {
     is_velocity: bool,
     options: MotionOptions,
     start: [AxisState; 3],
@@ -14,11 +14,11 @@ struct Published {
     alone: [f64; 3],
 }
 
-fn published() -> Vec<Published> {
+fn published() -> Vec<PublishedCase> {
     include_str!("published.csv").lines().map(parsed).collect()
 }
 
-fn parsed(line: &str) -> Published {
+fn parsed(line: &str) -> PublishedCase {
     let numbers: Vec<f64> = line
         .split(',')
         .map(|number| number.parse().expect("a number"))
@@ -29,7 +29,7 @@ fn parsed(line: &str) -> Published {
         velocity: at(axis, k + 1),
         acceleration: at(axis, k + 2),
     };
-    Published {
+    PublishedCase {
         is_velocity: numbers[1] == 1.0,
         options: MotionOptions {
             synchronization: [
@@ -53,7 +53,7 @@ fn parsed(line: &str) -> Published {
     }
 }
 
-impl Published {
+impl PublishedCase {
     fn plan(&self, options: MotionOptions) -> OnlineMotion<3> {
         let motion = if self.is_velocity {
             OnlineMotion::to_velocity(&self.start, &self.target, &self.limits, options)
@@ -99,7 +99,7 @@ fn each_axis_alone_takes_the_published_duration() {
 #[test]
 fn published_positions_on_the_way_are_reached() {
     let cases = published();
-    let positions = |case: &Published, time: f64| {
+    let positions = |case: &PublishedCase, time: f64| {
         case.plan(case.options)
             .state_at(time)
             .map(|state| state.position)
