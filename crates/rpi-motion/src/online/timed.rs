@@ -92,7 +92,8 @@ impl TimedMotion {
 fn merge(farthest: &Times, nearest: &Times, weight: f64, mut visit: impl FnMut(f64, f64)) {
     let mut left = [*farthest, *nearest];
     let mut at = [0, 0];
-    loop {
+    // Each step ends a phase of one of both.
+    for _ in 0..2 * farthest.len() {
         for (times, index) in left.iter().zip(&mut at) {
             while *index < times.len() && times[*index] <= 0.0 {
                 *index += 1;

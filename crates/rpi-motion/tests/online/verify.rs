@@ -50,24 +50,24 @@ fn share_beyond(value: f64, low: f64, high: f64) -> f64 {
     }
 }
 
+/// Rounding of the accelerations and velocities of a motion, integrated to a velocity.
+fn rounding_of_velocity(case: &Case, profile: &AxisProfile) -> f64 {
+    let (limits, state) = (&case.limits, profile.start());
+    let fastest = limits.max_velocity.max(-limits.min_velocity);
+    let steepest = limits.max_acceleration.max(-limits.min_acceleration);
+    let fastest = fastest.max(state.velocity.abs());
+    let steepest = steepest.max(state.acceleration.abs());
+    1e-15 * (fastest + profile.duration() * steepest)
+}
+
 /// Integrates the phases of a motion. Velocity and acceleration are checked at the ends of phases and at each extremum
 /// of the velocity, from the moment at which they are within the limits.
 pub(crate) fn errors(case: &Case, profile: &AxisProfile) -> Errors {
     let Case { limits, target, .. } = case;
     let mut errors = Errors::default();
     let mut state = profile.start();
-    // Rounding of accelerations and velocities, integrated.
-    let time = profile.duration();
-    let fastest = limits
-        .max_velocity
-        .max(-limits.min_velocity)
-        .max(state.velocity.abs());
-    let steepest = limits
-        .max_acceleration
-        .max(-limits.min_acceleration)
-        .max(state.acceleration.abs());
-    errors.rounding = 1e-15 * (fastest + time * steepest) * time.max(1.0);
-    let rounding = 1e-15 * (fastest + time * steepest);
+    let rounding = rounding_of_velocity(case, profile);
+    errors.rounding = rounding * profile.duration().max(1.0);
     let (mut is_inside_v, mut is_inside_a) = (false, false);
     let mut check = |state: &AxisState, errors: &mut Errors| {
         let v = share_beyond(state.velocity, limits.min_velocity, limits.max_velocity);
