@@ -31,6 +31,7 @@ pub mod joint_path;
 pub mod motion_core;
 pub mod node;
 pub mod node_table;
+pub mod online;
 pub mod path;
 pub mod path_error;
 mod plan;
