@@ -30,9 +30,7 @@ pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
         if *started.entry(kept).or_insert(choice.constant) != choice.constant {
             continue;
         }
-        let mut content = Vec::new();
-        flat.registers.append_initial(choice.constant, &mut content);
-        flat.registers.set_initial(kept, &content);
+        copy_initial(flat, choice.constant, kept);
         let written: Vec<Register> = flat.writes(op).collect();
         renames.set(written[0], choice.delayed);
         if let Some(presence) = written.get(1) {
@@ -42,6 +40,13 @@ pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
     }
     renames.apply(flat);
     drop_ops(flat, &dropped);
+}
+
+/// Gives one register the initial content of another.
+fn copy_initial(flat: &mut FlatNet, from: Register, to: Register) {
+    let mut content = Vec::new();
+    flat.registers.append_initial(from, &mut content);
+    flat.registers.set_initial(to, &content);
 }
 
 /// Reads delayed values directly from the state if only operations read them. All operations run before the commit
