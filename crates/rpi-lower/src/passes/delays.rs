@@ -42,13 +42,6 @@ pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
     drop_ops(flat, &dropped);
 }
 
-/// Gives one register the initial content of another.
-fn copy_initial(flat: &mut FlatNet, from: Register, to: Register) {
-    let mut content = Vec::new();
-    flat.registers.append_initial(from, &mut content);
-    flat.registers.set_initial(to, &content);
-}
-
 /// Reads delayed values directly from the state if only operations read them. All operations run before the commit
 /// phase overwrites the state.
 pub(super) fn read_state_directly(flat: &mut FlatNet, _: CycleTime) {
@@ -98,6 +91,13 @@ fn delay(flat: &FlatNet, op: Op) -> Option<(Register, Register)> {
     let (from, to) = (Register(*words.first()?), Register(*words.get(1)?));
     let kept = matches!(flat.registers.region(from), Region::State(_));
     (op.kind == OpKind::Copy && kept).then_some((from, to))
+}
+
+/// Gives one register the initial content of another.
+fn copy_initial(flat: &mut FlatNet, from: Register, to: Register) {
+    let mut content = Vec::new();
+    flat.registers.append_initial(from, &mut content);
+    flat.registers.set_initial(to, &content);
 }
 
 /// A choice between a constant and a delayed value.

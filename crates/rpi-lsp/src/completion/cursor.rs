@@ -78,6 +78,18 @@ impl Cursor {
     }
 }
 
+/// Returns the byte offset at which the word at the end of the text starts.
+fn word_start(before: &str) -> usize {
+    let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
+    let start = before.trim_end_matches(in_word).len();
+    // `name:` precedes a word, whereas `Core::` is part of one.
+    let word = &before[start..];
+    match word.rfind(':') {
+        Some(colon) if !word.contains("::") => start + colon + 1,
+        _ => start,
+    }
+}
+
 /// Returns whether the offset is inside a comment, string or number, where no name is possible.
 fn excludes_names(piece: &SourceToken, offset: usize) -> bool {
     let Range { start, end } = piece.range;
@@ -143,18 +155,6 @@ fn expects_unit(words: &[CursorToken<'_>]) -> bool {
     let measured =
         of.is_some_and(|word| word.kind == SourceTokenKind::Number || word.text == "real");
     words[open].text == "[" && measured
-}
-
-/// Returns the byte offset at which the word at the end of the text starts.
-fn word_start(before: &str) -> usize {
-    let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
-    let start = before.trim_end_matches(in_word).len();
-    // `name:` precedes a word, whereas `Core::` is part of one.
-    let word = &before[start..];
-    match word.rfind(':') {
-        Some(colon) if !word.contains("::") => start + colon + 1,
-        _ => start,
-    }
 }
 
 /// Returns the path at the end of the tokens before a dot.

@@ -43,12 +43,6 @@ pub(super) fn insert_initial_values(
     }
 }
 
-/// Replaces an expression `x` by `first -> x`.
-fn begin_with(expr: &mut Expr, first: Expr) {
-    let then = std::mem::replace(expr, placeholder());
-    *expr = arrow_expr(first, then);
-}
-
 /// Moves an index into conditionals: `(if c then x else last A)[k]` becomes `if c then x[k] else last A[k]`.
 // Initial values may be given by element, so `last` must apply to elements.
 fn push_index(expr: &mut Expr) {
@@ -117,6 +111,12 @@ fn initial_value_in_group(place: &Expr, initial: &Definitions) -> Option<Expr> {
             _ => None,
         }
     })
+}
+
+/// Replaces an expression `x` by `first -> x`.
+fn begin_with(expr: &mut Expr, first: Expr) {
+    let then = std::mem::replace(expr, placeholder());
+    *expr = arrow_expr(first, then);
 }
 
 /// Returns whether an expression denotes the same flow, or part of a flow, as a target.
