@@ -38,17 +38,11 @@ impl PageContext<'_> {
     pub(crate) fn section(&self, id: DefId, item: &Item) -> String {
         let def = self.inspected.index().def(id);
         let link = |name: &str| self.link(def, name);
-        let line = self.inspected.sources.line_col(def.span).line;
         let (name, kind) = (escape(&def.name), def.kind.description());
         let mut out = format!(
             "<section class=\"declaration\" id=\"{name}\">\n<h3><a href=\"#{name}\">{name}</a> <span class=\"kind\">{kind}</span>"
         );
-        if Some(def.span.file) == self.inspected.sources.files().next() {
-            let listing = &self.listing;
-            out.push_str(&format!(
-                " <a class=\"source\" href=\"{listing}#L{line}\" title=\"line {line} of the source\">source</a>"
-            ));
-        }
+        out.push_str(&self.source_link(def));
         out.push_str("</h3>\n");
         let signature = code::code(&self.signature(def, item), self.inspected.mode(), &link);
         out.push_str(&format!(
@@ -64,6 +58,19 @@ impl PageContext<'_> {
         out.push_str(&self.drawing(id, item));
         out.push_str("</section>\n");
         out
+    }
+
+    /// Returns the link from a declaration to its line in the listing of the file. The link is empty for a declaration of
+    /// another file, whose listing is not part of the page.
+    fn source_link(&self, def: &Def) -> String {
+        if Some(def.span.file) != self.inspected.sources.files().next() {
+            return String::new();
+        }
+        let listing = &self.listing;
+        let line = self.inspected.sources.line_col(def.span).line;
+        format!(
+            " <a class=\"source\" href=\"{listing}#L{line}\" title=\"line {line} of the source\">source</a>"
+        )
     }
 
     /// Returns the declaration without its body, formatted. Of several constants or types in one item, returns only

@@ -1,6 +1,6 @@
 //! Diagnostics of the instances of each unit, and their merging into diagnostics of the unit.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::passes::{is_endless, is_unreachable};
@@ -34,13 +34,7 @@ impl InstanceDiagnostics {
         let mut runs: BTreeMap<Key, Vec<InstanceCall>> = BTreeMap::new();
         for (unit, run, found) in &self.0 {
             *nets.entry(*unit).or_default() += 1;
-            let counted = found
-                .iter()
-                .filter(|f| is_about_unused_text(f) || is_endless(f));
-            let mut places: Vec<(Code, Span)> = counted.map(|f| (f.code, f.span())).collect();
-            places.sort_unstable();
-            places.dedup();
-            for (code, span) in places {
+            for (code, span) in places_to_compare(found) {
                 runs.entry((*unit, code, span))
                     .or_default()
                     .push(run.clone());
@@ -74,6 +68,14 @@ fn with_instance_labels(diagnostic: Diagnostic, runs: Vec<InstanceCall>) -> Opti
     Some(runs.fold(diagnostic, |diagnostic, (name, span)| {
         diagnostic.secondary(span, format!("as `{name}`, run here"))
     }))
+}
+
+/// Returns the code and the place of each diagnostic that depends on all instances of its unit, without duplicates.
+fn places_to_compare(found: &[Diagnostic]) -> BTreeSet<(Code, Span)> {
+    let compared = found
+        .iter()
+        .filter(|f| is_about_unused_text(f) || is_endless(f));
+    compared.map(|f| (f.code, f.span())).collect()
 }
 
 /// Returns whether a diagnostic is about unused or unreachable text.

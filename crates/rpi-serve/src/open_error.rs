@@ -23,7 +23,9 @@ impl fmt::Display for IdentityError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             IdentityError::File { path, reason } => write!(f, "{}: {reason}", path.display()),
-            IdentityError::TlsUnsupported => f.write_str("this server was built without TLS"),
+            IdentityError::TlsUnsupported => f.write_str(
+                "this server was built without TLS; build it with `cargo build --release --features rpi/tls`",
+            ),
         }
     }
 }

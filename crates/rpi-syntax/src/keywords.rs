@@ -50,8 +50,7 @@ fn semicolons_in_brackets(lexemes: &[Lexeme]) -> Vec<usize> {
         match lexeme.token {
             LParen | LBracket | LStatic => open.push((at, found.len())),
             Let | Tel => {
-                let first = open.first().map_or(found.len(), |(_, count)| *count);
-                found.truncate(first);
+                truncate_to_first(&mut found, &open);
                 open.clear();
             }
             Semi if !open.is_empty() => found.push(at),
@@ -65,9 +64,15 @@ fn semicolons_in_brackets(lexemes: &[Lexeme]) -> Vec<usize> {
             _ => {}
         }
     }
-    let first = open.first().map_or(found.len(), |(_, count)| *count);
-    found.truncate(first);
+    truncate_to_first(&mut found, &open);
     found
+}
+
+/// Removes the indices found after the first bracket that is still open.
+fn truncate_to_first(found: &mut Vec<usize>, open: &[(usize, usize)]) {
+    if let Some((_, count)) = open.first() {
+        found.truncate(*count);
+    }
 }
 
 /// Returns whether the token is the operator `last` before a bracket: `last (x)`.

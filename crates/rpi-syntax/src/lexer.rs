@@ -166,20 +166,23 @@ impl<'t> Lexer<'t> {
             BitAnd | BitOr | BitNot if self.mode == Dialect::Rpi => self.foreign_operator(lexeme),
             Append if self.mode == Dialect::Rpi => self.split_operator(Plus, lexeme),
             TickParen if self.mode == Dialect::Lustre => self.push(LParen, lexeme),
-            TickParen => {
-                self.unknown_chars(lexeme.start, lexeme.start + 1);
-                let start = lexeme.start + 1;
-                self.token(Lexeme {
-                    token: LParen,
-                    start,
-                    ..lexeme
-                });
-            }
+            TickParen => self.stray_tick(lexeme),
             Percent if self.mode == Dialect::Lustre => self.push(Mod, lexeme),
             Ampersand if self.mode == Dialect::Rpi => self.foreign_operator(lexeme),
             Ampersand => self.push(And, lexeme),
             token => self.push_keyword_or_symbol(token, lexeme),
         }
+    }
+
+    /// Reports the tick of `'(`, which only begins an expression in Lustre, and continues with the parenthesis.
+    fn stray_tick(&mut self, lexeme: Lexeme) {
+        let start = lexeme.start + 1;
+        self.unknown_chars(lexeme.start, start);
+        self.token(Lexeme {
+            token: Token::LParen,
+            start,
+            ..lexeme
+        });
     }
 
     fn push_keyword_or_symbol(&mut self, token: Token, lexeme: Lexeme) {

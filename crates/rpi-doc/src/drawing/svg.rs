@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::layout::{BoxLayout, SceneLayout, lay_out};
+use super::layout::{BoxLayout, LineLayout, SceneLayout, lay_out};
 use super::scene::{Drawing, Link, Role, SceneId, Shape};
 use crate::html::escape;
 
@@ -66,23 +66,28 @@ impl Picture<'_> {
             self.shape(shape, place);
         }
         for (link, line) in this.links.iter().zip(&laid.lines) {
-            let _ = writeln!(
-                self.out,
-                "<path class=\"{}\" d=\"{}\"{}/>",
-                classes(link),
-                line.path,
-                self.arrow(scene, link),
-            );
-            if !link.label.is_empty() {
-                let (x, y) = line.label;
-                let text = escape(&link.label);
-                let _ = writeln!(
-                    self.out,
-                    "<text class=\"label\" x=\"{x:.0}\" y=\"{y:.0}\">{text}</text>"
-                );
-            }
+            self.line(scene, link, line);
         }
         self.out.push_str("</g>\n");
+    }
+
+    /// Draws the line of a link and its label.
+    fn line(&mut self, scene: SceneId, link: &Link, line: &LineLayout) {
+        let _ = writeln!(
+            self.out,
+            "<path class=\"{}\" d=\"{}\"{}/>",
+            classes(link),
+            line.path,
+            self.arrow(scene, link),
+        );
+        if !link.label.is_empty() {
+            let (x, y) = line.label;
+            let text = escape(&link.label);
+            let _ = writeln!(
+                self.out,
+                "<text class=\"label\" x=\"{x:.0}\" y=\"{y:.0}\">{text}</text>"
+            );
+        }
     }
 
     /// Returns the arrow head of a line. A line that continues through a port has none.

@@ -123,17 +123,11 @@ impl<'f> Builder<'f> {
             let next = if last { behind } else { Some(at + 1) };
             self.nodes[at] = self.step(step, next, &scope)?;
         }
-        let mut start = if steps.is_empty() {
-            behind
-        } else {
-            Some(first)
+        let start = match steps.is_empty() {
+            true => behind,
+            false => Some(first),
         };
-        for step in steps {
-            if let StepKind::Start(label) = &step.kind {
-                start = Some(labelled(&scope, &label.name.to_string())?);
-            }
-        }
-        Ok(start)
+        Ok(declared_start(steps, &scope)?.or(start))
     }
 
     fn step(&mut self, step: &Step, next: Target, scope: &Scope) -> Result<TaskNode, PlanError> {
@@ -271,6 +265,17 @@ fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
         }
     }
     Ok(found)
+}
+
+/// Returns the step that a `start` names, and `None` without one. Of several, the last one counts.
+fn declared_start(steps: &[Step], scope: &Scope) -> Result<Target, PlanError> {
+    let mut start = None;
+    for step in steps {
+        if let StepKind::Start(label) = &step.kind {
+            start = Some(labelled(scope, &label.name.to_string())?);
+        }
+    }
+    Ok(start)
 }
 
 fn labelled(scope: &Scope, label: &str) -> Result<usize, String> {

@@ -30,9 +30,7 @@ pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
         if *started.entry(kept).or_insert(choice.constant) != choice.constant {
             continue;
         }
-        let mut content = Vec::new();
-        flat.registers.append_initial(choice.constant, &mut content);
-        flat.registers.set_initial(kept, &content);
+        copy_initial(flat, choice.constant, kept);
         let written: Vec<Register> = flat.writes(op).collect();
         renames.set(written[0], choice.delayed);
         if let Some(presence) = written.get(1) {
@@ -92,6 +90,13 @@ fn delay(flat: &FlatNet, op: Op) -> Option<(Register, Register)> {
     let (from, to) = (Register(*words.first()?), Register(*words.get(1)?));
     let kept = matches!(flat.registers.region(from), Region::State(_));
     (op.kind == OpKind::Copy && kept).then_some((from, to))
+}
+
+/// Gives one register the initial content of another.
+fn copy_initial(flat: &mut FlatNet, from: Register, to: Register) {
+    let mut content = Vec::new();
+    flat.registers.append_initial(from, &mut content);
+    flat.registers.set_initial(to, &content);
 }
 
 /// A choice between a constant and a delayed value.

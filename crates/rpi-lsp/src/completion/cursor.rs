@@ -56,14 +56,7 @@ impl Cursor {
     /// Determines the context at a byte offset. Returns [`None`] inside comments, strings and numbers.
     pub(super) fn from_offset(text: &str, offset: usize, mode: Dialect) -> Option<Cursor> {
         let before = text.get(..offset)?;
-        let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
-        let start = before.trim_end_matches(in_word).len();
-        // `name:` precedes a word, whereas `Core::` is part of one.
-        let word = &before[start..];
-        let start = match word.rfind(':') {
-            Some(colon) if !word.contains("::") => start + colon + 1,
-            _ => start,
-        };
+        let start = word_start(before);
         let all = source_tokens(text, mode);
         if all.iter().any(|piece| excludes_names(piece, offset)) {
             return None;
@@ -82,6 +75,18 @@ impl Cursor {
             prefix: start..offset,
             expected: expected_name(&words),
         })
+    }
+}
+
+/// Returns the byte offset at which the word at the end of the text starts.
+fn word_start(before: &str) -> usize {
+    let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
+    let start = before.trim_end_matches(in_word).len();
+    // `name:` precedes a word, whereas `Core::` is part of one.
+    let word = &before[start..];
+    match word.rfind(':') {
+        Some(colon) if !word.contains("::") => start + colon + 1,
+        _ => start,
     }
 }
 
@@ -165,21 +170,20 @@ fn member_path(words: &[CursorToken<'_>]) -> Option<MemberPath> {
         if name.kind != SourceTokenKind::Name {
             return None;
         }
-        match before.split_last() {
-            Some((dot, before)) if dot.text == "." && !is_call => {
-                rest.push(name.text.to_owned());
-                left = before;
-            }
-            _ => {
-                rest.reverse();
-                let root = name.text.to_owned();
-                return Some(MemberPath {
-                    root,
-                    is_call,
-                    rest,
-                });
-            }
+        if let Some((dot, before)) = before.split_last()
+            && dot.text == "."
+            && !is_call
+        {
+            rest.push(name.text.to_owned());
+            left = before;
+            continue;
         }
+        rest.reverse();
+        return Some(MemberPath {
+            root: name.text.to_owned(),
+            is_call,
+            rest,
+        });
     }
 }
 

@@ -100,28 +100,20 @@ impl Translator<'_> {
     fn equation_of(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let node = self.net().node(id);
         match node.desc().role {
-            Role::Flow(CommandFlow::Period) => Some(Equation {
-                value: literal(&Value::real(self.period_ns as f64 / 1e9))?,
-                presence: PresenceCondition::Always,
-            }),
-            Role::Flow(CommandFlow::PeriodTicks) => Some(Equation {
-                value: literal(&Value::int(1))?,
-                presence: PresenceCondition::Always,
-            }),
-            Role::Constant => Some(Equation {
-                value: literal(node.params.first()?)?,
-                presence: PresenceCondition::Always,
-            }),
+            Role::Flow(CommandFlow::Period) => {
+                let period = Value::real(self.period_ns as f64 / 1e9);
+                literal(&period).map(Equation::always_present)
+            }
+            Role::Flow(CommandFlow::PeriodTicks) => {
+                literal(&Value::int(1)).map(Equation::always_present)
+            }
+            Role::Constant => literal(node.params.first()?).map(Equation::always_present),
             Role::Delay => self.delay(id, scalar),
             Role::First => self.first(id),
             Role::IsAbsent => {
                 let seen = self.operand_presence(id, 0)?;
                 let value = format!("not {}", seen.presence.text());
-                let is = PresenceCondition::Always;
-                Some(Equation {
-                    value,
-                    presence: is,
-                })
+                Some(Equation::always_present(value))
             }
             Role::Compute => self.computed(id, scalar),
             _ => None,

@@ -46,6 +46,14 @@ impl PresenceCondition {
         }
     }
 
+    /// Disjunction with a Boolean expression.
+    pub(super) fn or(&self, expression: &str) -> PresenceCondition {
+        match self {
+            PresenceCondition::Always => PresenceCondition::Always,
+            _ => PresenceCondition::While(vec![format!("({expression} or {})", self.text())]),
+        }
+    }
+
     /// Boolean expression of the condition, in parentheses where needed.
     pub(super) fn text(&self) -> String {
         match self {

@@ -8,6 +8,16 @@ pub(super) struct Equation {
     pub(super) presence: PresenceCondition,
 }
 
+impl Equation {
+    /// Equation of a flow that is present in every cycle.
+    pub(super) fn always_present(value: String) -> Equation {
+        Equation {
+            value,
+            presence: PresenceCondition::Always,
+        }
+    }
+}
+
 /// Strong Kleene logic for `and`, `or` and `=>` (`not a or b`): one operand may decide the result alone.
 pub(super) fn kleene(operands: &[ObservedFlow], op: &str) -> Option<Equation> {
     let [a, b] = operands else {

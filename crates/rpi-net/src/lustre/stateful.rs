@@ -31,13 +31,7 @@ impl Translator<'_> {
         let last = self.add_state(fragment, &format!("{like}_last"), ty, first, last);
         Some(Equation {
             value: format!("if {is} then {x} else if {before} then {last} else {start}"),
-            presence: match &initial.presence {
-                PresenceCondition::Always => PresenceCondition::Always,
-                other => PresenceCondition::While(vec![format!(
-                    "({is} or {before} or {})",
-                    other.text()
-                )]),
-            },
+            presence: initial.presence.or(&format!("{is} or {before}")),
         })
     }
 

@@ -180,11 +180,16 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
             has_initial_value: end.is_some_and(|end| has_first(net, graph, *edge, end)),
         });
     }
+    close_ring(&mut steps);
+    steps
+}
+
+/// Lets each step lead to the item from which the next one starts, and the last step to the first item.
+fn close_ring(steps: &mut [Step]) {
     let names: Vec<String> = steps.iter().map(|s| s.from.clone()).collect();
     for (k, step) in steps.iter_mut().enumerate() {
         step.to.clone_from(&names[(k + 1) % names.len()]);
     }
-    steps
 }
 
 /// Locations at which the flow at the source of an edge is read on the paths to the named item `end`.

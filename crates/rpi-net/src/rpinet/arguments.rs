@@ -162,7 +162,8 @@ impl<'t> Arguments<'_, '_, 't> {
         }
     }
 
-    fn report_missing(&mut self, links: &[ConnectedPort], settings: &[Setting<'t>]) {
+    /// Names of the in-ports and parameters that need a value and have none.
+    fn missing(&self, links: &[ConnectedPort], settings: &[Setting<'t>]) -> Vec<&'static str> {
         let linked = |k: usize| links.iter().any(|(i, _)| *i == k);
         let is_set = |name: &str| settings.iter().any(|(n, _)| *n == name);
         let ports = self.desc.inputs.iter().enumerate();
@@ -175,9 +176,13 @@ impl<'t> Arguments<'_, '_, 't> {
             });
         let params = self.desc.params.iter();
         let params = params.filter(|p| matches!(p.default, PortDefault::Required));
-        let missing: Vec<&str> = ports
+        ports
             .chain(params.map(|p| p.name).filter(|n| !is_set(n)))
-            .collect();
+            .collect()
+    }
+
+    fn report_missing(&mut self, links: &[ConnectedPort], settings: &[Setting<'t>]) {
+        let missing = self.missing(links, settings);
         if missing.is_empty() {
             return;
         }

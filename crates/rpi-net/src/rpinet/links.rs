@@ -267,11 +267,7 @@ impl<'a, 't> LinkResolver<'a, 't> {
     fn ports_of(&self, scope: BodyId, source: Source) -> (String, Vec<&'t str>) {
         let id = match source.subject {
             Subject::Name(word) if self.str(word) == PARENT => {
-                let around = self.text.body(scope).definition;
-                let arguments = around.map(|d| self.text.arguments(self.text.definition(d)));
-                let arguments = arguments.unwrap_or_default().iter();
-                let ports = arguments.map(|a| self.str(a.name)).collect();
-                return ("the enclosing fragment".into(), ports);
+                return ("the enclosing fragment".into(), self.in_ports(scope));
             }
             Subject::Name(word) => self.names.definition(scope, self.str(word)),
             Subject::Definition(id) => Some(id),
@@ -292,6 +288,14 @@ impl<'a, 't> LinkResolver<'a, 't> {
             }
             None => ("this".into(), Vec::new()),
         }
+    }
+
+    /// Names of the in-ports of a body's fragment; empty for the root.
+    fn in_ports(&self, body: BodyId) -> Vec<&'t str> {
+        let fragment = self.text.body(body).definition;
+        let arguments = fragment.map(|d| self.text.arguments(self.text.definition(d)));
+        let arguments = arguments.unwrap_or_default().iter();
+        arguments.map(|a| self.str(a.name)).collect()
     }
 
     fn dependency_cycle(&self, port: BorderPort) -> Diagnostic {

@@ -1,6 +1,6 @@
 //! Size of a net, counted in its text or in the net itself.
 
-use super::parsed_text::{ArgumentValue, DefinitionKind, ParsedText};
+use super::parsed_text::{Argument, ArgumentValue, DefinitionKind, ParsedText};
 use crate::net::{Activation, FragmentId, Net};
 use std::collections::BTreeSet;
 
@@ -69,16 +69,19 @@ impl NetSize {
                     types.insert(text.str(ty));
                 }
                 DefinitionKind::Fragment(_) => {
-                    let gated = arguments
-                        .iter()
-                        .any(|a| text.str(a.name) == super::build::ACTIVATION);
-                    size.gated += usize::from(gated);
+                    size.gated += usize::from(has_activation(text, arguments));
                 }
             }
         }
         size.types = types.len();
         size
     }
+}
+
+/// Whether the arguments of a fragment contain its activation.
+fn has_activation(text: &ParsedText<'_>, arguments: &[Argument]) -> bool {
+    let mut names = arguments.iter().map(|a| text.str(a.name));
+    names.any(|name| name == super::build::ACTIVATION)
 }
 
 fn depth(text: &ParsedText<'_>) -> usize {

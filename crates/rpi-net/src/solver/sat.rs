@@ -171,11 +171,7 @@ impl Sat {
                 None => match self.next_decision(assumptions) {
                     Some(Ok(decision)) => {
                         *steps = steps.saturating_sub(STEPS_PER_DECISION);
-                        self.decision_starts.push(self.trail.len());
-                        // An assumption that is already true gets an empty level, since levels index the assumptions.
-                        if self.value(decision).is_none() {
-                            self.assign(decision, NONE);
-                        }
+                        self.decide(decision);
                     }
                     Some(Err(())) => return SatResult::Unsat,
                     None => return SatResult::Sat,
@@ -200,6 +196,15 @@ impl Sat {
             }
         }
         None
+    }
+
+    /// Starts a new level with a decision or assumption.
+    fn decide(&mut self, decision: Lit) {
+        self.decision_starts.push(self.trail.len());
+        // An assumption that is already true gets an empty level, since levels index the assumptions.
+        if self.value(decision).is_none() {
+            self.assign(decision, NONE);
+        }
     }
 
     fn attach(&mut self, lits: Vec<Lit>) -> u32 {

@@ -70,6 +70,17 @@ fn or_unknown<T>(value: Option<T>) -> Result<T, CheckError> {
     value.ok_or(CheckError::Unknown)
 }
 
+/// Least common denominator of the factors of a row.
+fn common_denominator(row: &Row) -> Result<i128, CheckError> {
+    let mut common: i128 = 1;
+    for factor in row.values() {
+        let denominator = factor.denominator();
+        let shared = or_unknown(gcd(common, denominator))?.max(1);
+        common = or_unknown((common / shared).checked_mul(denominator))?;
+    }
+    Ok(common)
+}
+
 impl Simplex {
     /// Adds a variable with inclusive bounds.
     pub(crate) fn variable(&mut self, low: i128, high: i128) -> usize {
@@ -317,12 +328,7 @@ impl Simplex {
     /// Divisibility (GCD) test: whether each row has an integer solution when variables with equal bounds are fixed.
     fn check_divisibility(&self) -> CheckResult {
         for (basic, row) in &self.rows {
-            let mut scale: i128 = 1;
-            for factor in row.values() {
-                let denominator = factor.denominator();
-                let shared = or_unknown(gcd(scale, denominator))?.max(1);
-                scale = or_unknown((scale / shared).checked_mul(denominator))?;
-            }
+            let scale = common_denominator(row)?;
             let (mut constant, mut divisor) = (0i128, 0i128);
             let mut reasons = Vec::new();
             let own = (basic, Rational::from_int(-1));

@@ -166,22 +166,27 @@ impl<'u> Solver<'u> {
                 self.update_definition(k);
             }
             while let Some(flow) = self.changed.pop() {
-                let mut open: Vec<u32> = self.reads.flow_readers(flow).to_vec();
-                while let Some(id) = open.pop().map(ExprId) {
-                    let row = self.expr(id);
-                    if row == self.exprs[id.0 as usize] {
-                        continue;
-                    }
-                    self.exprs[id.0 as usize] = row;
-                    open.extend(self.reads.parents(id));
-                    for k in self.reads.definitions_of_expr(id).to_vec() {
-                        self.update_definition(k as usize);
-                    }
-                }
+                self.update_readers(flow);
             }
             // A moved clock condition changes meets of other expressions than its dependents, so another full round is needed.
             if !self.condition_changed {
                 return;
+            }
+        }
+    }
+
+    /// Computes again all expressions that depend on a flow within an equation, and the definitions of those that change.
+    fn update_readers(&mut self, flow: FlowId) {
+        let mut open: Vec<u32> = self.reads.flow_readers(flow).to_vec();
+        while let Some(id) = open.pop().map(ExprId) {
+            let row = self.expr(id);
+            if row == self.exprs[id.0 as usize] {
+                continue;
+            }
+            self.exprs[id.0 as usize] = row;
+            open.extend(self.reads.parents(id));
+            for k in self.reads.definitions_of_expr(id).to_vec() {
+                self.update_definition(k as usize);
             }
         }
     }

@@ -217,29 +217,16 @@ fn select_next(
     at: Position,
     span: Span,
 ) -> NextState {
-    let state = [condition.clone(), yes.state, no.state];
-    let state = nodes::add_family_member(
-        elab,
-        PrimitiveFamily::Conditional,
-        Scalar::Int,
-        &state,
-        at,
-        span,
-    );
+    let mut choose = |scalar: Scalar, yes: Signal, no: Signal| {
+        let operands = [condition.clone(), yes, no];
+        let family = PrimitiveFamily::Conditional;
+        nodes::add_family_member(elab, family, scalar, &operands, at, span)
+    };
+    let state = choose(Scalar::Int, yes.state, no.state);
     let known = [true, false].map(|value| Signal::Const(Value::bool(value)));
     let afresh = match [yes.restart, no.restart] {
         branches if branches == known => condition.clone(),
-        [yes, no] => {
-            let afresh = [condition.clone(), yes, no];
-            nodes::add_family_member(
-                elab,
-                PrimitiveFamily::Conditional,
-                Scalar::Bool,
-                &afresh,
-                at,
-                span,
-            )
-        }
+        [yes, no] => choose(Scalar::Bool, yes, no),
     };
     NextState {
         state,

@@ -17,7 +17,7 @@ use crate::elab::subrange;
 use crate::elab::{ClaimPolicy, ElabMode, Elaborator, Position};
 use crate::ty::Ty;
 use crate::typed::Expr;
-use crate::typed::{BlockId, Equation, Target, TargetPlace, Unit};
+use crate::typed::{BlockId, Equation, Flow, Target, TargetPlace, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
 /// Returns whether an equation must keep a node of its own although nothing reads it: all its targets are named `_...`.
@@ -162,11 +162,22 @@ fn elab_equation<'u>(
     name_results(elab, &path, equation, &wire, before);
     elab.naming.name = path;
     flows::define_all(elab, scope, equation, &wire);
+    write_ports(elab, scope, equation, &wire, at);
+}
+
+/// Writes the leaves of an equation's value to the actuators among its targets.
+fn write_ports<'u>(
+    elab: &mut Elaborator<'u>,
+    scope: &mut Scope<'u>,
+    equation: &'u Equation,
+    wire: &Wire,
+    at: Position,
+) {
     let mut first = 0;
     for target in &equation.targets {
         let count = target.ty.leaf_count();
         if let TargetPlace::Port { device, port } = target.place {
-            let part = crate::elab::expr::sub_wire(&wire, first, count);
+            let part = crate::elab::expr::sub_wire(wire, first, count);
             device::write(elab, scope, device, port, target, &part, at);
         }
         first += count;
@@ -254,18 +265,22 @@ fn whole_node(elab: &Elaborator<'_>, wire: &Wire) -> Option<rpi_net::NodeId> {
     (nodes::out_wire(elab, node) == *wire).then_some(node)
 }
 
+/// Appends the name of a flow, with the path of the part if `count` leaves from `at` are not the whole flow.
+fn push_flow_name(text: &mut String, flow: &Flow, at: usize, count: usize) {
+    text.push_str(&flow.name);
+    if at != 0 || count != flow.ty.leaf_count() {
+        text.push_str(&flow.ty.part_path(at, count));
+    }
+}
+
 /// Appends the name of the first target that has one, or `_`.
 fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
     let (start, targets) = (text.len(), equation.targets.iter());
     for target in targets {
         match &target.place {
             TargetPlace::Flow { flow, at } => {
-                let (flow, count) = (unit.flow(*flow), target.ty.leaf_count());
-                text.push_str(&flow.name);
-                if *at != 0 || count != flow.ty.leaf_count() {
-                    text.push_str(&flow.ty.part_path(*at as usize, count));
-                }
-                return;
+                let flow = unit.flow(*flow);
+                return push_flow_name(text, flow, *at as usize, target.ty.leaf_count());
             }
             TargetPlace::Port { device, port } => {
                 let ports = unit

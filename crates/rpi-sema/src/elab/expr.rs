@@ -295,20 +295,12 @@ fn check_index(elab: &mut Elaborator<'_>, index: &Signal, count: usize, at: Posi
         return nodes::report_certain_fault(elab, text, span);
     }
     let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
-    let from = nodes::add_simple(
-        elab,
-        prim!("Rpi::IntGreaterOrEqual"),
-        &[index.clone(), first],
-        at,
-        span,
-    );
-    let to = nodes::add_simple(
-        elab,
-        prim!("Rpi::IntGreaterOrEqual"),
-        &[last, index.clone()],
-        at,
-        span,
-    );
+    let mut at_least = |operands: [Signal; 2]| {
+        let prim = prim!("Rpi::IntGreaterOrEqual");
+        nodes::add_simple(elab, prim, &operands, at, span)
+    };
+    let from = at_least([index.clone(), first]);
+    let to = at_least([last, index.clone()]);
     let inside = nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[from, to], at, span);
     presence::assert(elab, prim!("Rpi::AssertIndex"), &inside, at, span);
 }

@@ -89,6 +89,14 @@ fn primitive_argument<'u>(
     )
 }
 
+/// Returns the value of a parameter with these leaves.
+fn param_value(ty: ParamType, leaves: &[Value]) -> Option<Value> {
+    match ty {
+        ParamType::Array(scalar) => Some(crate::ty::machine_types::pack_leaves(scalar, leaves)),
+        _ => leaves.first().cloned(),
+    }
+}
+
 /// Evaluates the parameters of a primitive, which must be constant here.
 fn primitive_params<'u>(
     elab: &mut Elaborator<'u>,
@@ -109,13 +117,7 @@ fn primitive_params<'u>(
             .iter()
             .map(|signal| elementwise::constant_value(elab, signal))
             .collect();
-        let value = values.and_then(|values| match param.ty {
-            ParamType::Array(scalar) => {
-                Some(crate::ty::machine_types::pack_leaves(scalar, &values))
-            }
-            _ => values.first().cloned(),
-        });
-        match value {
+        match values.and_then(|leaves| param_value(param.ty, &leaves)) {
             Some(value) => params.push(value),
             None => {
                 elab.fail(NotConstantError::RunTime(span));

@@ -83,21 +83,28 @@ impl PresenceInference<'_> {
         }
     }
 
+    /// Absence of a conditional: where its condition may be absent, and where a branch is.
+    fn choice(&self, condition: ExprId, [yes, no]: [Absence; 2], id: ExprId) -> Absence {
+        let count = self.count(id);
+        let branches = yes.combine(&no, count, |yes, no| yes || no);
+        let undecided = |k: usize| {
+            let clock = self.clocks.leaf(id, k);
+            self.on_clock(condition, clock).any()
+        };
+        match self.clocks.expr_clocks(id).uniform() {
+            Some(_) if undecided(0) => Absence::MAYBE,
+            Some(_) => branches,
+            None => branches.or(count, undecided),
+        }
+    }
+
     fn each(&self, each: ElementwiseOp, operands: &[ExprId], id: ExprId) -> Absence {
         let count = self.count(id);
         let or = |a: bool, b: bool| a || b;
         match (each, operands) {
             (ElementwiseOp::If, [condition, yes, no]) => {
-                let [yes, no] = [yes, no].map(|branch| self.for_reader(id, *branch));
-                let undecided = |k: usize| {
-                    let clock = self.clocks.leaf(id, k);
-                    self.on_clock(*condition, clock).any()
-                };
-                match self.clocks.expr_clocks(id).uniform() {
-                    Some(_) if undecided(0) => Absence::MAYBE,
-                    Some(_) => yes.combine(&no, count, or),
-                    None => yes.combine(&no, count, or).or(count, undecided),
-                }
+                let branches = [yes, no].map(|branch| self.for_reader(id, *branch));
+                self.choice(*condition, branches, id)
             }
             (ElementwiseOp::Pre | ElementwiseOp::Last, [x]) => self.absence(*x),
             (ElementwiseOp::Arrow, [a, b]) => {

@@ -47,15 +47,19 @@ impl Number {
     }
 }
 
+/// Returns the value of a decimal exponent; the nearest integer if it is out of range.
+fn parse_exponent(text: &str) -> i64 {
+    let nearest = match text.starts_with('-') {
+        true => i64::MIN,
+        false => i64::MAX,
+    };
+    text.parse().unwrap_or(nearest)
+}
+
 /// Returns the nearest real to a hexadecimal number, with optional fraction and binary exponent: `1.8p3` is 12.
 fn parse_hex_real(text: &str) -> f64 {
     let (digits, power) = text.split_once(['p', 'P']).unwrap_or((text, "0"));
-    let beyond = if power.starts_with('-') {
-        i64::MIN
-    } else {
-        i64::MAX
-    };
-    let mut power: i64 = power.parse().unwrap_or(beyond);
+    let mut power = parse_exponent(power);
     let mut value = 0u64;
     let mut is_behind = false;
     for digit in digits.chars() {

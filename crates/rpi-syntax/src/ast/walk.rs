@@ -2,10 +2,11 @@
 
 use super::children::path_exprs;
 use super::{
-    Automaton, Body, Callee, Claim, Clock, ClockValue, CommandDecl, ConstDef, Contract, DeviceDecl,
-    Equation, Expr, ExprKind, FragmentDecl, Locals, Name, NamedType, NodeDecl, NodeDef, Run,
-    Signature, Statement, StatementKind, StaticArg, StaticParam, StaticParamKind, StaticValue,
-    Step, StepKind, TaskDecl, TestDecl, Type, TypeKind, Unit, VarDecl,
+    Automaton, Body, Callee, Claim, Clock, ClockValue, CommandDecl, ConditionalBlock, ConstDef,
+    Contract, DeviceDecl, Equation, Expr, ExprKind, FragmentDecl, Locals, Name, NamedType,
+    NodeDecl, NodeDef, Run, Signature, Statement, StatementKind, StaticArg, StaticParam,
+    StaticParamKind, StaticValue, Step, StepKind, TaskDecl, TestDecl, Type, TypeKind, Unit,
+    VarDecl,
 };
 
 /// Visitor of the parts of a declaration. All methods do nothing by default.
@@ -175,19 +176,22 @@ impl<'a> Walker<'_, 'a> {
                 self.fragment(fragment);
             }
             StatementKind::Automaton(automaton) => self.automaton(automaton),
-            StatementKind::Conditional(choice) => {
-                let branches = choice.branches.iter();
-                self.exprs(branches.clone().map(|branch| &branch.condition));
-                let branches = branches.map(|branch| &branch.statements);
-                let all = branches.chain(&choice.else_statements);
-                all.for_each(|statements| self.statements(statements));
-            }
+            StatementKind::Conditional(choice) => self.conditional(choice),
             StatementKind::FrameBlock(keep) => {
                 self.statements(&keep.initial);
                 self.statements(&keep.statements);
             }
             StatementKind::Error(_) => {}
         }
+    }
+
+    /// Visits the conditions before the branches.
+    fn conditional(&mut self, choice: &'a ConditionalBlock) {
+        let branches = choice.branches.iter();
+        self.exprs(branches.clone().map(|branch| &branch.condition));
+        let branches = branches.map(|branch| &branch.statements);
+        let all = branches.chain(&choice.else_statements);
+        all.for_each(|statements| self.statements(statements));
     }
 
     fn equation(&mut self, equation: &'a Equation) {

@@ -122,6 +122,11 @@ impl Rewriter<'_, '_, '_> {
         while !self.ends_body() {
             self.at += 1;
         }
+        self.close_body(start);
+    }
+
+    /// Ends a body that begins at `start` with `tel`, in place of a closing word of another language.
+    fn close_body(&mut self, start: usize) {
         let lacks_semi = self.at > start && self.before() != Some(Token::Semi);
         let tokens: &[Token] = if lacks_semi {
             &[Token::Semi, Token::Tel]

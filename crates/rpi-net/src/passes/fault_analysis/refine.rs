@@ -77,14 +77,18 @@ fn constant(node: &Node, input: usize) -> Option<i64> {
     }
 }
 
+/// Operands of a comparison of a flow with a constant integer: flow, constant, and whether the flow is the first operand.
+fn flow_and_constant(node: &Node) -> Option<(PortRef, i64, bool)> {
+    match (node.inputs.first()?, node.inputs.get(1)?) {
+        (Input::Port(port), Input::Const(value)) => Some((*port, value.as_int()?, true)),
+        (Input::Const(value), Input::Port(port)) => Some((*port, value.as_int()?, false)),
+        _ => None,
+    }
+}
+
 /// Adds the limits from a comparison of an integer with a constant.
 fn assume_comparison(node: &Node, truth: bool, limits: &mut Limits) {
-    let (port, value, is_first) = match (node.inputs.first(), node.inputs.get(1)) {
-        (Some(Input::Port(port)), Some(Input::Const(value))) => (*port, value.as_int(), true),
-        (Some(Input::Const(value)), Some(Input::Port(port))) => (*port, value.as_int(), false),
-        _ => return,
-    };
-    let Some(value) = value else {
+    let Some((port, value, is_first)) = flow_and_constant(node) else {
         return;
     };
     let up = |from: Option<i64>| from.map(|from| Interval::new(from, i64::MAX));

@@ -294,16 +294,8 @@ impl Domain for ConcreteDomain<'_> {
         inputs: &[ConcreteValue],
         runs: ConcreteBool,
     ) -> Vec<ConcreteValue> {
-        let neutral = |exact: bool| {
-            let types = node.outputs.iter();
-            let plain = |ty: &Type| ConcreteValue {
-                value: Value::neutral(*ty),
-                exact,
-            };
-            types.map(plain).collect::<Vec<ConcreteValue>>()
-        };
         if !runs.value {
-            return neutral(runs.exact);
+            return neutral_outputs(node, runs.exact);
         }
         let exact = runs.exact && inputs.iter().all(|input| input.exact);
         let values: Vec<&Value> = inputs.iter().map(|input| &input.value).collect();
@@ -311,10 +303,10 @@ impl Domain for ConcreteDomain<'_> {
             return vec![ConcreteValue { value, exact }];
         }
         match rpi_prims::fold(node.prim, &values, &node.params, &node.outputs) {
-            None => neutral(false),
+            None => neutral_outputs(node, false),
             Some(Err(_)) => {
                 self.is_faulty = true;
-                neutral(exact)
+                neutral_outputs(node, exact)
             }
             Some(Ok(values)) => values
                 .into_iter()
@@ -345,4 +337,13 @@ impl Domain for ConcreteDomain<'_> {
             },
         }
     }
+}
+
+/// Neutral value of each out-port of a primitive that does not compute a value.
+fn neutral_outputs(node: &Node, exact: bool) -> Vec<ConcreteValue> {
+    let neutral = |ty: &Type| ConcreteValue {
+        value: Value::neutral(*ty),
+        exact,
+    };
+    node.outputs.iter().map(neutral).collect()
 }

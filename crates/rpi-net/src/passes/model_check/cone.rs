@@ -52,12 +52,7 @@ impl<'a> Cone<'a> {
         limit: usize,
         is_total: impl Fn(PortRef) -> bool,
     ) -> Cone<'a> {
-        let mut search = Search {
-            net,
-            seen: FxHashSet::default(),
-            fragments: FxHashSet::default(),
-            open: Vec::new(),
-        };
+        let mut search = Search::new(net);
         for event in of {
             search.fragment(event.fragment);
             event.present.iter().for_each(|port| search.node(port.node));
@@ -189,7 +184,15 @@ struct Search<'a> {
     open: Vec<NodeId>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(net: &'a Net) -> Search<'a> {
+        Search {
+            net,
+            seen: FxHashSet::default(),
+            fragments: FxHashSet::default(),
+            open: Vec::new(),
+        }
+    }
     fn node(&mut self, id: NodeId) {
         if self.seen.insert(id) {
             self.open.push(id);

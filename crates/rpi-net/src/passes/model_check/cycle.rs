@@ -102,13 +102,10 @@ impl<'a, D: Domain> Cycle<'a, D> {
         let kept = self.register_content(place);
         let active = self.activity(register.owner);
         let new = match register.memory {
-            RegisterKind::Delayed(id) => {
-                let input = self.cone.net.node(id).inputs.first();
-                match input {
-                    Some(input) => self.input(input),
-                    None => return kept,
-                }
-            }
+            RegisterKind::Delayed(id) => match self.cone.net.node(id).inputs.first() {
+                Some(input) => self.input(input),
+                None => return kept,
+            },
             RegisterKind::Slot(..) => match self.cells.get(&place).cloned() {
                 Some(value) => Flow {
                     present: self.domain.bit(true),
@@ -153,23 +150,28 @@ impl<'a, D: Domain> Cycle<'a, D> {
             Activation::Always => outer,
             Activation::When {
                 condition,
-                if_absent: absent,
+                if_absent,
             } => {
-                let flow = self.flow(condition);
-                let holds = match absent {
-                    AbsentPolicy::Inactive => self.domain.is_true(&flow),
-                    AbsentPolicy::Active => {
-                        let truth = self.domain.truth(&flow.value);
-                        let wrong = self.domain.not(truth);
-                        let refuted = self.domain.and(flow.present, wrong);
-                        self.domain.not(refuted)
-                    }
-                };
+                let holds = self.condition_holds(condition, if_absent);
                 self.domain.and(outer, holds)
             }
         };
         self.active.insert(id, active);
         active
+    }
+
+    /// Whether the condition of an activation holds.
+    fn condition_holds(&mut self, condition: PortRef, if_absent: AbsentPolicy) -> D::Bool {
+        let flow = self.flow(condition);
+        match if_absent {
+            AbsentPolicy::Inactive => self.domain.is_true(&flow),
+            AbsentPolicy::Active => {
+                let truth = self.domain.truth(&flow.value);
+                let wrong = self.domain.not(truth);
+                let refuted = self.domain.and(flow.present, wrong);
+                self.domain.not(refuted)
+            }
+        }
     }
 
     /// Whether the state of a fragment is reset in this cycle.

@@ -79,6 +79,16 @@ impl Integers {
         self.terms[int.0 as usize].1
     }
 
+    pub(super) fn minimum(&mut self, solver: &mut Solver, a: IntId, b: IntId) -> IntId {
+        let ordered = self.at_most(solver, a, b);
+        self.if_then_else(solver, ordered, a, b)
+    }
+
+    pub(super) fn maximum(&mut self, solver: &mut Solver, a: IntId, b: IntId) -> IntId {
+        let ordered = self.at_most(solver, a, b);
+        self.if_then_else(solver, ordered, b, a)
+    }
+
     pub(super) fn if_then_else(
         &mut self,
         solver: &mut Solver,
@@ -243,22 +253,29 @@ impl Integers {
         let quotient = LinearTerm::variable(solver.integer(i64::MIN / size, i64::MAX / size));
         let in_range = solver.fits(&key.0);
         let rest = key.0.add_scaled(&quotient, size.checked_neg()?)?;
-        let zero = LinearTerm::constant(0);
-        let negated = zero.add_scaled(&rest, -1)?;
-        // The remainder has the sign of the dividend: 0 to size - 1, or 1 - size to 0.
         let is_negative = solver.at_most_zero(&key.0.add_scaled(&LinearTerm::constant(1), 1)?);
-        let last = LinearTerm::constant(1 - size);
-        let bounds = [
-            (is_negative, rest.add_scaled(&last, 1)?),
-            (is_negative, negated.clone()),
-            (!is_negative, rest.clone()),
-            (!is_negative, negated.add_scaled(&last, 1)?),
-        ];
-        for (unless, sum) in bounds {
+        for (unless, sum) in remainder_bounds(is_negative, &rest, size)? {
             let lit = solver.at_most_zero(&sum);
             solver.add_clause(&[!in_range, unless, lit]);
         }
         self.quotients.insert(key, quotient.clone());
         Some(self.sum(quotient))
     }
+}
+
+/// Bounds on the remainder of a division by `size`, each a sum that is at most 0 unless its literal is true. The
+/// remainder has the sign of the dividend: it is 0 to `size - 1`, or `1 - size` to 0. Returns `None` on an overflow.
+fn remainder_bounds(
+    is_negative: Lit,
+    rest: &LinearTerm,
+    size: i64,
+) -> Option<[(Lit, LinearTerm); 4]> {
+    let negated = LinearTerm::constant(0).add_scaled(rest, -1)?;
+    let last = LinearTerm::constant(1 - size);
+    Some([
+        (is_negative, rest.add_scaled(&last, 1)?),
+        (is_negative, negated.clone()),
+        (!is_negative, rest.clone()),
+        (!is_negative, negated.add_scaled(&last, 1)?),
+    ])
 }

@@ -85,15 +85,8 @@ impl SymbolicDomain {
                     rest
                 })
             }
-            "Minimum" | "Maximum" => {
-                let ordered = integers.at_most(solver, a, b);
-                let (yes, no) = if operation == "Minimum" {
-                    (a, b)
-                } else {
-                    (b, a)
-                };
-                Term::Int(integers.if_then_else(solver, ordered, yes, no))
-            }
+            "Minimum" => Term::Int(integers.minimum(solver, a, b)),
+            "Maximum" => Term::Int(integers.maximum(solver, a, b)),
             "Greater" => Term::Bool(!integers.at_most(solver, a, b)),
             "GreaterOrEqual" => Term::Bool(integers.at_most(solver, b, a)),
             _ => return None,

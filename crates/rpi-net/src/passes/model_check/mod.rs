@@ -299,10 +299,7 @@ impl QuerySolver<'_> {
                 if begins
                     && unrolled.solve_last_cycle(pair, true, &mut self.steps) == SatResult::Unsat
                 {
-                    let method = match invariants.len() {
-                        0 => Method::Induction(cycles),
-                        count => Method::Invariants(count),
-                    };
+                    let method = induction_method(cycles, invariants.len());
                     self.verdicts[pair] = Some(Verdict::Exclusive(method));
                 }
             }
@@ -322,5 +319,13 @@ impl QuerySolver<'_> {
             }
         }
         free
+    }
+}
+
+/// Method of a proof by induction over some cycles that needed some number of invariants.
+fn induction_method(cycles: usize, invariants: usize) -> Method {
+    match invariants {
+        0 => Method::Induction(cycles),
+        count => Method::Invariants(count),
     }
 }

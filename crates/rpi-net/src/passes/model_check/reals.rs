@@ -147,14 +147,8 @@ impl Reals {
             }
             RealTerm::Binary(op, a, b) => {
                 let operands = [self.is_nan(solver, a), self.is_nan(solver, b)];
-                match op {
-                    Binary::Minimum | Binary::Maximum => solver.all(operands),
-                    _ if self.monotone(real).is_some() => solver.any(operands),
-                    _ => {
-                        let result = solver.new_bool();
-                        solver.any([operands[0], operands[1], result])
-                    }
-                }
+                let is_monotone = self.monotone(real).is_some();
+                binary_is_nan(solver, op, operands, is_monotone)
             }
         };
         self.nans.insert(real, lit);
@@ -208,16 +202,39 @@ impl Reals {
                 })
             }
             term => {
-                let low = match term {
-                    RealTerm::Binary(Binary::Multiply, a, b) if a == b => 0,
-                    RealTerm::Unary(Unary::Absolute, _) => 0,
-                    _ => -max_position(),
-                };
+                let low = lowest_position(term);
                 let variable = self.places.entry(real);
                 LinearTerm::variable(
                     *variable.or_insert_with(|| solver.integer(low, max_position())),
                 )
             }
         }
+    }
+}
+
+/// Literal that is true exactly if the result of a binary operation is NaN. The operands are the literals of its
+/// operands. A monotone function maps numbers to numbers; any other operation may be NaN for numbers, too.
+fn binary_is_nan(
+    solver: &mut Solver,
+    op: Binary,
+    [left, right]: [Lit; 2],
+    is_monotone: bool,
+) -> Lit {
+    match op {
+        Binary::Minimum | Binary::Maximum => solver.all([left, right]),
+        _ if is_monotone => solver.any([left, right]),
+        _ => {
+            let result = solver.new_bool();
+            solver.any([left, right, result])
+        }
+    }
+}
+
+/// Lowest position that a term without a known position can have. Squares and absolute values are not negative.
+fn lowest_position(term: RealTerm) -> i64 {
+    match term {
+        RealTerm::Binary(Binary::Multiply, a, b) if a == b => 0,
+        RealTerm::Unary(Unary::Absolute, _) => 0,
+        _ => -max_position(),
     }
 }

@@ -19,23 +19,28 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
 use rpi_syntax::ops::BinaryOp;
 
+/// Declares the flows or constants of a section of a contract.
+fn declare_section<'a>(cx: &mut Body<'_, 'a>, section: &'a Locals) {
+    match section {
+        Locals::Var(vars) => vars.iter().for_each(|var| {
+            var.names
+                .iter()
+                .for_each(|name| report_hidden_ports(cx, name));
+            statement::declare_var(cx, var);
+        }),
+        Locals::Const(defs) => defs
+            .iter()
+            .for_each(|def| statement::declare_const(cx, def)),
+    }
+}
+
 /// Declares the names of a contract of the current block and returns its block.
 pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) -> BlockId {
     let block = locals::add_block(cx, &Name::from("contract"), contract.span);
     cx.unit.blocks[block.0 as usize].is_contract = true;
     cx.in_block(block, |body| {
         for section in &contract.locals {
-            match section {
-                Locals::Var(vars) => vars.iter().for_each(|var| {
-                    var.names
-                        .iter()
-                        .for_each(|name| report_hidden_ports(body, name));
-                    statement::declare_var(body, var);
-                }),
-                Locals::Const(defs) => defs
-                    .iter()
-                    .for_each(|def| statement::declare_const(body, def)),
-            }
+            declare_section(body, section);
         }
         for together in &contract.ghost_tuples {
             together

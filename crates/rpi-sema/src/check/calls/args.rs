@@ -331,13 +331,8 @@ pub(crate) fn check_arg_types(
             Err(misfit) => {
                 let expected = port.ty.substituted(subst);
                 let text = format!("`{}` is `{expected}`", port.name);
-                report::type_mismatch(
-                    cx,
-                    arg,
-                    &expected,
-                    &misfit,
-                    &ExpectationReason::Because(port.span, text),
-                );
+                let reason = ExpectationReason::Because(port.span, text);
+                report::type_mismatch(cx, arg, &expected, &misfit, &reason);
                 sound = false;
             }
         }

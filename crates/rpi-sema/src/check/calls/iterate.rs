@@ -302,15 +302,9 @@ fn fold_arrays(
         accumulator = *next;
         push_row(&mut columns, rest);
     }
-    let columns: Vec<ExprId> = columns
-        .into_iter()
-        .map(|c| collect_column(cx, &c, span))
-        .collect();
-    one_or_tuple(
-        cx,
-        std::iter::once(accumulator).chain(columns).collect(),
-        span,
-    )
+    let mut results = vec![accumulator];
+    results.extend(columns.iter().map(|c| collect_column(cx, c, span)));
+    one_or_tuple(cx, results, span)
 }
 
 /// Adds an array of the values of one output for all elements.

@@ -11,8 +11,7 @@ use crate::check::exprs::expr;
 use crate::check::exprs::names;
 use crate::check::types::consts;
 use crate::ty::Ty;
-use crate::typed::ExprId;
-use crate::typed::{PrimCall, TypedKind};
+use crate::typed::{Equation, ExprId, FlowId, PrimCall, Target, TargetPlace, TypedKind};
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{Fallback, PortType, PrimDesc, Role, Scalar, StateSize};
@@ -345,16 +344,21 @@ fn define_outputs(cx: &mut Body<'_, '_>, value: ExprId, desc: &'static PrimDesc)
             report::report_diagnostic(cx, unknown_port(desc, &ident));
             continue;
         };
-        let target = crate::typed::Target {
-            place: crate::typed::TargetPlace::Flow { flow, at: 0 },
-            ty,
-            span,
-        };
-        cx.current_block().equations.push(crate::typed::Equation {
-            targets: vec![target],
+        let equation = Equation {
+            targets: vec![whole_flow(flow, ty, span)],
             value: part,
             span,
-        });
+        };
+        cx.current_block().equations.push(equation);
+    }
+}
+
+/// Target of an equation that defines all leaves of a flow.
+fn whole_flow(flow: FlowId, ty: Ty, span: Span) -> Target {
+    Target {
+        place: TargetPlace::Flow { flow, at: 0 },
+        ty,
+        span,
     }
 }
 

@@ -159,15 +159,12 @@ pub(crate) fn struct_literal<'a>(
         }
         return cx.error_expr(span);
     };
-    let base = value.base.as_ref().map(|base| expr::check_expr(cx, base));
-    if let Some(base) = base {
-        statement::expect_type(
-            cx,
-            base,
-            &Ty::Struct(ty.clone()),
-            &ExpectationReason::Unexplained,
-        );
-    }
+    let base = value.base.as_ref().map(|base| {
+        let base = expr::check_expr(cx, base);
+        let whole = Ty::Struct(ty.clone());
+        statement::expect_type(cx, base, &whole, &ExpectationReason::Unexplained);
+        base
+    });
     let given = check_field_values(cx, &ty, &value.fields);
     let parts = given.and_then(|given| fill_fields(cx, &ty, &given, base, span));
     match parts {

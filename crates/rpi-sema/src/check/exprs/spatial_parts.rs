@@ -240,6 +240,14 @@ fn unknown_part(scalar: Scalar, field: &Ident, at: PartSyntax) -> Diagnostic {
     }
 }
 
+/// Returns the dimension of a force: mass times acceleration.
+fn force_dimension() -> Option<Dimension> {
+    let acceleration = Dimension::LENGTH
+        .divided_by(Dimension::TIME)?
+        .divided_by(Dimension::TIME)?;
+    Dimension::base(BaseDim::Mass).times(acceleration)
+}
+
 /// Returns the type of a part of a spatial value, with the unit and the frames that follow from the whole.
 fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
     let in_frame = geometry.in_frame.clone();
@@ -255,19 +263,14 @@ fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
         )
     };
     let speed = |dim: Dimension| dim.divided_by(Dimension::TIME);
-    let force = || {
-        let acceleration = Dimension::LENGTH
-            .divided_by(Dimension::TIME)?
-            .divided_by(Dimension::TIME)?;
-        Dimension::base(BaseDim::Mass).times(acceleration)
-    };
+
     match (scalar, field) {
         (Scalar::Vector, _) => Ty::Real(geometry.dim.unwrap_or(Dimension::ONE)),
         (_, "rotation") => Ty::Spatial(Scalar::Rotation, geometry.clone()),
         (_, "linear") => vector(speed(Dimension::LENGTH)),
         (_, "angular") => vector(speed(Dimension::ANGLE)),
-        (_, "force") => vector(force()),
-        (_, "torque") => vector(force().and_then(|force| force.times(Dimension::LENGTH))),
+        (_, "force") => vector(force_dimension()),
+        (_, "torque") => vector(force_dimension().and_then(|dim| dim.times(Dimension::LENGTH))),
         _ => vector(Some(Dimension::LENGTH)),
     }
 }

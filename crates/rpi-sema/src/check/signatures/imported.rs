@@ -136,11 +136,8 @@ pub(crate) fn imported_mode_condition(
     let named =
         |import: &ContractInstance<'_>| import.name().is_some_and(|name| name.name == *contract);
     let Some(at) = cx.contract.imports.iter().position(named) else {
-        let names = cx
-            .contract
-            .imports
-            .iter()
-            .filter_map(ContractInstance::name);
+        let imports = cx.contract.imports.iter();
+        let names = imports.filter_map(ContractInstance::name);
         let near = rpi_diag::suggest(contract, names.map(|name| name.name.as_str()));
         let near = near.map(|near| format!("::{near}::{mode}"));
         let diagnostic = undefined_name("imported contract", contract, span, near);

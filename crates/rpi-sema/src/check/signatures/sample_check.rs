@@ -101,17 +101,22 @@ pub(crate) fn check_samples(checker: &mut Checker<'_>) {
         if let Some(statics) = sample.map(Rc::new) {
             check_sample(checker, id, statics);
         }
-        let is_text = checker.is_lustre(id) && !is_of_kind2;
+        let is_warning_only = checker.is_lustre(id) && !is_of_kind2;
         let found = checker.diagnostics.split_off(before).into_iter();
         let found = found.filter(is_reported).map(with_sample_size_note);
-        let weighed =
-            found.map(
-                |diagnostic| match is_text && diagnostic.severity() == Severity::Error {
-                    true => as_uncalled_warning(diagnostic),
-                    false => diagnostic,
-                },
-            );
-        checker.diagnostics.extend(weighed);
+        let found = found.map(|diagnostic| match is_warning_only {
+            true => without_error_severity(diagnostic),
+            false => diagnostic,
+        });
+        checker.diagnostics.extend(found);
+    }
+}
+
+/// Turns an error into the warning about an uncalled callable.
+fn without_error_severity(diagnostic: Diagnostic) -> Diagnostic {
+    match diagnostic.severity() {
+        Severity::Error => as_uncalled_warning(diagnostic),
+        _ => diagnostic,
     }
 }
 

@@ -23,7 +23,7 @@ use crate::ty::Ty;
 use crate::typed::ExprId;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, StaticArg, StaticValue};
+use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, Signature, StaticArg, StaticValue};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -241,6 +241,20 @@ fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: S
     report::report_diagnostic(cx, diagnostic);
 }
 
+/// Evaluates the argument of a node parameter, and compares its ports with the signature of the parameter.
+fn static_node<'a>(
+    cx: &mut Body<'_, 'a>,
+    id: DeclId,
+    signature: &'a Signature,
+    arg: &'a StaticArg,
+    known: &StaticBindings,
+) -> Option<StaticBinding> {
+    let callable = callable_args::static_callable(cx, arg)?;
+    let callable = callee::require_portable(cx, callable)?;
+    let misfit = callable_args::port_mismatch(cx, id, known, signature, &callable, arg.span);
+    Some(StaticBinding::Callable(callable, misfit.map(Rc::new)))
+}
+
 fn bind_param<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -251,16 +265,7 @@ fn bind_param<'a>(
     let name = param.name();
     let value = match param {
         StaticParamDecl::Type(..) => static_type(cx, arg).map(StaticBinding::Type),
-        StaticParamDecl::Node(signature) => {
-            let known = bound.statics.clone();
-            let callable = callable_args::static_callable(cx, arg);
-            let callable = callable.and_then(|callable| callee::require_portable(cx, callable));
-            callable.map(|callable| {
-                let misfit =
-                    callable_args::port_mismatch(cx, id, &known, signature, &callable, arg.span);
-                StaticBinding::Callable(callable, misfit.map(Rc::new))
-            })
-        }
+        StaticParamDecl::Node(signature) => static_node(cx, id, signature, arg, &bound.statics),
         StaticParamDecl::Value(_, def) => {
             let Some(value) = static_expr(cx, arg) else {
                 expected_value_hint(cx, id, name, arg);

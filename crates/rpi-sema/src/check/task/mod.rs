@@ -224,21 +224,24 @@ fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: 
     }
 }
 
+/// Returns the diagnostic about a step that runs an undefined command.
+fn undefined_command(cx: &Body<'_, '_>, name: &Ident) -> Diagnostic {
+    let runs = |id: DeclId| is_runnable(cx.checker.program.decl(id).kind);
+    let visible = cx.checker.program.visible_names(cx.module, runs);
+    let near = cx.checker.suggest(&name.name, visible);
+    let diagnostic = undefined_name("command or task", &name.name, name.span, near);
+    match foreign_idioms::step_help(&name.name) {
+        Some(help) => diagnostic.help(help),
+        None => diagnostic,
+    }
+}
+
 /// Returns the command or task that a step runs; reports any other name.
 fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
     let name = &run.callee.name;
     let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) else {
-        let runs = |id: DeclId| is_runnable(cx.checker.program.decl(id).kind);
-        let visible = cx.checker.program.visible_names(cx.module, runs);
-        let near = cx.checker.suggest(&name.name, visible);
-        let diagnostic = undefined_name("command or task", &name.name, name.span, near);
-        report::report_diagnostic(
-            cx,
-            match foreign_idioms::step_help(&name.name) {
-                Some(help) => diagnostic.help(help),
-                None => diagnostic,
-            },
-        );
+        let diagnostic = undefined_command(cx, name);
+        report::report_diagnostic(cx, diagnostic);
         return None;
     };
     let decl = cx.checker.program.decl(id);

@@ -168,11 +168,8 @@ pub(crate) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<Ex
         match &expr.kind {
             TypedKind::Literal(_) | TypedKind::Error => {}
             TypedKind::Each(each, operands) => {
-                open.extend(
-                    operands
-                        .iter()
-                        .skip(usize::from(*each == ElementwiseOp::If)),
-                );
+                let conditions = usize::from(*each == ElementwiseOp::If);
+                open.extend(operands.iter().skip(conditions));
             }
             TypedKind::When { value, .. } | TypedKind::Current(value) => open.push(*value),
             TypedKind::Merge { cases, .. } => open.extend(cases.iter().map(|case| case.1)),

@@ -161,6 +161,15 @@ pub(crate) fn machine_unary(
     })
 }
 
+/// Returns whether an operator accepts a right operand of this type beside a machine integer. A shift count is unsigned.
+fn accepts_operand(op: BinaryOp, left: MachineInt, right: &Ty) -> bool {
+    match (op, right) {
+        (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(count)) => !count.signed,
+        (_, Ty::Machine(other)) => *other == left,
+        _ => false,
+    }
+}
+
 /// Checks a binary operator on two machine integers; returns `None` if the operator is not defined for their types.
 pub(crate) fn machine_binary(
     cx: &mut Body<'_, '_>,
@@ -172,12 +181,7 @@ pub(crate) fn machine_binary(
         return None;
     };
     let right = convert_shift_count(cx, op, right, of, span);
-    let has_place = match (op, cx.ty_of(right)) {
-        (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(by)) => !by.signed,
-        (_, Ty::Machine(other)) => *other == of,
-        _ => false,
-    };
-    if !has_place {
+    if !accepts_operand(op, of, cx.ty_of(right)) {
         return None;
     }
     if let Some((prim, swapped)) = comparison_prim(op) {

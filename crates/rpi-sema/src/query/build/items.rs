@@ -6,9 +6,9 @@ use crate::query::build::{
     Body, Builder, DefId, DefKind, DefPosition, Ident, PendingRef, ScopeId, ShapeOrigin,
 };
 use rpi_syntax::ast::{
-    Claim, CommandDecl, ConstDef, Contract, DeclaredKind, DeviceDecl, FragmentDecl, FrameDecl,
-    Item, ItemKind, Locals, NodeDecl, NodeDef, NodeKind, Signature, StaticParam, StaticParamKind,
-    Step, StepKind, TaskDecl, TestDecl, TypeDef, TypeKind, VarDecl,
+    Claim, CommandDecl, ConstDef, Contract, DeclaredKind, DeviceDecl, EnumValue, FragmentDecl,
+    FrameDecl, Item, ItemKind, Locals, NodeDecl, NodeDef, NodeKind, Signature, StaticParam,
+    StaticParamKind, Step, StepKind, TaskDecl, TestDecl, TypeDef, TypeKind, VarDecl,
 };
 
 pub(super) fn index_items<'a>(builder: &mut Builder<'a>, source: &Source<'a>, scope: ScopeId) {
@@ -98,6 +98,16 @@ fn constants<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, def: &'a ConstD
     builder.exprs(at.scope, &def.value);
 }
 
+fn enum_value<'a>(builder: &mut Builder<'a>, of_type: DefPosition<'a>, value: &'a EnumValue) {
+    // The doc comment of the type does not apply to its values.
+    let at = DefPosition {
+        whole: value.name.span,
+        doc: value.doc.as_ref(),
+        ..of_type
+    };
+    builder.define(at, &value.name, DefKind::EnumValue);
+}
+
 fn type_def<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, def: &'a TypeDef) {
     let at = at.with_span(def.span, def.doc.as_ref());
     let id = builder.define(at, &def.name, DefKind::Type);
@@ -107,13 +117,7 @@ fn type_def<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, def: &'a TypeDef
     match &ty.kind {
         TypeKind::Enum(values) => {
             for value in values {
-                // The doc comment of the type does not apply to its values.
-                let at = DefPosition {
-                    whole: value.name.span,
-                    doc: value.doc.as_ref(),
-                    ..at
-                };
-                builder.define(at, &value.name, DefKind::EnumValue);
+                enum_value(builder, at, value);
             }
         }
         TypeKind::Struct(fields) => {

@@ -34,16 +34,8 @@ pub(super) fn unify_array_targets(
             continue;
         };
         let old = target_text(cx, &then.targets[0]);
-        let (first, then) = match (form(&first), form(&then)) {
-            (TargetForm::Whole, TargetForm::Elements(_)) => elementwise(cx, &first, then),
-            (TargetForm::Elements(_), TargetForm::Whole) => {
-                let (then, first) = elementwise(cx, &then, first);
-                (first, then)
-            }
-            (TargetForm::Elements(n), TargetForm::Elements(m)) if n == m => {
-                unify_indices(cx, first, then)
-            }
-            _ => continue,
+        let Some((first, then)) = with_same_target(cx, first, then) else {
+            continue;
         };
         initial.replace(&key, cx, first);
         defined.replace(&old, cx, then);
@@ -65,6 +57,25 @@ impl Definitions {
             self.positions.insert(key.clone(), at);
         }
         self.insert_unordered(key, new);
+    }
+}
+
+/// Rewrites two definitions of an array so that both have the same left side. Returns `None` for other left sides.
+fn with_same_target(
+    cx: &ParseContext<'_>,
+    first: Definition,
+    then: Definition,
+) -> Option<(Definition, Definition)> {
+    match (form(&first), form(&then)) {
+        (TargetForm::Whole, TargetForm::Elements(_)) => Some(elementwise(cx, &first, then)),
+        (TargetForm::Elements(_), TargetForm::Whole) => {
+            let (then, first) = elementwise(cx, &then, first);
+            Some((first, then))
+        }
+        (TargetForm::Elements(n), TargetForm::Elements(m)) if n == m => {
+            Some(unify_indices(cx, first, then))
+        }
+        _ => None,
     }
 }
 

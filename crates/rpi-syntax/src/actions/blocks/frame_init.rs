@@ -24,9 +24,7 @@ pub(super) fn insert_initial_values(
     let mut is_open = false;
     value.for_each_mut(&mut |part| {
         if let Some(first) = common_initial_value(part, initial) {
-            let then = std::mem::replace(part, placeholder());
-            *part = arrow_expr(first, then);
-            return;
+            return begin_with(part, first);
         }
         let ExprKind::Unary(op @ UnaryOp::Last, inner) = &mut part.kind else {
             return;
@@ -36,16 +34,12 @@ pub(super) fn insert_initial_values(
         }
         *op = UnaryOp::Pre;
         match initial_value(inner, initial) {
-            Some(first) => {
-                let then = std::mem::replace(part, placeholder());
-                *part = arrow_expr(first, then);
-            }
+            Some(first) => begin_with(part, first),
             None => is_open = true,
         }
     });
     if let Some(first) = initial.value_of(&definition.targets).filter(|_| is_open) {
-        let then = std::mem::replace(&mut definition.value, placeholder());
-        definition.value = arrow_expr(first, then);
+        begin_with(&mut definition.value, first);
     }
 }
 
@@ -118,6 +112,12 @@ fn initial_value_in_group(place: &Expr, initial: &Definitions) -> Option<Expr> {
             _ => None,
         }
     })
+}
+
+/// Replaces an expression `x` by `first -> x`.
+fn begin_with(expr: &mut Expr, first: Expr) {
+    let then = std::mem::replace(expr, placeholder());
+    *expr = arrow_expr(first, then);
 }
 
 /// Returns whether an expression denotes the same flow, or part of a flow, as a target.
