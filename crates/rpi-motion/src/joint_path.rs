@@ -21,7 +21,7 @@ const SHORTEST_MOVE: f64 = 0.01;
 const UPRIGHT: f64 = 0.03;
 const INCLINED: f64 = 0.15;
 
-/// By how much the arm angle moves farther than it must, rad: the largest allowed one is taken.
+/// Extra changes of the arm angle beyond the necessary one, rad. The largest that the ranges allow is taken.
 const FARTHER: [f64; 4] = [0.3, 0.15, 0.05, 0.01];
 
 /// A path, and the arm angle along it.
