@@ -1,6 +1,7 @@
 //! Fix for commands that ignore a cancel request: a result for the motion that has stopped.
 
-use rpi_diag::{Code, Diagnostic, Fix};
+use rpi_diag::{Diagnostic, Fix};
+use rpi_net::passes::is_cancel_ignored;
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::{Block, BlockId, Equation, TargetPlace, TypedKind, Unit, UnitId};
 use rpi_syntax::ast::CommandEndKind;
@@ -11,8 +12,7 @@ const STOPPED: &str = "stopped";
 /// Adds the fix to the warnings about a command whose body makes one motion that says when it has stopped.
 pub(crate) fn add_fixes(units: &[Unit], unit: UnitId, found: &mut [Diagnostic]) {
     let command = &units[unit.0 as usize];
-    let ignores = |d: &&mut Diagnostic| d.code == Code::RPI6202;
-    for diagnostic in found.iter_mut().filter(ignores) {
+    for diagnostic in found.iter_mut().filter(|one| is_cancel_ignored(one)) {
         if let Some(fix) = stopping_motion(units, command).and_then(|name| fix(command, name)) {
             *diagnostic = diagnostic.clone().fix(fix);
         }

@@ -14,6 +14,7 @@ let
   way = Line(arm, there);
   arm.tcp = way.pose;
   finish at_end when way.done;
+  fail stopped when way.stopped;
 tel
 ";
 

@@ -21,6 +21,7 @@ let
   far = Late.slow ?? 0[m];
   export far;
   finish at_end when way.done;
+  fail stopped when way.stopped;
 tel
 
 task Main (arm: Arm)
@@ -236,7 +237,7 @@ fn the_outline_nests() {
     };
     assert_eq!(names(&outline), ["work", "Go", "Main"]);
     let inside = &outline[1]["children"];
-    assert_eq!(names(inside), ["way", "Late", "far", "at_end"]);
+    assert_eq!(names(inside), ["way", "Late", "far", "at_end", "stopped"]);
     assert_eq!(names(&inside[1]["children"]), ["slow"]);
     session.shut_down().unwrap();
 }

@@ -10,19 +10,22 @@ use rpi_diag::{Code, Diagnostic};
 use rpi_image::{CommandFlow, Role};
 use rustc_hash::FxHashSet;
 
-/// Returns a warning about a command that moves a device and ignores a cancel request. It moves one whose set-point changes
-/// from cycle to cycle; one that is constant, like the width of a gripper, is reached sooner or later. Imported nets
-/// and tests are not checked.
+/// Returns a warning about a command that moves an arm along a path and ignores a cancel request. Imported nets and tests
+/// are not checked.
 pub(crate) fn check(net: &Net, writers: &Writers) -> Option<Diagnostic> {
     let Termination::Results(results) = &net.termination else {
         return None;
     };
-    let mut written = writers.by_resource.iter();
-    let (resource, _) = written.find(|(_, writers)| has_moving_set_point(net, writers))?;
-    let device = &resource.device;
+    let device = &writers.by_resource.keys().next()?.device;
     let last = results.last()?;
-    let ignores = !net.is_test && !depends_on_cancel(net, writers, results);
+    let moves = net.node_ids().any(|id| is_motion(net.node(id)));
+    let ignores = moves && !net.is_test && !depends_on_cancel(net, writers, results);
     ignores.then(|| diagnostic(net, last, device))
+}
+
+/// Whether the diagnostic says that a command ignores a cancel request.
+pub fn is_cancel_ignored(diagnostic: &Diagnostic) -> bool {
+    diagnostic.code == Code::RPI6202
 }
 
 fn diagnostic(net: &Net, last: &ResultPort, device: &str) -> Diagnostic {
@@ -36,26 +39,18 @@ fn diagnostic(net: &Net, last: &ResultPort, device: &str) -> Diagnostic {
         .help("end it when the device is at rest after `cancel`: `fail stopped when c`")
 }
 
-/// Whether what one of these nodes writes depends on time, state, or a sensor.
-fn has_moving_set_point(net: &Net, writers: &[NodeId]) -> bool {
-    let mut search = Search::new(net);
-    let inputs = writers.iter().flat_map(|writer| &net.node(*writer).inputs);
-    inputs.for_each(|input| search.input(input));
-    search.finds(|role| {
-        matches!(
-            role,
-            Role::Delay | Role::First | Role::Flow(_) | Role::Sensor(_) | Role::DeviceFunction(_)
-        )
-    })
-}
-
 fn depends_on_cancel(net: &Net, writers: &Writers, results: &[ResultPort]) -> bool {
-    let mut search = Search::new(net);
+    let mut search = Search {
+        net,
+        seen: FxHashSet::default(),
+        fragments: FxHashSet::default(),
+        open: Vec::new(),
+    };
     let conditions = results.iter().map(|result| &result.condition);
     conditions.for_each(|condition| search.input(condition));
     let written = writers.by_resource.values().flatten();
     written.for_each(|writer| search.node(*writer));
-    search.finds(|role| role == Role::Flow(CommandFlow::Cancel))
+    search.finds_cancel()
 }
 
 /// Search against the direction of the flows.
@@ -66,20 +61,11 @@ struct Search<'a> {
     open: Vec<NodeId>,
 }
 
-impl<'a> Search<'a> {
-    fn new(net: &'a Net) -> Self {
-        Self {
-            net,
-            seen: FxHashSet::default(),
-            fragments: FxHashSet::default(),
-            open: Vec::new(),
-        }
-    }
-
-    fn finds(&mut self, wanted: impl Fn(Role) -> bool) -> bool {
+impl Search<'_> {
+    fn finds_cancel(&mut self) -> bool {
         while let Some(id) = self.open.pop() {
             let node = self.net.node(id);
-            if wanted(node.desc().role) {
+            if node.desc().role == Role::Flow(CommandFlow::Cancel) {
                 return true;
             }
             if !is_motion(node) {

@@ -27,6 +27,7 @@ pub mod writers;
 
 pub use crate::fragment_tree::Item;
 pub use analysis::{Analysis, PASSES, Pass, analyse, analyse_unless_cyclic, has_dependency_cycle};
+pub use cancellation::is_cancel_ignored;
 pub use conjunction::Conjunction;
 pub use dependencies::{Dependencies, Dependency, Reader};
 pub use fault_analysis::{FaultKind, PossibleFault, possible_faults};

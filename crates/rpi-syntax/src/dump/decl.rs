@@ -28,7 +28,11 @@ impl Dumper {
                 list_node("primitive", [self.signature(&primitive.signature), budget])
             }
             ItemKind::Device(device) => self.device(device),
-            ItemKind::Frame(frame) => self.frame(frame),
+            ItemKind::Frame(frame) => {
+                let parent = frame.parent.as_ref().map_or(Sexp::Empty, dotted);
+                let pose = option("pose", frame.pose.as_ref(), |pose| self.expr(pose));
+                list_node("frame", [nodes("names", &frame.names, name), parent, pose])
+            }
             ItemKind::Command(command) => self.command(command),
             ItemKind::Task(task) => self.task(task),
             ItemKind::Test(test) => list_node(
@@ -40,12 +44,6 @@ impl Dumper {
             }),
         };
         with_doc(item.doc.as_ref(), declared)
-    }
-
-    fn frame(&self, frame: &FrameDecl) -> Sexp {
-        let parent = frame.parent.as_ref().map_or(Sexp::Empty, dotted);
-        let pose = option("pose", frame.pose.as_ref(), |pose| self.expr(pose));
-        list_node("frame", [nodes("names", &frame.names, name), parent, pose])
     }
 
     fn const_def(&self, def: &ConstDef) -> Sexp {
