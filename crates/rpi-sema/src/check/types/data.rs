@@ -35,7 +35,7 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Name of the struct field that tells which alternative of a `datatype` a value has.
+/// Name of the struct field that says which alternative of a `datatype` a value has.
 pub(crate) const TAG: &str = "tag";
 
 /// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
