@@ -21,6 +21,16 @@ pub struct CycleTime {
 }
 
 impl CycleTime {
+    /// First cycle of a command with a period of 1 ms, at time 0: for primitives that run once, with given operands.
+    pub const FIRST: Self = Self {
+        dt: 0.001,
+        tick_ns: 1_000_000,
+        period_ticks: 1,
+        cycle_index: 0,
+        net_ns: 0,
+        wall_ns: 0,
+    };
+
     /// Returns the duration of `ticks` in s, as the nearest real.
     #[must_use]
     pub fn seconds(&self, ticks: i64) -> f64 {

@@ -87,17 +87,9 @@ mod tests {
         let out = cells.len();
         words.push(out as u32);
         cells.resize(out + cells_out, 7);
-        let clock = CycleTime {
-            dt: 0.001,
-            tick_ns: 1_000_000,
-            period_ticks: 1,
-            cycle_index: 0,
-            net_ns: 0,
-            wall_ns: 0,
-        };
         let mut cx = Context {
             slots: &mut cells,
-            time: clock,
+            time: CycleTime::FIRST,
             devices: &mut NoDevices,
             fault: None,
         };

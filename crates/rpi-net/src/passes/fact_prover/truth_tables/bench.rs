@@ -16,16 +16,6 @@ pub(crate) struct Bench {
     total: bool,
 }
 
-/// Time in the only cycle of a bench: the first of a command with a period of 1 ms.
-const FIRST_CYCLE: CycleTime = CycleTime {
-    dt: 0.001,
-    tick_ns: 1_000_000,
-    period_ticks: 1,
-    cycle_index: 0,
-    net_ns: 0,
-    wall_ns: 0,
-};
-
 impl Bench {
     pub(crate) fn new(prim: &'static Prim, params: &[Value]) -> Bench {
         let desc: &PrimDesc = &prim.desc;
@@ -75,7 +65,7 @@ impl Bench {
         let code = self.prim.optional.or(self.prim.total).expect("it has code");
         let mut cx = Context {
             slots: &mut self.slots,
-            time: FIRST_CYCLE,
+            time: CycleTime::FIRST,
             devices: &mut NoDevices,
             fault: None,
         };
