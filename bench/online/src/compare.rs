@@ -1,6 +1,6 @@
 //! Durations beside those of the Python package `ruckig`.
 
-use crate::cases::{Case, Random};
+use crate::cases::{Case, Random, plan_together};
 use crate::reference::{Reference, Request, run};
 use crate::verify::errors;
 use rpi_motion::online::{MotionOptions, OnlineMotion, Synchronization};
@@ -131,17 +131,7 @@ pub fn together(count: u64, seed: u64) {
                 synchronization: Synchronization::Time,
                 minimum_duration: *minimum,
             };
-            let (start, target, limits) = (
-                axes.map(|c| c.start),
-                axes.map(|c| c.target),
-                axes.map(|c| c.limits),
-            );
-            let motion = if axes[0].is_velocity {
-                OnlineMotion::to_velocity(&start, &target, &limits, options)
-            } else {
-                OnlineMotion::to_position(&start, &target, &limits, options)
-            };
-            let Ok(motion) = motion else {
+            let Some(motion) = plan_together(axes, options) else {
                 tally.failures += 1;
                 continue;
             };

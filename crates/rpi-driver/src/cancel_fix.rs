@@ -3,7 +3,7 @@
 use rpi_diag::{Diagnostic, Fix};
 use rpi_net::passes::is_cancel_ignored;
 use rpi_sema::ty::Ty;
-use rpi_sema::typed::{Block, BlockId, Equation, TargetPlace, TypedKind, Unit, UnitId};
+use rpi_sema::typed::{BlockId, Equation, TargetPlace, TypedKind, Unit, UnitId};
 use rpi_syntax::ast::CommandEndKind;
 
 /// Output of a motion of the library: it rests because of a cancel request.
@@ -40,9 +40,8 @@ fn stopping_motion<'u>(units: &'u [Unit], command: &'u Unit) -> Option<&'u str> 
     if command.flows.iter().any(|flow| flow.name == *STOPPED) {
         return None;
     }
-    let body: &Block = command.block(BlockId::ROOT);
-    let mut motions = body
-        .equations
+    let equations = &command.block(BlockId::ROOT).equations;
+    let mut motions = equations
         .iter()
         .filter_map(|equation| motion(units, command, equation));
     let only = motions.next();

@@ -1,6 +1,7 @@
 //! The arm as seen by the motion core: model, tool and limits; and the state of all axes.
 
 use crate::Joints;
+use rpi_kin::angle::nearest_turn;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
 
 /// Model of an arm with the tool that it holds and the limits of its axes.
@@ -68,10 +69,10 @@ impl Arm {
         let flange = tool * self.tool_inverse;
         let angles = self.model.arm_angles_of_third_axis(&flange, third)?;
         let present = self.arm_angle(hint)?;
-        let distance = |angle: &f64| libm::fabs(turned_to(*angle, present) - present);
+        let distance = |angle: &f64| libm::fabs(nearest_turn(*angle, present) - present);
         let angles = angles.into_iter().filter(|angle| angle.is_finite());
         let nearest = angles.min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
-        Some(turned_to(nearest, near))
+        Some(nearest_turn(nearest, near))
     }
 
     /// As [`inverse`](Self::inverse), with the arm angle `arm_angle` (rad) at which axis 3 has the value `third` (rad): it
@@ -116,12 +117,6 @@ impl Arm {
 
 /// Greatest difference of axis 3 from its value that counts as rounding next to an upright upper arm, rad.
 const ROUNDING: f64 = 1e-3;
-
-/// Moves an angle by full turns to the value nearest to another, rad.
-fn turned_to(angle: f64, near: f64) -> f64 {
-    let turn = core::f64::consts::TAU;
-    angle - turn * libm::round((angle - near) / turn)
-}
 
 /// Position (rad), velocity (rad/s) and acceleration (rad/s²) of all axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -56,13 +56,9 @@ impl<const N: usize> OnlineMotion<N> {
                 .and_then(|()| limits[axis].check_target(&target[axis]))
                 .map_err(|kind| OnlineError { axis, kind })?;
         }
-        if options.synchronization == Synchronization::Phase
-            && let Some(line) = straight_line(start, target, limits, options.minimum_duration)
-        {
-            return Ok(Self::new(line, Synchronization::Phase));
-        }
+        let line = |minimum| straight_line(start, target, limits, minimum);
         let plan = |axis| AxisPlanner::new(start[axis], target[axis], &limits[axis]);
-        Ok(Self::synchronised(&core::array::from_fn(plan), &options))
+        Ok(Self::plan(line, plan, &options))
     }
 
     /// Plans the time-optimal motion from `start` to the velocity and acceleration of `target` within the limits of
@@ -83,13 +79,9 @@ impl<const N: usize> OnlineMotion<N> {
                 .and_then(|()| limits[axis].check_acceleration(&target[axis]))
                 .map_err(|kind| OnlineError { axis, kind })?;
         }
-        if options.synchronization == Synchronization::Phase
-            && let Some(line) = straight_change(start, target, limits, options.minimum_duration)
-        {
-            return Ok(Self::new(line, Synchronization::Phase));
-        }
+        let line = |minimum| straight_change(start, target, limits, minimum);
         let plan = |axis| VelocityPlanner::new(start[axis], target[axis], &limits[axis]);
-        Ok(Self::synchronised(&core::array::from_fn(plan), &options))
+        Ok(Self::plan(line, plan, &options))
     }
 
     fn new(axes: [AxisProfile; N], synchronization: Synchronization) -> Self {
@@ -98,6 +90,21 @@ impl<const N: usize> OnlineMotion<N> {
             synchronization,
             duration: axes.iter().map(AxisProfile::duration).fold(0.0, f64::max),
         }
+    }
+
+    /// Plans axes on a straight line if that is wanted and possible, else each by its planner. `line` gets the minimum
+    /// duration, s.
+    fn plan<P: Planner>(
+        line: impl FnOnce(f64) -> Option<[AxisProfile; N]>,
+        planner: impl FnMut(usize) -> P,
+        options: &MotionOptions,
+    ) -> Self {
+        if options.synchronization == Synchronization::Phase
+            && let Some(line) = line(options.minimum_duration)
+        {
+            return Self::new(line, Synchronization::Phase);
+        }
+        Self::synchronised(&core::array::from_fn(planner), options)
     }
 
     fn synchronised(planners: &[impl Planner; N], options: &MotionOptions) -> Self {

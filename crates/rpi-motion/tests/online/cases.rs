@@ -3,31 +3,12 @@
 use rpi_kin::state_to_rest::AxisState;
 use rpi_motion::online::{AxisLimits, MotionOptions, OnlineMotion};
 
-/// Xorshift generator.
-#[derive(Clone)]
-pub(crate) struct Random(u64);
+#[path = "../support/xorshift.rs"]
+mod xorshift;
+
+pub(crate) use xorshift::Random;
 
 impl Random {
-    /// Creates a generator from a seed.
-    pub(crate) fn new(seed: u64) -> Self {
-        let mut random = Self(0x9E37_79B9_7F4A_7C15 ^ seed.wrapping_mul(0xD134_2543_DE82_EF95));
-        (0..20).for_each(|_| _ = random.unit());
-        random
-    }
-
-    /// Returns a number from 0 to 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Returns a number between two bounds.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
     /// Returns whether an event of a given probability happens.
     pub(crate) fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
@@ -59,15 +40,29 @@ pub(crate) struct Case {
     pub(crate) limits: AxisLimits,
 }
 
+/// Plans the motion of several axes; the first one says whether the target is a velocity. `None` if a request is not
+/// valid.
+pub(crate) fn plan_together<const N: usize>(
+    cases: &[Case; N],
+    options: MotionOptions,
+) -> Option<OnlineMotion<N>> {
+    let (start, target, limits) = (
+        cases.map(|case| case.start),
+        cases.map(|case| case.target),
+        cases.map(|case| case.limits),
+    );
+    let motion = if cases[0].is_velocity {
+        OnlineMotion::to_velocity(&start, &target, &limits, options)
+    } else {
+        OnlineMotion::to_position(&start, &target, &limits, options)
+    };
+    motion.ok()
+}
+
 impl Case {
     /// Plans the motion.
     pub(crate) fn plan(&self, options: MotionOptions) -> Option<OnlineMotion<1>> {
-        let (start, target, limits) = ([self.start], [self.target], [self.limits]);
-        if self.is_velocity {
-            OnlineMotion::to_velocity(&start, &target, &limits, options).ok()
-        } else {
-            OnlineMotion::to_position(&start, &target, &limits, options).ok()
-        }
+        plan_together(core::array::from_ref(self), options)
     }
 
     /// Returns a random request that is accepted.

@@ -1,6 +1,6 @@
 //! Properties of random motions.
 
-use crate::cases::{Case, Random};
+use crate::cases::{Case, Random, plan_together};
 use crate::verify::errors;
 use rpi_kin::state_to_rest::AxisState;
 use rpi_motion::online::{MotionOptions, OnlineMotion, Synchronization};
@@ -148,17 +148,7 @@ fn three(random: &mut Random) -> [Case; 3] {
 }
 
 fn plan(cases: &[Case; 3], options: MotionOptions) -> OnlineMotion<3> {
-    let (start, target, limits) = (
-        cases.map(|case| case.start),
-        cases.map(|case| case.target),
-        cases.map(|case| case.limits),
-    );
-    let motion = if cases[0].is_velocity {
-        OnlineMotion::to_velocity(&start, &target, &limits, options)
-    } else {
-        OnlineMotion::to_position(&start, &target, &limits, options)
-    };
-    motion.expect("the request is valid")
+    plan_together(cases, options).expect("the request is valid")
 }
 
 #[test]

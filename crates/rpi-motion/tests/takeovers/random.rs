@@ -6,28 +6,12 @@ use rpi_kin::{ArmModel, Pose};
 use rpi_motion::path::{Arc, Piece, ToolPath};
 use rpi_motion::{Arm, Joints, Path};
 
-/// Xorshift generator.
-#[derive(Clone)]
-pub(crate) struct Random(u64);
+#[path = "../support/xorshift.rs"]
+mod xorshift;
+
+pub(crate) use xorshift::Random;
 
 impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        let mut random = Self(0x9E37_79B9_7F4A_7C15 ^ seed.wrapping_mul(0xD134_2543_DE82_EF95));
-        (0..20).for_each(|_| _ = random.unit());
-        random
-    }
-
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
     pub(crate) fn below(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count - 1)
     }

@@ -90,13 +90,14 @@ impl Search<'_> {
 
     /// What decides whether a fragment is active.
     fn fragment(&mut self, id: FragmentId) {
-        let mut next = Some(id);
-        while let Some(id) = next.filter(|id| self.fragments.insert(*id)) {
-            let fragment = self.net.fragment(id);
-            if let Activation::When { condition, .. } = fragment.activation {
+        let net = self.net;
+        for id in net.ancestors(id) {
+            if !self.fragments.insert(id) {
+                return;
+            }
+            if let Activation::When { condition, .. } = net.fragment(id).activation {
                 self.node(condition.node);
             }
-            next = fragment.parent;
         }
     }
 }
