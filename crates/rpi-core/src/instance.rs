@@ -249,7 +249,7 @@ impl Instance {
 
     /// Raises a fault in this cycle unless there is one already.
     pub(crate) fn fail(&mut self, code: FaultCode, cell: u32) {
-        self.fault.get_or_insert(Fault { code, slot: cell });
+        self.fault.get_or_insert(Fault::new(code, cell));
     }
 
     /// Phase 5: whether and how the command ends with this cycle. `covered` holds for each result whether a successor

@@ -114,13 +114,55 @@ pub enum FaultCode {
     EmergencyStop,
 }
 
+/// Values that caused a fault, for its message.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FaultValues {
+    /// The cause has no values, or they are not known.
+    Unknown,
+    /// Index, and the number of elements that it must be below.
+    Index {
+        /// The index.
+        index: i64,
+        /// Number of elements of the array, or of rows or columns of the matrix.
+        length: i64,
+    },
+    /// Value, and the range that must contain it.
+    Range {
+        /// The value.
+        value: i64,
+        /// Lowest value of the range.
+        from: i64,
+        /// Highest value of the range.
+        to: i64,
+    },
+    /// Real number that cannot be converted.
+    Real {
+        /// Bits of the number ([`f64::from_bits`]).
+        bits: u64,
+    },
+}
+
 /// First fault of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Fault {
     /// Cause of the fault.
     pub code: FaultCode,
+    /// Values that caused the fault.
+    pub values: FaultValues,
     /// First output slot of the primitive that raised the fault. The image maps it to a source location.
     pub slot: u32,
+}
+
+impl Fault {
+    /// Returns a fault at a slot of the image whose cause has no values.
+    #[must_use]
+    pub const fn new(code: FaultCode, slot: u32) -> Fault {
+        Fault {
+            code,
+            values: FaultValues::Unknown,
+            slot,
+        }
+    }
 }
 
 /// Execution context of a primitive: memory, clocks and devices for one call.
@@ -139,6 +181,16 @@ impl Context<'_> {
     /// Records a fault, unless the cycle already has one. The cycle continues, and its set-points are discarded.
     #[cold]
     pub fn fault(&mut self, code: FaultCode, cell: u32) {
-        self.fault.get_or_insert(Fault { code, slot: cell });
+        self.fault.get_or_insert(Fault::new(code, cell));
+    }
+
+    /// Records a fault with the values that caused it, unless the cycle already has a fault.
+    #[cold]
+    pub fn fault_by(&mut self, code: FaultCode, cell: u32, values: FaultValues) {
+        self.fault.get_or_insert(Fault {
+            code,
+            values,
+            slot: cell,
+        });
     }
 }

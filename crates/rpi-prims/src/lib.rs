@@ -21,7 +21,7 @@ pub mod registry;
 mod ring_buffer;
 pub mod value_types;
 
-pub use context::{Context, CycleTime, Fault, FaultCode, seconds, whole_ticks};
+pub use context::{Context, CycleTime, Fault, FaultCode, FaultValues, seconds, whole_ticks};
 pub use fold::fold;
 pub use registry::{Prim, PrimId, RunFn, registry};
 pub use rpi_device::NoDevices;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rpi_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use rpi_prims::FaultCode;
-use rpi_runtime::run::{CommandEnd, FaultOrigin, Outcome, RunEnd, fault_text};
+use rpi_runtime::run::{CommandEnd, FaultOrigin, Outcome, RunEnd, fault_message};
 
 /// A fault in a cycle: its cause and the diagnostic that reports it.
 #[derive(Clone, PartialEq, Debug)]
@@ -32,7 +32,7 @@ impl ReportedFault {
             let name = flow.split('#').next().unwrap_or(flow);
             format!("for `{name}`")
         });
-        let message = format!("{place}: {}", fault_text(origin.code));
+        let message = format!("{place}: {}", fault_message(origin.code, origin.values));
         let diagnostic = Diagnostic::new(Code::RPI9011, message);
         let diagnostic = diagnostic.primary(span.unwrap_or(Span::NONE), label);
         ReportedFault {

@@ -1,6 +1,6 @@
 //! Arithmetic and comparison of 64-bit integers. Overflow is a fault; results never wrap.
 
-use crate::context::{Context, FaultCode};
+use crate::context::{Context, FaultCode, FaultValues};
 use crate::macros::primitive;
 use crate::registry::Prim;
 
@@ -107,6 +107,17 @@ pub(super) fn or_division_fault(
     })
 }
 
+/// Raises the fault of a real number that no integer stands for.
+#[cold]
+pub(super) fn lossy_conversion(cx: &mut Context<'_>, place: u32, real: f64) {
+    let bits = real.to_bits();
+    cx.fault_by(
+        FaultCode::LossyConversion,
+        place,
+        FaultValues::Real { bits },
+    );
+}
+
 /// Returns the integer part of a real; raises a fault and returns 0 if it is not a 64-bit integer.
 #[inline(always)]
 pub(super) fn truncate_or_fault(cx: &mut Context<'_>, place: u32, real: f64) -> i64 {
@@ -115,6 +126,6 @@ pub(super) fn truncate_or_fault(cx: &mut Context<'_>, place: u32, real: f64) -> 
     if (-LIMIT..LIMIT).contains(&real) {
         return real as i64;
     }
-    cx.fault(FaultCode::LossyConversion, place);
+    lossy_conversion(cx, place, real);
     0
 }

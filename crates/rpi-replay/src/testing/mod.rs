@@ -92,7 +92,7 @@ pub enum TestEnd {
     /// A fault ended the test.
     Fault {
         /// Description of the fault that ended the test.
-        what: &'static str,
+        what: String,
         /// Location of the faulty operation in the source.
         location: Option<TextRange>,
     },
@@ -201,7 +201,7 @@ impl TestRun {
         if let Some(Verdict::Fault(fault)) = verdict {
             let place = self.machine.image().location_of(fault.slot);
             return Some(TestEnd::Fault {
-                what: rpi_runtime::run::fault_text(fault.code),
+                what: rpi_runtime::run::fault_message(fault.code, fault.values),
                 location: place.and_then(|place| place.range),
             });
         }

@@ -4,8 +4,9 @@ use rpi_core::{AbortReason, Cause, CommandError, Ending};
 use rpi_device::{Discontinuity, Quantity};
 use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind, NamedResult};
-use rpi_prims::FaultCode;
+use rpi_prims::{FaultCode, FaultValues};
 use rpi_sim::Cell;
+use rpi_words::with_noun;
 
 use super::outcome::{FaultOrigin, RunEnd};
 
@@ -26,7 +27,7 @@ pub(super) fn run_end(image: &Image, ending: Ending) -> RunEnd {
             why: abort_text(why).to_owned(),
         },
         Cause::Fault(fault) => RunEnd::Fault {
-            what: fault_text(fault.code).to_owned(),
+            what: fault_message(fault.code, fault.values),
             place: image
                 .location_of(fault.slot)
                 .map_or_else(String::new, |p| p.path.clone()),
@@ -112,6 +113,24 @@ pub fn abort_text(why: AbortReason) -> &'static str {
         AbortReason::EmergencyStop => "emergency stop",
         AbortReason::ClientLost => "the client connection was lost",
         AbortReason::Discontinuity => "discontinuous takeover by another command",
+    }
+}
+
+/// Returns the text for a fault with the values that caused it.
+#[must_use]
+pub fn fault_message(code: FaultCode, values: FaultValues) -> String {
+    match values {
+        FaultValues::Unknown => fault_text(code).to_owned(),
+        FaultValues::Index { index, length } => format!(
+            "the index {index} lies outside of its array of {}, counted from 0",
+            with_noun(length, "element")
+        ),
+        FaultValues::Range { value, from, to } => {
+            format!("the value {value} lies outside of its subrange from {from} to {to}")
+        }
+        FaultValues::Real { bits } => {
+            format!("the real {:?} has no integer value", f64::from_bits(bits))
+        }
     }
 }
 

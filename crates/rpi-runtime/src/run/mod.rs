@@ -31,7 +31,7 @@ pub(crate) use print::format_duration as time_text;
 
 pub use budget_check::RunBudget;
 pub use collector::TickCollector;
-pub use end_text::{abort_text, actuator_discontinuity_text, fault_text};
+pub use end_text::{abort_text, actuator_discontinuity_text, fault_message, fault_text};
 pub use inputs::{InputSetting, InputSettingError, ParseInputSettingError};
 pub use job::{Limits, Progress, RunError, RunOptions, run};
 pub use outcome::{

@@ -2,7 +2,7 @@
 
 use rpi_image::Image;
 use rpi_image::image::TextRange;
-use rpi_prims::{Fault, FaultCode};
+use rpi_prims::{Fault, FaultCode, FaultValues};
 use serde::Serialize;
 
 use super::recorder::RecordingStats;
@@ -150,6 +150,8 @@ pub enum RunEnd {
 pub struct FaultOrigin {
     /// Code of the fault.
     pub code: FaultCode,
+    /// Values that caused the fault.
+    pub values: FaultValues,
     /// Number of the faulty cycle of the command, from 0.
     pub cycle: u64,
     /// Name of the flow that the node computes, or the path of the node; `None` if the node is unknown.
@@ -165,6 +167,7 @@ impl FaultOrigin {
         let place = image.location_of(fault.slot);
         FaultOrigin {
             code: fault.code,
+            values: fault.values,
             cycle,
             flow: place.map(|place| place.flow.clone().unwrap_or_else(|| place.path.clone())),
             text: place.and_then(|place| place.range),

@@ -294,7 +294,8 @@ fn check_index(elab: &mut Elaborator<'_>, index: &Signal, count: usize, at: Posi
         );
         return nodes::report_certain_fault(elab, text, span);
     }
-    let [first, last] = [0, count as i64 - 1].map(|k| Signal::Const(Value::int(k)));
+    let [first, last, length] =
+        [0, count as i64 - 1, count as i64].map(|k| Signal::Const(Value::int(k)));
     let mut at_least = |operands: [Signal; 2]| {
         let prim = prim!("Rpi::IntGreaterOrEqual");
         nodes::add_simple(elab, prim, &operands, at, span)
@@ -302,7 +303,7 @@ fn check_index(elab: &mut Elaborator<'_>, index: &Signal, count: usize, at: Posi
     let from = at_least([index.clone(), first]);
     let to = at_least([last, index.clone()]);
     let inside = nodes::add_simple(elab, prim!("Core::BooleanAnd"), &[from, to], at, span);
-    presence::assert(elab, prim!("Rpi::AssertIndex"), &inside, at, span);
+    presence::assert_index(elab, &inside, [index.clone(), length], at, span);
 }
 
 /// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.

@@ -45,8 +45,36 @@ pub(super) fn assert(
         return;
     }
     let condition = imply_guard(elab, condition, at, span);
+    add_check(elab, check, &[condition], at, span);
+}
+
+/// Adds the check of an index, which is `inside` its array. `values` are the index and the number of elements, for the
+/// message.
+pub(super) fn assert_index(
+    elab: &mut Elaborator<'_>,
+    inside: &Signal,
+    values: [Signal; 2],
+    at: Position,
+    span: Span,
+) {
+    if *inside == Signal::Const(Value::bool(true)) {
+        return;
+    }
+    let inside = imply_guard(elab, inside, at, span);
+    let [index, length] = values;
+    let check = prim!("Rpi::AssertIndex");
+    add_check(elab, check, &[inside, index, length], at, span);
+}
+
+fn add_check(
+    elab: &mut Elaborator<'_>,
+    check: PrimId,
+    inputs: &[Signal],
+    at: Position,
+    span: Span,
+) {
     if elab.mode != ElabMode::Constant {
-        nodes::add_simple(elab, check, &[condition], at, span);
+        nodes::add_simple(elab, check, inputs, at, span);
     } else {
         elab.fail(NotConstantError::Fault(
             span,

@@ -48,7 +48,7 @@ pub(crate) struct Step {
     pub(crate) result: Option<String>,
     pub(crate) cause: &'static str,
     /// Fault or reason of the abort, if the command did not end regularly.
-    pub(crate) why: Option<&'static str>,
+    pub(crate) why: Option<String>,
     /// Location of the fault in the program, if a fault ended the command.
     pub(crate) place: Option<SourceLocation>,
     /// Devices that the command left moving; they brake on their own.

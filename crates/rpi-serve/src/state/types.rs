@@ -279,10 +279,10 @@ pub(crate) fn cause_text(ending: &Ending) -> &'static str {
 }
 
 /// Returns the fault or the reason of an abort as text; `None` if the command ended regularly.
-pub(crate) fn fault_text(ending: &Ending) -> Option<&'static str> {
+pub(crate) fn fault_text(ending: &Ending) -> Option<String> {
     match ending.cause {
-        Cause::Fault(fault) => Some(rpi_runtime::run::fault_text(fault.code)),
-        Cause::Aborted(why) => Some(rpi_runtime::run::abort_text(why)),
+        Cause::Fault(fault) => Some(rpi_runtime::run::fault_message(fault.code, fault.values)),
+        Cause::Aborted(why) => Some(rpi_runtime::run::abort_text(why).to_owned()),
         _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! Arrays of one element type: construction, access, slices and absence.
 
 use crate::aggregates::Array;
-use crate::context::{Context, FaultCode};
+use crate::context::{Context, FaultCode, FaultValues};
 use crate::value_types::FlowType;
 use rpi_image::{ShapeArgs, Type};
 
@@ -40,7 +40,7 @@ macro_rules! arrays {
             presence strict work 8 faults;
             bulk |cx, place, (_, index), (from, value), (to,)| {
                 if !(to.copy(cx.slots, from, 0) && to.set(cx.slots, index, value)) {
-                    cx.fault(FaultCode::IndexOutOfRange, place);
+                    super::arrays::index_fault(cx, place, index, to.len());
                 }
             }
         }
@@ -90,9 +90,17 @@ pub(super) use arrays;
 /// Returns the element at `index`; raises a fault and returns the neutral value if it is out of range.
 pub(super) fn get<T: FlowType>(cx: &mut Context<'_>, place: u32, array: Array<T>, index: i64) -> T {
     array.get(cx.slots, index).unwrap_or_else(|| {
-        cx.fault(FaultCode::IndexOutOfRange, place);
+        index_fault(cx, place, index, array.len());
         T::neutral()
     })
+}
+
+/// Raises the fault of an index that is not below `length`.
+#[cold]
+pub(super) fn index_fault(cx: &mut Context<'_>, place: u32, index: i64, length: usize) {
+    let length = i64::try_from(length).unwrap_or(i64::MAX);
+    let values = FaultValues::Index { index, length };
+    cx.fault_by(FaultCode::IndexOutOfRange, place, values);
 }
 
 /// Returns the type of one element of the array at in-port 0, if parameter 1 is a valid index of that array.

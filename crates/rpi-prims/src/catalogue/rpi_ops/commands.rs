@@ -1,6 +1,6 @@
 //! Flows that the core provides to a command, and checks that end the command.
 
-use crate::context::{Context, FaultCode};
+use crate::context::{Context, FaultCode, FaultValues};
 use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
@@ -45,13 +45,18 @@ primitive! {
 }
 
 primitive! {
-    /// Outputs the Boolean at its in-port, which is the result of an index check. If it is false, a fault ends the
-    /// command.
+    /// Outputs the Boolean at its first in-port, which is the result of an index check. If it is false, a fault ends
+    /// the command; its message has the index and the number of elements.
     ASSERT_INDEX = "Rpi::AssertIndex";
-    in { inValue: bool }
+    in { inValue: bool; inIndex: i64 = Index(Int(0)); inLength: i64 = Length(Int(0)) }
     out { outValue: bool }
     presence strict work 1 faults;
-    full |cx, place, _, _, (holds,)| fault_unless(cx, place, holds, FaultCode::IndexOutOfRange)
+    full |cx, place, _, _, (holds, index, length)| {
+        if !holds {
+            cx.fault_by(FaultCode::IndexOutOfRange, place, FaultValues::Index { index, length });
+        }
+        (holds,)
+    }
 }
 
 primitive! {

@@ -4,7 +4,7 @@
 use crate::catalogue::int::{or_division_fault, or_overflow_fault, truncate_or_fault};
 use crate::catalogue::rpi_ops::int::{power, remainder};
 use crate::catalogue::rpi_ops::ticks::ticks_or_fault;
-use crate::context::FaultCode;
+use crate::context::{FaultCode, FaultValues};
 use crate::macros::primitive;
 use crate::registry::Prim;
 
@@ -128,7 +128,7 @@ primitive! {
     presence strict work 2 faults;
     full |cx, place, _, _, (active, value, from, to): (bool, i64, i64, i64)| {
         if active && !(from..=to).contains(&value) {
-            cx.fault(FaultCode::OutsideSubrange, place);
+            cx.fault_by(FaultCode::OutsideSubrange, place, FaultValues::Range { value, from, to });
         }
         (value,)
     }

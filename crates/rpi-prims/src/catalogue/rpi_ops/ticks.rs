@@ -1,6 +1,7 @@
 //! Exact time: numbers of ticks and their conversion to seconds.
 
-use crate::context::{Context, FaultCode, whole_ticks};
+use crate::catalogue::int::lossy_conversion;
+use crate::context::{Context, whole_ticks};
 use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
@@ -53,7 +54,7 @@ primitive! {
 /// Returns the number of whole ticks; raises a fault and returns 0 if there is none.
 pub(super) fn ticks_or_fault(cx: &mut Context<'_>, place: u32, seconds: f64) -> i64 {
     cx.time.whole_ticks(seconds).unwrap_or_else(|| {
-        cx.fault(FaultCode::LossyConversion, place);
+        lossy_conversion(cx, place, seconds);
         0
     })
 }
