@@ -37,6 +37,11 @@ fn check_vectors() {
         ),
         ("Rpi::VectorNegate", &[value_of(a)], &[value_of(-a)]),
         (
+            "Rpi::VectorDivide",
+            &[value_of(a), value_of(2.0)],
+            &[value_of(a / 2.0)],
+        ),
+        (
             "Rpi::VectorNorm",
             &[value_of(Vector::new(2.0, 3.0, 6.0))],
             &[value_of(7.0)],
@@ -83,6 +88,21 @@ fn check_twists() {
             &[value_of(twist(a, b)), value_of(2.0)],
             &[value_of(twist(a * 2.0, b * 2.0))],
         ),
+        (
+            "Rpi::TwistDivide",
+            &[value_of(twist(a, b)), value_of(2.0)],
+            &[value_of(twist(a / 2.0, b / 2.0))],
+        ),
+        (
+            "Rpi::TwistSubtract",
+            &[value_of(twist(a, b)), value_of(twist(b, a))],
+            &[value_of(twist(a - b, b - a))],
+        ),
+        (
+            "Rpi::TwistNegate",
+            &[value_of(twist(a, b))],
+            &[value_of(twist(-a, -b))],
+        ),
     ]);
 }
 
@@ -100,6 +120,34 @@ fn check_wrenches() {
             "Rpi::WrenchAdd",
             &[value_of(wrench(a, b)), value_of(wrench(b, a))],
             &[value_of(wrench(a + b, a + b))],
+        ),
+        (
+            "Rpi::WrenchSubtract",
+            &[value_of(wrench(a, b)), value_of(wrench(b, a))],
+            &[value_of(wrench(a - b, b - a))],
+        ),
+        (
+            "Rpi::WrenchNegate",
+            &[value_of(wrench(a, b))],
+            &[value_of(wrench(-a, -b))],
+        ),
+        (
+            "Rpi::WrenchScale",
+            &[value_of(wrench(a, b)), value_of(2.0)],
+            &[value_of(wrench(a * 2.0, b * 2.0))],
+        ),
+        (
+            "Rpi::WrenchDivide",
+            &[value_of(wrench(a, b)), value_of(2.0)],
+            &[value_of(wrench(a / 2.0, b / 2.0))],
+        ),
+        (
+            "Rpi::WrenchRotate",
+            &[
+                value_of(wrench(Vector::x(), Vector::z())),
+                value_of(quarter_turn()),
+            ],
+            &[value_of(wrench(Vector::y(), Vector::z()))],
         ),
         (
             "Rpi::WrenchToParts",
@@ -126,6 +174,15 @@ fn check_rotations() {
             "Rpi::RotationLogarithm",
             &[value_of(quarter)],
             &[value_of(Vector::z() * core::f64::consts::FRAC_PI_2)],
+        ),
+        (
+            "Rpi::RotationPower",
+            &[value_of(quarter), value_of(2.0)],
+            &[value_of(geometry::from_abc(
+                core::f64::consts::PI,
+                0.0,
+                0.0,
+            ))],
         ),
     ]);
 }

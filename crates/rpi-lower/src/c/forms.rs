@@ -108,6 +108,7 @@ static FORMS: &[CForm] = &[
     total("Core::TimeDiff", &["(double)({b} - {a}) / 1e9"]),
     total("World::VectorAdd", &["{a} + {b}"]),
     total("World::VectorScale", &["{a} * {b0}"]),
+    total("Rpi::VectorDivide", &["{a} / {b0}"]),
     total("World::VectorFromXYZ", &["{a}", "{b}", "{c}"]),
     total("World::VectorToXYZ", &["{a0}", "{a1}", "{a2}"]),
     total(
@@ -135,6 +136,15 @@ static FORMS: &[CForm] = &[
         &["-{a0}", "-{a1}", "-{a2}", "{a3}"],
     ),
     total("World::TwistAdd", &["{a} + {b}"]),
+    total("Rpi::TwistSubtract", &["{a} - {b}"]),
+    total("Rpi::TwistNegate", &["-{a}"]),
+    total("Rpi::TwistScale", &["{a} * {b0}"]),
+    total("Rpi::TwistDivide", &["{a} / {b0}"]),
+    total("Rpi::WrenchAdd", &["{a} + {b}"]),
+    total("Rpi::WrenchSubtract", &["{a} - {b}"]),
+    total("Rpi::WrenchNegate", &["-{a}"]),
+    total("Rpi::WrenchScale", &["{a} * {b0}"]),
+    total("Rpi::WrenchDivide", &["{a} / {b0}"]),
     total(
         "World::TwistFromVelocities",
         &["{a0}", "{a1}", "{a2}", "{b0}", "{b1}", "{b2}"],

@@ -8,12 +8,22 @@ use crate::value_types::{Pose, Rotation, Twist, Vector, Wrench};
 pub(in crate::catalogue) const ALL: &[Prim] = &[
     VECTOR_SUBTRACT,
     VECTOR_NEGATE,
+    VECTOR_DIVIDE,
     VECTOR_NORM,
     FRAME_APPLY,
     ROTATION_LOGARITHM,
     ROTATION_EXPONENTIAL,
+    ROTATION_POWER,
+    TWIST_SUBTRACT,
+    TWIST_NEGATE,
     TWIST_SCALE,
+    TWIST_DIVIDE,
     WRENCH_ADD,
+    WRENCH_SUBTRACT,
+    WRENCH_NEGATE,
+    WRENCH_SCALE,
+    WRENCH_DIVIDE,
+    WRENCH_ROTATE,
     WRENCH_TO_PARTS,
     WRENCH_FROM_PARTS,
     VECTOR_EQUALS,
@@ -39,6 +49,15 @@ primitive! {
     out { outValue: Vector }
     presence strict work 3;
     pure |(a,): (Vector,)| (-a,)
+}
+
+primitive! {
+    /// Quotient of a vector and a real. Division by 0 gives infinite components, or NaN for a component that is 0.
+    VECTOR_DIVIDE = "Rpi::VectorDivide";
+    in { inValue: Vector; inDivisor: f64 }
+    out { outValue: Vector }
+    presence strict work 3;
+    pure |(v, k): (Vector, f64)| (v / k,)
 }
 
 primitive! {
@@ -79,6 +98,33 @@ primitive! {
 }
 
 primitive! {
+    /// Rotation about the same axis by `inExponent` times the angle (0 to π) of a rotation.
+    ROTATION_POWER = "Rpi::RotationPower";
+    in { inValue: Rotation; inExponent: f64 }
+    out { outValue: Rotation }
+    presence strict work 150;
+    pure |(r, k): (Rotation, f64)| (geometry::exp(geometry::log(r) * k),)
+}
+
+primitive! {
+    /// Difference of two velocities with the same reference point.
+    TWIST_SUBTRACT = "Rpi::TwistSubtract";
+    in { inFirst: Twist; inSecond: Twist }
+    out { outValue: Twist }
+    presence strict work 6;
+    pure |(a, b): (Twist, Twist)| (Twist { linear: a.linear - b.linear, angular: a.angular - b.angular },)
+}
+
+primitive! {
+    /// Negated velocity (linear and angular).
+    TWIST_NEGATE = "Rpi::TwistNegate";
+    in { inValue: Twist }
+    out { outValue: Twist }
+    presence strict work 6;
+    pure |(t,): (Twist,)| (Twist { linear: -t.linear, angular: -t.angular },)
+}
+
+primitive! {
     /// Product of a velocity (linear and angular) and a real.
     TWIST_SCALE = "Rpi::TwistScale";
     in { inValue: Twist; inFactor: f64 = Factor(Real(1.0)) }
@@ -88,12 +134,66 @@ primitive! {
 }
 
 primitive! {
+    /// Quotient of a velocity (linear and angular) and a real.
+    TWIST_DIVIDE = "Rpi::TwistDivide";
+    in { inValue: Twist; inDivisor: f64 }
+    out { outValue: Twist }
+    presence strict work 6;
+    pure |(t, k): (Twist, f64)| (Twist { linear: t.linear / k, angular: t.angular / k },)
+}
+
+primitive! {
     /// Sum of two wrenches with the same reference point.
     WRENCH_ADD = "Rpi::WrenchAdd";
     in { inFirst: Wrench; inSecond: Wrench }
     out { outValue: Wrench }
     presence strict work 6;
     pure |(a, b): (Wrench, Wrench)| (Wrench { force: a.force + b.force, torque: a.torque + b.torque },)
+}
+
+primitive! {
+    /// Difference of two wrenches with the same reference point.
+    WRENCH_SUBTRACT = "Rpi::WrenchSubtract";
+    in { inFirst: Wrench; inSecond: Wrench }
+    out { outValue: Wrench }
+    presence strict work 6;
+    pure |(a, b): (Wrench, Wrench)| (Wrench { force: a.force - b.force, torque: a.torque - b.torque },)
+}
+
+primitive! {
+    /// Negated wrench: the reaction to it.
+    WRENCH_NEGATE = "Rpi::WrenchNegate";
+    in { inValue: Wrench }
+    out { outValue: Wrench }
+    presence strict work 6;
+    pure |(w,): (Wrench,)| (Wrench { force: -w.force, torque: -w.torque },)
+}
+
+primitive! {
+    /// Product of a wrench and a real.
+    WRENCH_SCALE = "Rpi::WrenchScale";
+    in { inValue: Wrench; inFactor: f64 = Factor(Real(1.0)) }
+    out { outValue: Wrench }
+    presence strict work 6;
+    pure |(w, k): (Wrench, f64)| (Wrench { force: w.force * k, torque: w.torque * k },)
+}
+
+primitive! {
+    /// Quotient of a wrench and a real.
+    WRENCH_DIVIDE = "Rpi::WrenchDivide";
+    in { inValue: Wrench; inDivisor: f64 }
+    out { outValue: Wrench }
+    presence strict work 6;
+    pure |(w, k): (Wrench, f64)| (Wrench { force: w.force / k, torque: w.torque / k },)
+}
+
+primitive! {
+    /// Wrench with the same reference point in coordinates rotated by a rotation.
+    WRENCH_ROTATE = "Rpi::WrenchRotate";
+    in { inValue: Wrench; inRot: Rotation }
+    out { outValue: Wrench }
+    presence strict work 40;
+    pure |(w, r): (Wrench, Rotation)| (Wrench { force: r * w.force, torque: r * w.torque },)
 }
 
 primitive! {

@@ -87,6 +87,11 @@ pub(crate) fn result_type(
         ResultRule::Product => scaled_type(cx, &a, &b, Dimension::times, left),
         ResultRule::Quotient => scaled_type(cx, &a, &b, Dimension::divided_by, left),
         ResultRule::Power => power_type(cx, &a, left, right),
+        ResultRule::Scale => match matches!(a, Ty::Real(_)) {
+            true => unitless_multiple(cx, right, left),
+            false => unitless_multiple(cx, left, right),
+        },
+        ResultRule::RotationPower => rotation_power_type(cx, left, right),
         ResultRule::Compose => frames::composed_pose_type(cx, left, right),
         ResultRule::TimePoint => {
             statement::expect_type(
@@ -126,6 +131,37 @@ fn common_operand_type(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right:
             report::type_mismatch(cx, right, &a, &misfit, &wanted);
             Ty::Unknown
         }
+    }
+}
+
+/// Returns the type of a twist or wrench times or divided by a number, which must have no unit: the parts of the value
+/// have different units, so that of a product with a unit would have no name.
+fn unitless_multiple(cx: &mut Body<'_, '_>, value: ExprId, number: ExprId) -> Ty {
+    let ty = cx.ty_of(value).clone();
+    let reason = format!("a `{ty}` is scaled by a number without unit");
+    let expected = ExpectationReason::Because(cx.span_of(value), reason);
+    match statement::expect_type(cx, number, &Ty::REAL, &expected) {
+        true => ty,
+        false => Ty::Unknown,
+    }
+}
+
+/// Returns the type of a power of a rotation. It rotates within the frame in which the rotation is given; it is not
+/// the orientation of any other frame.
+fn rotation_power_type(cx: &mut Body<'_, '_>, rotation: ExprId, exponent: ExprId) -> Ty {
+    let expected = ExpectationReason::Because(Span::NONE, "an exponent has no unit".into());
+    if !statement::expect_type(cx, exponent, &Ty::REAL, &expected) {
+        return Ty::Unknown;
+    }
+    match cx.ty_of(rotation) {
+        Ty::Spatial(scalar, geometry) => {
+            let within = Geometry {
+                of: None,
+                ..(**geometry).clone()
+            };
+            Ty::Spatial(*scalar, Rc::new(within))
+        }
+        other => other.clone(),
     }
 }
 

@@ -43,6 +43,10 @@ pub(crate) enum ResultRule {
     Quotient,
     /// The operator is a power with a constant exponent.
     Power,
+    /// The operator multiplies or divides a spatial value with units of its own by a number without unit.
+    Scale,
+    /// The operator is a power of a rotation, with a number as exponent.
+    RotationPower,
     /// The operator composes poses: `(b in a) * (c in b)` is `(c in a)`.
     Compose,
     /// The operands are a point in time and seconds; the result is a point in time.
@@ -114,13 +118,24 @@ const BINARY: &[Overload] = &[
     overload(Sub,     (Vector, Vector),     prim!("Rpi::VectorSubtract"),     false, ResultRule::Same),
     overload(Mul,     (Vector, Real),       prim!("World::VectorScale"),      false, ResultRule::Product),
     overload(Mul,     (Real, Vector),       prim!("World::VectorScale"),      true,  ResultRule::Product),
+    overload(Div,     (Vector, Real),       prim!("Rpi::VectorDivide"),       false, ResultRule::Quotient),
     overload(Add,     (Twist, Twist),       prim!("World::TwistAdd"),         false, ResultRule::Same),
+    overload(Sub,     (Twist, Twist),       prim!("Rpi::TwistSubtract"),      false, ResultRule::Same),
+    overload(Mul,     (Twist, Real),        prim!("Rpi::TwistScale"),         false, ResultRule::Scale),
+    overload(Mul,     (Real, Twist),        prim!("Rpi::TwistScale"),         true,  ResultRule::Scale),
+    overload(Div,     (Twist, Real),        prim!("Rpi::TwistDivide"),        false, ResultRule::Scale),
     overload(Add,     (Wrench, Wrench),     prim!("Rpi::WrenchAdd"),          false, ResultRule::Same),
+    overload(Sub,     (Wrench, Wrench),     prim!("Rpi::WrenchSubtract"),     false, ResultRule::Same),
+    overload(Mul,     (Wrench, Real),       prim!("Rpi::WrenchScale"),        false, ResultRule::Scale),
+    overload(Mul,     (Real, Wrench),       prim!("Rpi::WrenchScale"),        true,  ResultRule::Scale),
+    overload(Div,     (Wrench, Real),       prim!("Rpi::WrenchDivide"),       false, ResultRule::Scale),
+    overload(Pow,     (Rotation, Real),     prim!("Rpi::RotationPower"),      false, ResultRule::RotationPower),
     overload(Mul,     (Rotation, Rotation), prim!("World::RotationTransform"), false, ResultRule::Compose),
     overload(Mul,     (Rotation, Vector),   prim!("World::VectorRotate"),     true,  ResultRule::Compose),
     overload(Mul,     (Pose, Pose),         prim!("World::FrameTransform"),   false, ResultRule::Compose),
     overload(Mul,     (Pose, Vector),       prim!("Rpi::FrameApply"),         false, ResultRule::Compose),
     overload(Mul,     (Rotation, Twist),    prim!("World::TwistRotate"),      true,  ResultRule::Compose),
+    overload(Mul,     (Rotation, Wrench),   prim!("Rpi::WrenchRotate"),       true,  ResultRule::Compose),
     overload(Add,     (Time, Real),         prim!("Core::TimeAdd"),           false, ResultRule::TimePoint),
     overload(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, ResultRule::Seconds),
 ];
@@ -138,6 +153,8 @@ const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
     (UnaryOp::Neg,    Int,    prim!("Rpi::IntNegate")),
     (UnaryOp::Neg,    Real,   prim!("Rpi::DoubleNegate")),
     (UnaryOp::Neg,    Vector, prim!("Rpi::VectorNegate")),
+    (UnaryOp::Neg,    Twist,  prim!("Rpi::TwistNegate")),
+    (UnaryOp::Neg,    Wrench, prim!("Rpi::WrenchNegate")),
     (UnaryOp::ToInt,  Real,   prim!("Core::IntFromDouble")),
     (UnaryOp::ToReal, Int,    prim!("Core::DoubleFromInt")),
 ];
