@@ -70,7 +70,9 @@ fn unexplained(seen: &Inspection) -> Vec<String> {
         // `tool in base`, or `arm.tool in arm.base` with the frames of a device.
         let is_frame = word(k + 1) == "in"
             || k > 0 && word(k - 1) == "in"
-            || k > 2 && word(k - 1) == "." && word(k - 3) == "in";
+            || k > 2 && word(k - 1) == "." && word(k - 3) == "in"
+            // `Vector<<real[m]>>(base)`
+            || k > 1 && [">>", "Vector"].contains(&word(k - 2)) && word(k - 1) == "(" && word(k + 1) == ")";
         let explained = piece.kind != SourceTokenKind::Name
             || seen
                 .index()

@@ -2,7 +2,7 @@
 
 use crate::Chain;
 use crate::chain::JointType;
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{SMatrix, Vector3, Vector6};
 
 /// Returns the geometric Jacobian: linear velocity (rows 0 to 2, m/s) of `point` and angular velocity (rows 3 to 5,
 /// rad/s) of the last link per unit velocity of each joint, in base coordinates. `point` is given in the base frame, in
@@ -27,4 +27,46 @@ pub fn geometric<const N: usize>(
         ]);
     }
     jacobian
+}
+
+/// Returns the acceleration of `point` that the joint velocities alone cause: linear (m/s²), then angular (rad/s²), in
+/// base coordinates. With the joint accelerations `a` the acceleration of the point is `geometric(...) * a` plus this.
+/// `point` and `N` are as in [`geometric`].
+///
+/// It is the product of the time derivative of the Jacobian and the joint velocities. Source: Siciliano, Sciavicco,
+/// Villani, Oriolo, Robotics (2009), section 3.6.
+#[must_use]
+pub fn velocity_product<const N: usize>(
+    chain: &Chain,
+    q: &[f64; N],
+    velocities: &[f64; N],
+    point: &Vector3<f64>,
+) -> Vector6<f64> {
+    let tool = geometric(chain, q, point) * SMatrix::<f64, N, 1>::from(*velocities);
+    let tool = tool.fixed_rows::<3>(0).into_owned();
+    // Velocity of the link before the axis: of its point at `at`, and angular.
+    let (mut at, mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+    let mut product = Vector6::zeros();
+    for (axis, rate) in chain.axes_in_base(q).zip(velocities) {
+        linear += angular.cross(&(axis.point - at));
+        at = axis.point;
+        let turning = angular.cross(&axis.direction);
+        let column = match axis.joint {
+            JointType::Revolute => {
+                turning.cross(&(point - at)) + axis.direction.cross(&(tool - linear))
+            }
+            JointType::Prismatic => turning,
+        };
+        let mut top = product.fixed_rows_mut::<3>(0);
+        top += column * *rate;
+        match axis.joint {
+            JointType::Revolute => {
+                let mut bottom = product.fixed_rows_mut::<3>(3);
+                bottom += turning * *rate;
+                angular += axis.direction * *rate;
+            }
+            JointType::Prismatic => linear += axis.direction * *rate,
+        }
+    }
+    product
 }

@@ -269,6 +269,32 @@ fn the_jacobian_is_the_derivative_of_the_forward_kinematics() {
     }
 }
 
+/// With constant joint velocities, the velocity of the tool changes by the product of the Jacobian's derivative.
+#[test]
+fn the_velocity_product_is_the_derivative_of_the_tool_velocity() {
+    use rpi_kin::jacobian::{geometric, velocity_product};
+    for arm in models::ALL {
+        let mut joints = [0.3, -0.7, 0.5, 1.1, -0.4, 0.9, 0.2];
+        let mut rates = [0.7, 0.3, -0.5, 0.4, 1.1, -0.6, 0.8];
+        joints[arm.axes()..].fill(0.0);
+        rates[arm.axes()..].fill(0.0);
+        let twist = |time: f64| {
+            let moved: [f64; 7] = std::array::from_fn(|k| joints[k] + time * rates[k]);
+            let point = arm.forward(&moved[..arm.axes()]).translation.vector;
+            geometric(&arm.chain, &moved, &point) * nalgebra::SVector::<f64, 7>::from(rates)
+        };
+        let step = 1e-6;
+        let expected = (twist(step) - twist(-step)) / (2.0 * step);
+        let point = arm.forward(&joints[..arm.axes()]).translation.vector;
+        let product = velocity_product(&arm.chain, &joints, &rates, &point);
+        assert!(
+            (product - expected).amax() < 1e-7,
+            "{}: {product} {expected}",
+            arm.id
+        );
+    }
+}
+
 #[test]
 fn a_sliding_joint_moves_along_its_axis() {
     let unit = &models::linear::LINEAR_UNIT;

@@ -268,7 +268,7 @@ fn faults_have_their_codes() {
         ),
         (
             "Rpi::AssertIndex",
-            &[value_of(false)],
+            &[value_of(false), value_of(3), value_of(3)],
             FaultCode::IndexOutOfRange,
         ),
         (

@@ -46,11 +46,11 @@ pub(super) fn sensor<'u>(
         PrimitiveFamily::Read
     };
     let scalars = port.ty.as_ref().map(leaf_scalars).unwrap_or_default();
-    let count = scalars.len();
     let known = elab.cache.sensors.len();
-    let mut leaves = Vec::with_capacity(count);
-    for (k, scalar) in (0..).zip(scalars) {
-        let key = (name.clone(), port.name.to_string(), k);
+    let mut leaves = Vec::with_capacity(scalars.len());
+    let places = port.ty.iter().flat_map(|ty| leaf_places(ty, &port.name));
+    for ((leaf, k), scalar) in places.zip(scalars) {
+        let key = (name.clone(), leaf, k);
         leaves.push(match elab.cache.sensors.get(&key) {
             Some(port) => Signal::Port(*port),
             None => read(elab, family, scalar, key, span),
@@ -74,13 +74,40 @@ fn check_sensor_subranges(
 ) -> Wire {
     let count = leaves.len();
     let wire = subrange::check_leaves(elab, leaves.into(), ty, 0..count, (Position::ROOT, span));
-    for (k, signal) in (0..).zip(wire.iter()) {
+    for ((leaf, k), signal) in leaf_places(ty, of.1).into_iter().zip(wire.iter()) {
         if let Signal::Port(port) = signal {
-            let key = (of.0.to_owned(), of.1.to_owned(), k);
+            let key = (of.0.to_owned(), leaf, k);
             elab.cache.sensors.insert(key, *port);
         }
     }
     wire
+}
+
+/// Returns the port and the index by which a device knows each leaf of a sensor: a part of a struct is a port of its own,
+/// `state.pose`, and the elements of an array are numbered.
+fn leaf_places(ty: &Ty, port: &str) -> Vec<(String, u32)> {
+    let mut places: Vec<(String, u32)> = Vec::new();
+    ty.for_each_leaf(&mut |path, _| {
+        let name = format!("{port}{}", without_indices(path));
+        let next = match places.last() {
+            Some((last, index)) if *last == name => index + 1,
+            _ => 0,
+        };
+        places.push((name, next));
+    });
+    places
+}
+
+/// Returns a path without its indices: `.x` for `.x[2]`.
+fn without_indices(path: &str) -> String {
+    let mut depth = 0;
+    let outside = |c: &char| {
+        depth += i32::from(*c == '[');
+        let is_outside = depth == 0;
+        depth -= i32::from(*c == ']');
+        is_outside
+    };
+    path.chars().filter(outside).collect()
 }
 
 fn read(

@@ -98,6 +98,7 @@ pub(super) fn device_spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, 
             tool: Default::default(),
             surface: None,
             limits,
+            tool_limits: ArmSpec::UNLIMITED_TOOL,
             enforced: EnforcedLimits {
                 // As in the reference system's simulation: its clients plan paths without regard to joint velocities.
                 position: true,

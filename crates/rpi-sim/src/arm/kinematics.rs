@@ -61,6 +61,23 @@ impl ArmKinematics {
         self.jacobian(joints) * SMatrix::<f64, MAX_AXES, 1>::from(*velocities)
     }
 
+    /// Acceleration of the tool for joint positions, velocities and accelerations: linear (m/s²), then angular (rad/s²).
+    pub(super) fn acceleration(
+        &self,
+        joints: &PerAxis,
+        velocities: &PerAxis,
+        accelerations: &PerAxis,
+    ) -> Vector6<f64> {
+        let tool = self.forward(&joints[..self.axes]).translation.vector;
+        self.jacobian(joints) * SMatrix::<f64, MAX_AXES, 1>::from(*accelerations)
+            + jacobian::velocity_product(&self.model.chain, joints, velocities, &tool)
+    }
+
+    /// Limits of the axes.
+    pub(super) fn limits(&self) -> &[AxisLimits] {
+        &self.limits[..self.axes]
+    }
+
     /// Joint torques, in N m, for a force and torque at the tool.
     pub(super) fn torques(&self, joints: &PerAxis, wrench: &Vector6<f64>) -> PerAxis {
         (self.jacobian(joints).transpose() * wrench).into()

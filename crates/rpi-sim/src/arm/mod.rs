@@ -75,7 +75,13 @@ impl Arm {
             .collect();
         let mut arm = Self {
             kinematics: ArmKinematics::new(spec),
-            motion: Box::new(Motion::new(spec.model, spec.tool, &spec.limits, tick)),
+            motion: Box::new(Motion::new(
+                spec.model,
+                spec.tool,
+                &spec.limits,
+                spec.tool_limits,
+                tick,
+            )),
             enforced: spec.enforced,
             tick,
             time: 0.0,

@@ -51,6 +51,8 @@ pub(super) struct Motion {
     number: i64,
     /// Simulated time at which the last set-point was computed, s.
     computed: f64,
+    /// Limits of the tool: motions along paths of the tool are not faster.
+    tool_limits: Bounds,
     /// Period of the set-points of the motion, s.
     period: f64,
     /// Period of the last set-points that the arm accepted, s.
@@ -113,6 +115,7 @@ impl Motion {
         model: &'static ArmModel,
         tool: Pose,
         limits: &[AxisLimits],
+        tool_limits: Bounds,
         tick: f64,
     ) -> Self {
         let arm = rpi_motion::Arm::new(model, tool, limits);
@@ -121,6 +124,7 @@ impl Motion {
             arm,
             number: 0,
             computed: f64::NEG_INFINITY,
+            tool_limits,
             period: tick,
             accepted_period: tick,
             last: [[f64::NAN; MAX_AXES]; 2],
@@ -130,6 +134,11 @@ impl Motion {
             at_end: false,
             brake: None,
         }
+    }
+
+    /// Limits of the tool.
+    pub(super) fn tool_limits(&self) -> Bounds {
+        self.tool_limits
     }
 
     /// Error of the present motion.
@@ -266,7 +275,11 @@ impl Motion {
             return self.hold_end(&path, state);
         }
         self.way = path.way();
-        let begun = self.core.begin(path, state, request.requested);
+        let requested = match &path {
+            Path::Tool(_) => least(request.requested, self.tool_limits),
+            Path::Joints(_) => request.requested,
+        };
+        let begun = self.core.begin(path, state, requested);
         begun.map_err(|error| match error {
             MotionError::Path(error) => {
                 // The core has forgotten the path that it was on.
@@ -426,6 +439,15 @@ fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     }
     let path = ToolPath::polyline(&[*start, via, to], &[zone]);
     path.map(Path::Tool).map_err(|_| ErrorCode::NO_CORNER)
+}
+
+/// Returns the lower one of each of two bounds.
+fn least(one: Bounds, other: Bounds) -> Bounds {
+    Bounds {
+        speed: one.speed.min(other.speed),
+        acceleration: one.acceleration.min(other.acceleration),
+        jerk: one.jerk.min(other.jerk),
+    }
 }
 
 /// Whether the arm rests: on its path, and without a residual.

@@ -132,6 +132,7 @@ const fn motion(name: &'static str, kind: PathKind) -> PortRow {
 const REAL: PortValue = PortValue::One(Real);
 const POSE: PortValue = PortValue::One(Pose);
 const TWIST: PortValue = PortValue::One(Twist);
+const VECTOR: PortValue = PortValue::One(rpi_image::Scalar::Vector);
 const INT: PortValue = PortValue::One(Int);
 const BOOL: PortValue = PortValue::One(Bool);
 const JOINTS: PortValue = PortValue::PerAxis;
@@ -307,6 +308,47 @@ pub(super) const PORTS: &[PortRow] = &[
     sensor("code", INT, |arm, _, out| {
         out.put_bits(arm.any_code().0.cast_unsigned())
     }),
+    sensor("state.pose", POSE, |arm, _, out| out.put_pose(&arm.pose())),
+    sensor("state.twist", TWIST, commanded_twist),
+    sensor("state.linear_acceleration", VECTOR, |arm, _, out| {
+        out.put_reals(commanded_acceleration(arm).iter().take(3).copied())
+    }),
+    sensor("state.angular_acceleration", VECTOR, |arm, _, out| {
+        out.put_reals(commanded_acceleration(arm).iter().skip(3).copied())
+    }),
+    axis_sensor("state.joints", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).position)
+    }),
+    axis_sensor("state.joint_velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).velocity)
+    }),
+    axis_sensor("state.joint_acceleration", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).acceleration)
+    }),
+    axis_sensor("limits.lower", REAL, |arm, axis, out| {
+        out.put_real(arm.kinematics.limits()[axis].position.lower)
+    }),
+    axis_sensor("limits.upper", REAL, |arm, axis, out| {
+        out.put_real(arm.kinematics.limits()[axis].position.upper)
+    }),
+    axis_sensor("limits.velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.kinematics.limits()[axis].velocity)
+    }),
+    axis_sensor("limits.acceleration", REAL, |arm, axis, out| {
+        out.put_real(arm.kinematics.limits()[axis].acceleration)
+    }),
+    axis_sensor("limits.jerk", REAL, |arm, axis, out| {
+        out.put_real(arm.kinematics.limits()[axis].jerk)
+    }),
+    sensor("tool_limits.speed", REAL, |arm, _, out| {
+        out.put_real(arm.motion.tool_limits().speed)
+    }),
+    sensor("tool_limits.acceleration", REAL, |arm, _, out| {
+        out.put_real(arm.motion.tool_limits().acceleration)
+    }),
+    sensor("tool_limits.jerk", REAL, |arm, _, out| {
+        out.put_real(arm.motion.tool_limits().jerk)
+    }),
 ];
 
 fn put_joints(arm: &Arm, values: PerAxis, out: &mut SlotWriter<'_>) {
@@ -319,6 +361,14 @@ fn commanded_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
         &arm.commanded(|s| s.velocity),
     );
     out.put_reals(twist.iter().copied());
+}
+
+fn commanded_acceleration(arm: &Arm) -> nalgebra::Vector6<f64> {
+    arm.kinematics.acceleration(
+        &arm.commanded(|s| s.position),
+        &arm.commanded(|s| s.velocity),
+        &arm.commanded(|s| s.acceleration),
+    )
 }
 
 fn measured_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {

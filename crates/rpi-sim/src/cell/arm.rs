@@ -8,6 +8,7 @@ use super::quantity::Dimension::{
 use super::reader::{TableReader, did_you_mean};
 use crate::fault::ScheduledFault;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, models};
 
 /// Description of an arm in a cell.
@@ -23,6 +24,9 @@ pub struct ArmSpec {
     pub tool: Isometry3<f64>,
     /// Limits of the model with the cell's overrides.
     pub limits: Vec<AxisLimits>,
+    /// Greatest speed (m/s), acceleration (m/s²) and jerk (m/s³) of the tool in motions along its paths; infinite
+    /// without a limit.
+    pub tool_limits: Bounds,
     /// Limits that set-points are checked against.
     pub enforced: EnforcedLimits,
     /// Time constant of the first-order lag of measured positions, in s; 0 for no lag.
@@ -35,6 +39,15 @@ pub struct ArmSpec {
     pub surface: Option<Surface>,
     /// Scheduled faults.
     pub faults: Vec<ScheduledFault>,
+}
+
+impl ArmSpec {
+    /// Limits of a tool that the cell does not limit.
+    pub const UNLIMITED_TOOL: Bounds = Bounds {
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        jerk: f64::INFINITY,
+    };
 }
 
 /// A horizontal surface that pushes back like a spring.
@@ -109,6 +122,7 @@ fn read_of(
         base: read_pose(reader, "base"),
         tool: read_pose(reader, "tool"),
         limits,
+        tool_limits: read_tool_limits(reader),
         enforced: read_enforced(reader),
         lag: reader.magnitude("lag", Time).unwrap_or(0.0),
         latency: reader.magnitude("latency", Time).unwrap_or(0.0),
@@ -262,6 +276,23 @@ fn check_limits(table: &TableReader<'_>, axis: usize, limits: &AxisLimits) {
     for (key, what, _) in checks.into_iter().filter(|(_, _, good)| !good) {
         table.error_at(key, format!("axis {axis} {what}"), None);
     }
+}
+
+/// Reads `{ speed = m/s, acceleration = m/s^2, jerk = m/s^3 }`, each optional.
+fn read_tool_limits(reader: &mut TableReader<'_>) -> Bounds {
+    let mut limits = ArmSpec::UNLIMITED_TOOL;
+    let Some(mut table) = reader.table("tool_limits") else {
+        return limits;
+    };
+    for (key, dimension, place) in [
+        ("speed", Velocity, &mut limits.speed),
+        ("acceleration", Acceleration, &mut limits.acceleration),
+        ("jerk", Jerk, &mut limits.jerk),
+    ] {
+        *place = table.positive(key, dimension).unwrap_or(*place);
+    }
+    table.finish();
+    limits
 }
 
 fn read_enforced(reader: &mut TableReader<'_>) -> EnforcedLimits {

@@ -6,6 +6,7 @@ use crate::check::signatures::static_args;
 use crate::check::signatures::static_args::StaticBinding;
 use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
+use crate::check::types::type_decls::check_fields;
 use crate::check::types::value_types;
 use crate::check::{Checker, Lazy};
 use crate::program::DeclId;
@@ -121,7 +122,10 @@ fn alternative_ports<'a>(
         TypeKind::Optional(inner) => (&**inner, true),
         _ => (&decl.ty, false),
     };
-    let ty = has_known_size(cx, inner).then(|| value_types::resolve_value_type(cx, inner));
+    let ty = has_known_size(cx, inner).then(|| match &inner.kind {
+        TypeKind::Struct(parts) if !is_actuator => Ty::Tuple(check_fields(cx, parts).into()),
+        _ => value_types::resolve_value_type(cx, inner),
+    });
     // Times cross the device interface in seconds: a device does not know the cycle time.
     let ty = ty.map(|ty| crate::ty::machine_types::external_type(&ty).0);
     for name in &decl.names {
@@ -143,6 +147,7 @@ fn has_known_size(cx: &Body<'_, '_>, ty: &Type) -> bool {
             let open = array.size.as_name().and_then(|name| cx.statics.get(name));
             !matches!(open, Some(StaticBinding::LoadTime)) && has_known_size(cx, &array.element)
         }
+        TypeKind::Struct(parts) => parts.iter().all(|part| has_known_size(cx, &part.ty)),
         _ => true,
     }
 }

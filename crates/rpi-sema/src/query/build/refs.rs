@@ -306,7 +306,11 @@ fn index_ty<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) {
             exprs_in(builder, scope, range.lower.iter().chain(&range.upper))
         }
         // These occur only in type declarations, which are not on the worklist.
-        TypeKind::Enum(_) | TypeKind::Struct(_) | TypeKind::Datatype(_) => {}
+        TypeKind::Enum(_) | TypeKind::Datatype(_) => {}
+        // A sensor with several parts.
+        TypeKind::Struct(fields) => fields
+            .iter()
+            .for_each(|field| index_ty(builder, scope, &field.ty)),
         TypeKind::Tuple(types) => types.iter().for_each(|ty| index_ty(builder, scope, ty)),
         TypeKind::Refinement(refined) => {
             index_ty(builder, scope, &refined.base);
