@@ -79,6 +79,7 @@ impl Runner {
             cancel: cycle > 60,
             takeover: cycle % 7 == 3,
             predecessor: (cycle > 2).then_some(5),
+            ..CycleContext::default()
         };
         let (machine, bank) = (&mut self.machine, &mut self.bank);
         bank.advance();

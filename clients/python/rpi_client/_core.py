@@ -70,6 +70,18 @@ class Core:
         """Lets commands start again after an emergency stop; :class:`RpiError` while devices are still braking."""
         await self.call("emergency.reset")
 
+    async def set_override(self, share: float) -> None:
+        """Sets the share of the speed, 0 to 1, at which all motions of the library go, whoever they belong to."""
+        await self.call("motion.set", override=share)
+
+    async def pause(self) -> None:
+        """Pauses all motions of the library: they come to rest on their paths until :meth:`resume`."""
+        await self.call("motion.set", paused=True)
+
+    async def resume(self) -> None:
+        """Lets all motions go on along their paths after :meth:`pause`."""
+        await self.call("motion.set", paused=False)
+
     def listen(self, command: str, listener: Callable[[dict[str, Any]], None]) -> None:
         """Hands what the server tells about a command or task to ``listener``, until it is unloaded."""
         self._listeners.setdefault(command, []).append(listener)

@@ -127,6 +127,23 @@ impl Client {
         self.call("emergency.reset", json!({})).map(drop)
     }
 
+    /// Sets the share of the speed, from 0 to 1, at which all motions of the library go.
+    ///
+    /// # Errors
+    /// If the share is not from 0 to 1, or the connection is closed.
+    pub fn set_override(&self, share: f64) -> Result<(), Error> {
+        let params = json!({"override": share});
+        self.call("motion.set", params).map(drop)
+    }
+
+    /// Pauses all motions of the library on their paths (`true`), or lets them go on (`false`).
+    ///
+    /// # Errors
+    /// If the connection is closed.
+    pub fn set_paused(&self, paused: bool) -> Result<(), Error> {
+        self.call("motion.set", json!({"paused": paused})).map(drop)
+    }
+
     pub(crate) fn listen(&self, command: &str, listener: UpdateSender) -> Result<(), Error> {
         let order = WorkerRequest::Listen(command.to_owned(), listener);
         self.0.send(order).map_err(Error::connection)

@@ -1,6 +1,7 @@
 //! The control core and the requests that it accepts between ticks.
 
 use crate::command::{AbortReason, Cause, Command};
+use crate::controls::MotionControls;
 use crate::decision::Decision;
 use crate::error::CommandError;
 use crate::ids::{CommandId, RuleId};
@@ -23,6 +24,8 @@ pub struct Core {
     tick_ns: u64,
     /// Number of the next tick.
     pub(crate) tick: u64,
+    /// Override and pause of all motions.
+    pub(crate) controls: MotionControls,
 }
 
 impl Core {
@@ -33,12 +36,25 @@ impl Core {
             schedule: Schedule::with_capacity(commands),
             tick_ns: tick_ns.max(1),
             tick: 0,
+            controls: MotionControls::default(),
         }
     }
 
     /// A decision between two ticks.
     fn decision<'a>(&'a mut self, bank: &'a mut dyn DeviceBank) -> Decision<'a> {
         Decision::new(&mut self.schedule, bank, self.tick)
+    }
+
+    /// Sets the override and the pause of all motions. Commands see them from their next cycle on. An override outside
+    /// of 0 to 1 is limited.
+    pub fn set_controls(&mut self, controls: MotionControls) {
+        self.controls = controls.limited();
+    }
+
+    /// Returns the override and the pause of all motions.
+    #[must_use]
+    pub fn controls(&self) -> MotionControls {
+        self.controls
     }
 
     /// Number of the next tick.

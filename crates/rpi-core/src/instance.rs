@@ -1,5 +1,6 @@
 //! A running image: its memory and the phases of its cycle.
 
+use crate::controls::MotionControls;
 use crate::load::{LoadError, verify_image};
 use crate::ports::Ports;
 use crate::program::{ExecutableStep, Program, copy_slots};
@@ -29,6 +30,8 @@ pub struct CycleContext {
     pub takeover: bool,
     /// Identity of the predecessor's result; see `rpi_image::hash::result_id`.
     pub predecessor: Option<i64>,
+    /// Override and pause of all motions.
+    pub controls: MotionControls,
 }
 
 /// The way in which a command ends after a cycle.
@@ -444,6 +447,8 @@ fn flow_bits(flow: CommandFlow, clock: CycleTime, context: &CycleContext) -> Opt
         CommandFlow::Period => clock.dt.to_bits(),
         CommandFlow::NetTime => clock.net_ns.cast_unsigned(),
         CommandFlow::WallTime => clock.wall_ns.cast_unsigned(),
+        CommandFlow::SpeedOverride => context.controls.speed_override.to_bits(),
+        CommandFlow::Pause => u64::from(context.controls.paused),
         CommandFlow::Predecessor => return context.predecessor.map(i64::cast_unsigned),
     })
 }

@@ -74,6 +74,7 @@ impl Core {
                 cancel: command.state == CommandState::Cancelling,
                 takeover: covered,
                 predecessor: command.context.predecessor,
+                controls: self.controls,
             };
         }
     }

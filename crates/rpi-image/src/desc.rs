@@ -334,6 +334,10 @@ pub enum CommandFlow {
     Elapsed,
     /// Period of the command, in ticks (int).
     PeriodTicks,
+    /// Share of the speed at which all motions go, from 0 to 1 (real); the operator sets it for the whole core.
+    SpeedOverride,
+    /// True while the operator pauses all motions.
+    Pause,
 }
 
 impl PrimDesc {

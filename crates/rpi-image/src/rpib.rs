@@ -179,6 +179,8 @@ encode_enum!(CommandFlow {
     6 = Predecessor,
     7 = Elapsed,
     8 = PeriodTicks,
+    9 = SpeedOverride,
+    10 = Pause,
 });
 encode_enum!(Type { 0 = Scalar(scalar), 1 = Array(scalar, len), 2 = Matrix(rows, cols) });
 encode_enum!(Scalar {

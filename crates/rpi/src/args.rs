@@ -117,6 +117,9 @@ pub(crate) struct RunArgs {
     /// Time from the start of a command until the next one is ready.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
+    /// Share of the speed of all motions of the library, from 0 to 1.
+    #[arg(long = "override", value_name = "SHARE", default_value = "1", value_parser = parse_override)]
+    pub(crate) speed_override: f64,
     /// Policy for a takeover with a jump of position, velocity or acceleration.
     #[arg(long, value_name = "POLICY", default_value = "refuse")]
     pub(crate) on_jump: DiscontinuityPolicy,
@@ -379,6 +382,15 @@ pub(crate) struct LatencyArgs {
     /// Print the figures as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Parses a share from 0 to 1.
+fn parse_override(text: &str) -> Result<f64, String> {
+    let share = text
+        .parse()
+        .ok()
+        .filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| "expected a share from 0 to 1, such as 0.5".to_owned())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rpi_core::Continuity;
+use rpi_core::{Continuity, MotionControls};
 use rpi_driver::ClaimPolicy;
 use rpi_runtime::latency::{CycleTiming, measure, verdict};
 use rpi_runtime::realtime::{RealTime, SchedulingOptions, TimeBase};
@@ -57,6 +57,7 @@ fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
         },
         continuity: Continuity::default(),
         budget: None,
+        controls: MotionControls::default(),
         limits: Limits {
             ticks: target::ticks(&target, args.period),
             planning_ns: 0,

@@ -71,6 +71,7 @@ fn check_options(args: &RunArgs) -> Result<(), String> {
         ("--set", !target.settings.is_empty()),
         ("--real-time", args.clock.real_time),
         ("--planning-time", args.planning_time.is_some()),
+        ("--override", args.speed_override < 1.0),
         ("--record", args.record.is_some()),
         ("--digest", args.digest),
         ("--plot", args.plot.is_some()),

@@ -6,6 +6,7 @@ use std::io::{BufWriter, IsTerminal, Write};
 use std::path::Path;
 use std::time::Duration;
 
+use rpi_core::MotionControls;
 use rpi_diag::{Style, render};
 use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Program};
 use rpi_record::mcap::{RecordingOptions as Recording, RunSources};
@@ -148,6 +149,10 @@ fn execute(
         real_time: args.clock.real_time(),
         continuity: args.on_jump.into(),
         budget: share(args, bundle, tick_ns)?,
+        controls: MotionControls {
+            speed_override: args.speed_override,
+            ..MotionControls::default()
+        },
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: args.planning_time.unwrap_or(0),

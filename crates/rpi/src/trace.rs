@@ -3,7 +3,7 @@
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
 
-use rpi_core::Continuity;
+use rpi_core::{Continuity, MotionControls};
 use rpi_driver::ClaimPolicy;
 use rpi_driver::InputKind;
 use rpi_record::sample_output::{RowFilter, TraceSink, copy_matching};
@@ -48,6 +48,7 @@ fn record(args: &TraceArgs) -> CommandResult {
         real_time: RealTime::default(),
         continuity: Continuity::Allow,
         budget: None,
+        controls: MotionControls::default(),
         limits: Limits {
             ticks: target::ticks(&args.target, tick_ns),
             planning_ns: 0,

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use rpi_core::{Command, CommandId, Continuity, Rule, RuleId};
+use rpi_core::{Command, CommandId, Continuity, MotionControls, Rule, RuleId};
 use rpi_device::DeviceBank;
 use rpi_image::Image;
 use serde_json::{Value, json};
@@ -48,6 +48,11 @@ pub(super) fn encode_request(ticket: Ticket, request: &RequestRecord, names: &Na
             object
         }
         RequestRecord::Device(place) => json!({ "ask": "device", "place": place }),
+        RequestRecord::SetControls(controls) => json!({
+            "ask": "set-controls",
+            "override": encode_words(&[controls.speed_override.to_bits()]),
+            "paused": controls.paused,
+        }),
         RequestRecord::EmergencyStop => json!({ "ask": "emergency-stop" }),
     };
     object["ticket"] = json!(ticket.0);
@@ -99,6 +104,13 @@ impl RequestDecoder<'_> {
                 // The samples are discarded: the values of the flows are on the tick log.
                 let subscription = Subscription::new(command()?, &[], object["every"].as_u64()?);
                 Request::Subscribe(Box::new(subscription))
+            }
+            "set-controls" => {
+                let share = decode_words(&object["override"])?;
+                Request::SetControls(MotionControls {
+                    speed_override: f64::from_bits(*share.first()?),
+                    paused: object["paused"].as_bool()?,
+                })
             }
             "emergency-stop" => Request::EmergencyStop,
             _ => return None,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rpi_core::{
     AbortReason, Command, CommandId, CommandOverrunPolicy, CommandState, Continuity, Ending, Fact,
-    IdAllocator, Notice, Rule, RuleId,
+    IdAllocator, MotionControls, Notice, Rule, RuleId,
 };
 use rpi_device::DeviceBank;
 use rpi_image::image::CommandEnd;
@@ -268,6 +268,14 @@ impl<T> Control<T> {
         part: Option<T>,
     ) -> Result<Ticket, RequestError> {
         self.send_request(Request::Device(place, part))
+    }
+
+    /// Sets the override and the pause of all motions. Commands see them from their next cycle on.
+    ///
+    /// # Errors
+    /// Returns an error if there are too many pending requests.
+    pub fn set_controls(&mut self, controls: MotionControls) -> Result<Ticket, RequestError> {
+        self.send_request(Request::SetControls(controls))
     }
 
     /// Ends all commands, drops all rules and brakes all devices.

@@ -193,6 +193,10 @@ impl<P: Plant> Executive<P> {
                     .for_each(|old| self.queues.release(Released::Device(old)));
                 Ok(())
             }
+            Request::SetControls(controls) => {
+                core.set_controls(controls);
+                Ok(())
+            }
             Request::EmergencyStop => {
                 core.emergency_stop(plant);
                 Ok(())

@@ -21,6 +21,7 @@
 //! | observe exported flows | [`Control::subscribe`], then [`Control::samples`] | a sample for each change of a value |
 //! | poll the exports of a command | [`Control::adopt_with_snapshot`] | a [`ExportSnapshot`] |
 //! | insert or remove a device | [`Control::replace_device`] | a [`Ticket`] |
+//! | set the override and the pause of all motions | [`Control::set_controls`] | a [`Ticket`] |
 //! | stop everything | [`Control::emergency_stop`] | a [`Ticket`] |
 //! | receive events | [`Control::poll`] | [`Event`]s in order |
 //! | inspect a command | [`Control::get`] | [`CommandInfo`]: image, state, ending |

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use rpi_core::{AbortReason, Command, CommandId, CommandOverrunPolicy, Continuity, Rule, RuleId};
+use rpi_core::{
+    AbortReason, Command, CommandId, CommandOverrunPolicy, Continuity, MotionControls, Rule, RuleId,
+};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::admission::Budget;
@@ -88,6 +90,8 @@ pub enum Request<T> {
     Subscribe(Box<Subscription>),
     /// Replaces the device with this index; `None` removes it.
     Device(usize, Option<T>),
+    /// Sets the override and the pause of all motions.
+    SetControls(MotionControls),
     /// Stops all commands and all devices.
     EmergencyStop,
 }

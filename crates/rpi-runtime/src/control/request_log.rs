@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use rpi_core::{AbortReason, CommandId, CommandOverrunPolicy, Continuity, Rule, RuleId};
+use rpi_core::{
+    AbortReason, CommandId, CommandOverrunPolicy, Continuity, MotionControls, Rule, RuleId,
+};
 use rpi_image::Image;
 
 use super::event::Ticket;
@@ -33,6 +35,8 @@ pub enum RequestRecord {
     Subscribe(CommandId, Vec<u32>, u64),
     /// Inserts or removes the device at this index. The device itself is not recorded.
     Device(usize),
+    /// Sets the override and the pause of all motions.
+    SetControls(MotionControls),
     /// Stops all commands.
     EmergencyStop,
 }
@@ -56,6 +60,7 @@ impl RequestRecord {
                 RequestRecord::Subscribe(s.command, s.exports().collect(), s.every)
             }
             Request::Device(place, _) => RequestRecord::Device(*place),
+            Request::SetControls(controls) => RequestRecord::SetControls(*controls),
             Request::EmergencyStop => RequestRecord::EmergencyStop,
         }
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use rpi_core::{Continuity, LoadError};
+use rpi_core::{Continuity, LoadError, MotionControls};
 use rpi_image::Image;
 use rpi_sim::Cell;
 
@@ -40,6 +40,8 @@ pub struct RunOptions<'a> {
     pub continuity: Continuity,
     /// Time budget of the commands in a tick; `None` disables the check.
     pub budget: Option<RunBudget<'a>>,
+    /// Override and pause of all motions during the run.
+    pub controls: MotionControls,
     /// Limits of the run.
     pub limits: Limits,
     /// Flag that ends the run as soon as it is set to true.

@@ -45,6 +45,8 @@ pub(super) fn setup<'a>(
         .map(|wanted| start_recording(job, wanted, tick_ns, &channels[..taps.len()], ends));
     let recording = recording.transpose().map_err(RunError::Recording)?;
     let (recorder, tick_log) = recording.unzip();
+    // The request queue is empty, so there is room for this request.
+    let _ = control.set_controls(job.controls);
     let probe = tick_log.is_some().then(|| FlowProbe::new(job.images));
     let bounds = StopConditions {
         last_tick: job.limits.ticks.unwrap_or(u64::MAX),

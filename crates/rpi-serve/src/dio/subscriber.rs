@@ -27,7 +27,10 @@ impl Subscriber for DioSubscriber {
                 self.push("st", Arg::text(state))
             }
             // The protocol has no message for these updates.
-            Update::Emergency(_) | Update::Task(_) | Update::Discontinuity(_) => true,
+            Update::Emergency(_)
+            | Update::Controls(_)
+            | Update::Task(_)
+            | Update::Discontinuity(_) => true,
             Update::DeviceAdded(info) => {
                 self.push("da", device(info))
                     && self.push_status(&info.name, condition_word(info.code))

@@ -4,7 +4,7 @@
 use serde_json::json;
 
 use super::connection::{Call, MethodResult, RpcConnection};
-use super::{commands, devices, rules, sessions, tasks, watch};
+use super::{commands, devices, motion, rules, sessions, tasks, watch};
 use crate::state::ServerState;
 
 type Handler = fn(&mut RpcConnection, &Call<'_>) -> MethodResult;
@@ -108,6 +108,9 @@ pub(super) const METHODS: &[Method] = &[
         is_checked: false,
         handler: tasks::stop,
     },
+    method("motion.set", &["override", "paused"], motion::set),
+    method("motion.state", &[], motion::state),
+    method("watch.motion", &[], motion::watch),
     method("emergency.reset", &[], tasks::reset),
     method("emergency.state", &[], tasks::state),
     method("device.list", &[], devices::list_devices),

@@ -4,6 +4,7 @@ mod commands;
 mod connection;
 mod devices;
 mod methods;
+mod motion;
 mod params;
 mod reply_target;
 mod rules;

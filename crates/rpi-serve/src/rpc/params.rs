@@ -54,6 +54,22 @@ impl<'a> Call<'a> {
         Ok(self.optional(key, boolean_type())?.unwrap_or(false))
     }
 
+    /// Returns an optional share, from 0 to 1.
+    pub(super) fn optional_share(&self, key: &str) -> Result<Option<f64>, ApiError> {
+        let share = self.optional(key, number_type())?;
+        match share {
+            Some(value) if !(0.0..=1.0).contains(&value) => Err(ApiError::Invalid(format!(
+                "{key}: expected a share from 0 to 1, found {value:?}"
+            ))),
+            share => Ok(share),
+        }
+    }
+
+    /// Returns an optional Boolean parameter.
+    pub(super) fn optional_flag(&self, key: &str) -> Result<Option<bool>, ApiError> {
+        self.optional(key, boolean_type())
+    }
+
     /// Returns the value that belongs to a parameter with a fixed set of words; `None` if it is missing.
     pub(super) fn one_of<T: Copy>(
         &self,

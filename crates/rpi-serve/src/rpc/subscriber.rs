@@ -1,6 +1,6 @@
 //! Updates of subscriptions: the notification `update` with the object and its changes.
 
-use rpi_core::CommandState;
+use rpi_core::{CommandState, MotionControls};
 use serde_json::{Map, Value, json};
 
 use crate::state::{
@@ -25,6 +25,7 @@ impl Subscriber for RpcSubscriber {
             Update::Rule(state) => json!({"state": rule(*state)}),
             Update::Session(open) => json!({"open": open}),
             Update::Emergency(by) => json!({"emergency": emergency(*by)}),
+            Update::Controls(controls) => json!({"motion": motion(*controls)}),
             Update::Task(status) => task(status),
             Update::DeviceAdded(info) => json!({"device": info.name, "added": device(info)}),
             Update::DeviceCondition(name, code) => json!({"device": name, "error": code}),
@@ -48,6 +49,11 @@ pub(super) fn values(values: &[(String, String)]) -> Value {
         .iter()
         .map(|(key, value)| (key.clone(), json!(value)));
     Value::Object(entries.collect::<Map<_, _>>())
+}
+
+/// Returns the override and the pause of all motions.
+pub(super) fn motion(controls: MotionControls) -> Value {
+    json!({"override": controls.speed_override, "paused": controls.paused})
 }
 
 /// Returns the life-cycle state of a command and how it has ended.

@@ -16,6 +16,7 @@
 mod command_events;
 mod commands;
 mod completion;
+mod controls;
 mod core_link;
 mod defaults;
 mod deferred;
@@ -72,6 +73,7 @@ pub(crate) use types::{
     fault_text,
 };
 
+use controls::OperatorControls;
 use core_link::CoreLink;
 use defaults::CommandDefaults;
 use devices::Devices;
@@ -90,6 +92,7 @@ pub(crate) struct ServerState {
     pub(crate) rules: Rules,
     pub(crate) devices: Devices,
     pub(crate) emergency: Emergency,
+    pub(crate) controls: OperatorControls,
     pub(crate) log: EventLog,
     recording: Recording,
     jobs: Arc<LoadQueue>,
@@ -134,6 +137,7 @@ impl SharedState {
             objects: Objects::new(limits, settings.on_loss),
             rules: Rules::new(&limits),
             emergency: Emergency::default(),
+            controls: OperatorControls::default(),
             devices,
             jobs: Arc::clone(&jobs),
             recording: Recording::new(recorder),

@@ -1,5 +1,6 @@
 //! Requests of clients that need several parts of the state.
 
+use rpi_core::MotionControls;
 use rpi_runtime::control::{AbortReason, Control};
 
 use super::deferred::CommandOp;
@@ -232,6 +233,33 @@ impl ServerState {
             defaults: &self.defaults,
             number,
         }
+    }
+
+    /// Sets the override and the pause of all motions; `None` keeps what is set. The reply is sent once the core has
+    /// taken them.
+    ///
+    /// # Errors
+    /// If too many requests are pending.
+    pub(crate) fn set_controls(
+        &mut self,
+        speed_override: Option<f64>,
+        paused: Option<bool>,
+        reply: Reply,
+    ) -> Result<(), ApiError> {
+        self.core.ensure_queue_space()?;
+        let before = self.controls.current();
+        let controls = MotionControls {
+            speed_override: speed_override.unwrap_or(before.speed_override),
+            paused: paused.unwrap_or(before.paused),
+        };
+        let ticket = self.core.control.set_controls(controls);
+        let is_sent = self
+            .core
+            .track_request(ticket, OnAnswer::Nothing, Some(reply));
+        if is_sent {
+            self.controls.set(controls);
+        }
+        Ok(())
     }
 
     /// Stops everything. The reply is sent once no earlier request can start anything any more.

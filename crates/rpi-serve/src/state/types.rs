@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use rpi_core::MotionControls;
 use rpi_runtime::control::{
     BudgetExceededError, Cause, CommandError, CommandState, Ending, RequestError,
 };
@@ -95,6 +96,8 @@ pub(crate) enum Update<'a> {
     Session(bool),
     /// Name of the client that requested the emergency stop in force; `None` if there is none.
     Emergency(Option<&'a str>),
+    /// Override and pause of all motions.
+    Controls(MotionControls),
     /// Progress of the task.
     Task(&'a TaskStatus),
     /// A device was added.

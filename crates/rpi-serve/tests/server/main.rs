@@ -11,6 +11,7 @@ mod limits;
 mod methods;
 mod native;
 mod nets;
+mod operator;
 mod order;
 mod overruns;
 mod owners;

@@ -13,7 +13,7 @@ use crate::client::{CELL, Client, PATIENCE, get, settings};
 use crate::nets::{ECHO, hold, swing};
 
 /// Opens a server with the arm of the other tests that records into a file.
-fn recorded(path: &Path) -> Server {
+pub(crate) fn recorded(path: &Path) -> Server {
     recording_to(BufWriter::new(File::create(path).unwrap()))
 }
 
@@ -100,7 +100,7 @@ fn traffic(client: &mut Client) {
     client.ask(&format!("ase(\"{session}\")")).unwrap();
 }
 
-fn again(path: &Path) -> ReplayReport {
+pub(crate) fn again(path: &Path) -> ReplayReport {
     let recording = Recording::read(&std::fs::read(path).unwrap()).unwrap();
     replay(&recording).unwrap()
 }

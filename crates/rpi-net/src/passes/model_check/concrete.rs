@@ -149,6 +149,13 @@ impl<'a> ConcreteDomain<'a> {
             }
             Source::Core(CommandFlow::Period) => return Some(Value::real(0.001)),
             Source::Core(CommandFlow::PeriodTicks) => return Some(Value::int(1)),
+            Source::Core(CommandFlow::SpeedOverride) if self.use_neutral_inputs => {
+                return Some(Value::real(1.0));
+            }
+            Source::Core(CommandFlow::SpeedOverride) => {
+                let share = self.random.pick(&[0.0, 0.5, 1.0]);
+                return Some(Value::real(share.unwrap_or(1.0)));
+            }
             Source::Core(CommandFlow::Cancel) => {
                 let was = before.flatten().and_then(|v| v.as_bool()) == Some(true);
                 return Some(Value::bool(

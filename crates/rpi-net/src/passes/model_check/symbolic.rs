@@ -127,7 +127,7 @@ impl SymbolicDomain {
     /// Creates a term for an external value. Time and period are known to be finite and not negative.
     fn external_value(&mut self, source: &Source, ty: Type) -> Term {
         match source {
-            Source::Core(CommandFlow::Time | CommandFlow::Period)
+            Source::Core(CommandFlow::Time | CommandFlow::Period | CommandFlow::SpeedOverride)
                 if ty == Type::Scalar(Scalar::Real) =>
             {
                 Term::Real(self.reals.unconstrained_nonnegative(&mut self.solver))

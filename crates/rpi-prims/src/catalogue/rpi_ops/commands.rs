@@ -5,8 +5,16 @@ use crate::macros::{interface, primitive};
 use crate::registry::Prim;
 use rpi_image::{CommandFlow, Role};
 
-pub(in crate::catalogue) const ALL: &[Prim] =
-    &[FIRST, TIME, PREDECESSOR, ASSERT, ASSERT_INDEX, ASSUME];
+pub(in crate::catalogue) const ALL: &[Prim] = &[
+    FIRST,
+    TIME,
+    PREDECESSOR,
+    SPEED_OVERRIDE,
+    PAUSE,
+    ASSERT,
+    ASSERT_INDEX,
+    ASSUME,
+];
 
 interface! {
     /// True in the first cycle in which the enclosing fragment is active, and again in the first cycle after its reset.
@@ -33,6 +41,24 @@ interface! {
     out { outValue: i64 }
     presence maybe work 0;
     role Role::Flow(CommandFlow::Predecessor)
+}
+
+interface! {
+    /// Share of the speed, 0 to 1, that the operator has set for all motions.
+    SPEED_OVERRIDE = "Rpi::SpeedOverride";
+    in {}
+    out { outShare: f64 }
+    presence always work 0;
+    role Role::Flow(CommandFlow::SpeedOverride)
+}
+
+interface! {
+    /// True while the operator pauses all motions.
+    PAUSE = "Rpi::Pause";
+    in {}
+    out { outPaused: bool }
+    presence always work 0;
+    role Role::Flow(CommandFlow::Pause)
 }
 
 primitive! {

@@ -1,0 +1,30 @@
+//! Methods for the override and the pause of all motions.
+
+use serde_json::json;
+
+use super::connection::{Call, MethodResult, RpcConnection};
+use super::subscriber;
+
+/// Method that sets the override, the pause, or both.
+pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let speed_override = call.optional_share("override")?;
+    let paused = call.optional_flag("paused")?;
+    let reply = call.deferred_reply(|_| json!({}));
+    let mut state = front.state.lock();
+    state.set_controls(speed_override, paused, reply)?;
+    Ok(None)
+}
+
+/// Method that returns the override and the pause in force.
+pub(super) fn state(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
+    let controls = front.state.lock().controls.current();
+    Ok(Some(subscriber::motion(controls)))
+}
+
+/// Method that subscribes to the override and the pause.
+pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let sink = front.sink(None)?;
+    call.answer(json!({}));
+    front.state.lock().controls.watch(sink);
+    Ok(None)
+}
