@@ -1,7 +1,7 @@
 //! The control core and the requests that it accepts between ticks.
 
 use crate::command::{AbortReason, Cause, Command};
-use crate::controls::MotionControls;
+use crate::cycle_context::MotionControls;
 use crate::decision::Decision;
 use crate::error::CommandError;
 use crate::ids::{CommandId, RuleId};

@@ -1,6 +1,6 @@
 //! A running image: its memory and the phases of its cycle.
 
-use crate::controls::MotionControls;
+use crate::cycle_context::CycleContext;
 use crate::load::{LoadError, verify_image};
 use crate::ports::Ports;
 use crate::program::{ExecutableStep, Program, copy_slots};
@@ -16,23 +16,6 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
-
-/// Context of a command in one cycle, supplied by the core: times, cancellation, takeover and predecessor.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct CycleContext {
-    /// Logical time of this cycle, nanoseconds since the Unix epoch.
-    pub net_ns: i64,
-    /// Wall-clock time at the start of the cycle, nanoseconds since the Unix epoch.
-    pub wall_ns: i64,
-    /// True once a cancel was requested.
-    pub cancel: bool,
-    /// True if a successor is scheduled that takes over every moving actuator.
-    pub takeover: bool,
-    /// Identity of the predecessor's result; see `rpi_image::hash::result_id`.
-    pub predecessor: Option<i64>,
-    /// Override and pause of all motions.
-    pub controls: MotionControls,
-}
 
 /// The way in which a command ends after a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -23,6 +23,8 @@ const NOT_WRAPPED: &[(&str, &str)] = &[
     ("watch.devices", MONITORING),
     ("watch.emergency", MONITORING),
     ("emergency.state", MONITORING),
+    ("motion.state", MONITORING),
+    ("watch.motion", MONITORING),
     (
         "task.describe",
         "`watch.task` reports the same to the owner of a task",

@@ -121,7 +121,7 @@ fn an_override_outside_of_its_range_is_rejected() {
         ),
         (
             json!({"paused": 1}),
-            "paused: expected a Boolean, found a number",
+            "paused: expected true or false, found a number",
         ),
     ] {
         let answer = call(&mut client, 2, "motion.set", &params);

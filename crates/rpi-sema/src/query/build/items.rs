@@ -229,7 +229,30 @@ fn index_device<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, device: &'a 
     builder.index.inner_scopes[def.0 as usize].members = Some(scope);
     let ports = device.sections.iter().flat_map(|section| &section.ports);
     for port in ports {
-        index_vars(builder, scope, &port.alternatives, DefKind::Port);
+        index_ports(builder, scope, &port.alternatives);
+    }
+}
+
+/// Indexes the ports of one actuator or sensor, with the parts of a sensor that has several.
+fn index_ports<'a>(builder: &mut Builder<'a>, scope: ScopeId, ports: &'a [VarDecl]) {
+    let before = builder.index.defs.len();
+    index_vars(builder, scope, ports, DefKind::Port);
+    let mut defs = (before..).map(|id| DefId(u32::try_from(id).unwrap_or(u32::MAX)));
+    for port in ports {
+        let own: Vec<DefId> = defs.by_ref().take(port.names.len()).collect();
+        let (TypeKind::Struct(parts), Some(first)) = (&port.ty.kind, own.first()) else {
+            continue;
+        };
+        let at = DefPosition {
+            scope,
+            whole: port.span,
+            doc: port.doc.as_ref(),
+        };
+        let inner = builder.inner(at, *first);
+        for def in own {
+            builder.index.inner_scopes[def.0 as usize].members = Some(inner);
+        }
+        index_vars(builder, inner, parts, DefKind::Field);
     }
 }
 

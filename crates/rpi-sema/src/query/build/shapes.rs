@@ -60,7 +60,11 @@ pub(super) fn index_shape(builder: &mut Builder<'_>, def: DefId) -> Option<DefId
 
 /// Returns the definition whose members are read as `definition.name`.
 pub(super) fn owner_of_def(builder: &mut Builder<'_>, def: DefId) -> Option<DefId> {
-    match refs::has_own_members(builder.index.def(def).kind) {
+    let kind = builder.index.def(def).kind;
+    // A sensor with several parts has them as members; that of any other port has the members of its type.
+    let has_parts =
+        kind == DefKind::Port && builder.index.inner_scopes[def.0 as usize].members.is_some();
+    match has_parts || refs::has_own_members(kind) {
         true => Some(def),
         false => index_shape(builder, def),
     }

@@ -1,4 +1,21 @@
-//! Override and pause of all motions of a core, set from outside of the commands.
+//! What the core tells a command in a cycle: times, requests, and the override and pause of all motions.
+
+/// Context of a command in one cycle, supplied by the core: times, cancellation, takeover and predecessor.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct CycleContext {
+    /// Logical time of this cycle, nanoseconds since the Unix epoch.
+    pub net_ns: i64,
+    /// Wall-clock time at the start of the cycle, nanoseconds since the Unix epoch.
+    pub wall_ns: i64,
+    /// True once a cancel was requested.
+    pub cancel: bool,
+    /// True if a successor is scheduled that takes over every moving actuator.
+    pub takeover: bool,
+    /// Identity of the predecessor's result; see `rpi_image::hash::result_id`.
+    pub predecessor: Option<i64>,
+    /// Override and pause of all motions.
+    pub controls: MotionControls,
+}
 
 /// Override and pause that the operator of a cell sets for the motions of all commands, as with the keys of a teach
 /// pendant. The control core hands them to each command; the motions of the library obey them.
