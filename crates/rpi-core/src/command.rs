@@ -1,8 +1,9 @@
 //! Commands: a loaded image with its lifecycle state, its resources and the way it ended.
 
 use crate::continuity::Continuity;
+use crate::cycle_context::CycleContext;
 use crate::ids::RuleId;
-use crate::instance::{CycleContext, Instance, Verdict};
+use crate::instance::{Instance, Verdict};
 use crate::lifecycle::{CommandEvent, CommandState, Transition};
 use crate::load::LoadError;
 use crate::overrun::{CommandOverrunPolicy, OverrunStats};
