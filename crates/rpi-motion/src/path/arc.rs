@@ -2,8 +2,8 @@
 
 use super::Curvature;
 use super::line::TURNING_LENGTH;
-use super::orientation::{EvenTurning, angle_between};
-use core::f64::consts::{PI, TAU};
+use super::orientation::EvenTurning;
+use core::f64::consts::TAU;
 use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
 
@@ -23,16 +23,38 @@ pub struct Arc {
     length: f64,
 }
 
-/// Reason why points do not define an arc.
+/// Orientation of the tool along an arc that is given by its angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArcOrientation {
+    /// The orientation in the base frame stays the same.
+    Fixed,
+    /// The tool turns with the arc: its orientation relative to the path stays the same.
+    Turning,
+}
+
+/// Reason why points, or a centre, do not define an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcError {
     /// The points lie on a line, or two of them are the same, or a number is not finite.
     Colinear,
+    /// Start and end are not equally far from the centre.
+    UnequalRadii,
+    /// The angle is 0 or not finite.
+    NoAngle,
+    /// The start lies on the axis, or the axis has no direction.
+    OnAxis,
 }
 
 impl core::fmt::Display for ArcError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the three points of the arc lie on a line")
+        f.write_str(match self {
+            ArcError::Colinear => "the three points of the arc lie on a line",
+            ArcError::UnequalRadii => {
+                "start and end of the arc are not equally far from its centre"
+            }
+            ArcError::NoAngle => "the angle of the arc is 0",
+            ArcError::OnAxis => "the arc starts on its axis, or its axis has no direction",
+        })
     }
 }
 
@@ -40,6 +62,13 @@ impl core::error::Error for ArcError {}
 
 /// Sine of the angle between the sides of the triangle of the three points below which they count as colinear.
 const COLINEAR: f64 = 1e-6;
+
+/// Distance by which a centre may miss the line of equal distances from start and end, m. It is moved there, because
+/// the start of a path is seldom exact.
+const CENTRE_TOLERANCE: f64 = 1e-3;
+
+/// Shortest radius of an arc about an axis, m.
+const SHORTEST_RADIUS: f64 = 1e-6;
 
 impl Arc {
     /// The arc from the pose `from` through the point `via` to the pose `to`. The orientation turns evenly; that of
@@ -68,56 +97,94 @@ impl Arc {
         let end = to.translation.vector - centre;
         let angle = libm::atan2(end.dot(&forwards), end.dot(&outwards));
         let angle = if angle <= 0.0 { angle + TAU } else { angle };
+        let turning = EvenTurning::vector_between(&from.rotation, &to.rotation);
+        let frame = (outwards, forwards);
+        Ok(Self::new(from, turning, centre, frame, radius, angle))
+    }
+
+    /// The shorter arc about `centre` from the pose `from` to the pose `to`. The orientation turns evenly. The centre may be
+    /// up to 1 mm off the plane of equal distances from both; it is moved there.
+    ///
+    /// # Errors
+    /// [`ArcError::Colinear`] if start, centre and end lie on a line, which leaves the plane of the arc open;
+    /// [`ArcError::UnequalRadii`] if start and end are not equally far from the centre.
+    pub fn by_centre(from: &Pose, centre: &Vector3<f64>, to: &Pose) -> Result<Self, ArcError> {
+        let start = from.translation.vector;
+        let (one, other) = (start - centre, to.translation.vector - centre);
+        let normal = one.cross(&other);
+        let area = normal.norm_squared();
+        let sides = one.norm_squared() * other.norm_squared();
+        if area <= COLINEAR * COLINEAR * sides || !(area.is_finite() && area > 0.0) {
+            return Err(ArcError::Colinear);
+        }
+        let chord = other - one;
+        let length = libm::sqrt(chord.norm_squared());
+        let shift = (other.norm_squared() - one.norm_squared()) / (2.0 * length);
+        if shift.abs() > CENTRE_TOLERANCE || shift.is_nan() {
+            return Err(ArcError::UnequalRadii);
+        }
+        let shift = chord * (shift / length);
+        let (one, other) = (one - shift, other - shift);
+        let radius = libm::sqrt(one.norm_squared());
+        let outwards = one / radius;
+        let forwards = (normal / libm::sqrt(area)).cross(&outwards);
+        let angle = libm::atan2(other.dot(&forwards), other.dot(&outwards));
+        let turning = EvenTurning::vector_between(&from.rotation, &to.rotation);
+        let frame = (outwards, forwards);
         Ok(Self::new(
             from,
-            to,
-            centre,
-            (outwards, forwards),
+            turning,
+            centre + shift,
+            frame,
             radius,
             angle,
         ))
     }
 
-    /// The arc from the pose `from` about `centre` by `angle` (rad, not 0, any number of turns) around the axis
-    /// `normal`, to the orientation of `to`.
+    /// The arc from the pose `from` about `centre` by `angle` (rad, not 0, any number of turns) around the axis `normal`.
     ///
     /// # Errors
-    /// [`ArcError::Colinear`] if the start lies in the centre or on the axis.
-    pub fn about(
+    /// [`ArcError::NoAngle`] if the angle is 0 or a number is not finite; [`ArcError::OnAxis`] if the start lies on the axis,
+    /// or the axis has no direction.
+    pub fn by_angle(
         from: &Pose,
         centre: &Vector3<f64>,
         normal: &Vector3<f64>,
         angle: f64,
+        orientation: ArcOrientation,
     ) -> Result<Self, ArcError> {
+        if angle == 0.0 || !angle.is_finite() {
+            return Err(ArcError::NoAngle);
+        }
         let normal = normal / libm::sqrt(normal.norm_squared());
         let spoke = from.translation.vector - centre;
         let height = normal * spoke.dot(&normal);
         let level = spoke - height;
         let radius = libm::sqrt(level.norm_squared());
-        if !(radius > 0.0 && angle != 0.0 && angle.is_finite()) {
-            return Err(ArcError::Colinear);
+        if !(radius >= SHORTEST_RADIUS && radius.is_finite()) {
+            return Err(ArcError::OnAxis);
         }
         let outwards = level / radius;
         let forwards = normal.cross(&outwards) * angle.signum();
-        Ok(Self::new(
-            from,
-            from,
-            centre + height,
-            (outwards, forwards),
-            radius,
-            angle.abs(),
-        ))
+        let turning = match orientation {
+            ArcOrientation::Fixed => Vector3::zeros(),
+            ArcOrientation::Turning => normal * angle,
+        };
+        let (centre, frame) = (centre + height, (outwards, forwards));
+        Ok(Self::new(from, turning, centre, frame, radius, angle.abs()))
     }
 
+    /// The arc by `angle` (rad, positive) from `outwards` to `forwards`, whose orientation turns by a rotation vector (rad,
+    /// base frame).
     fn new(
         from: &Pose,
-        to: &Pose,
+        turning: Vector3<f64>,
         centre: Vector3<f64>,
         (outwards, forwards): (Vector3<f64>, Vector3<f64>),
         radius: f64,
         angle: f64,
     ) -> Self {
-        let turn = angle_between(&from.rotation, &to.rotation).min(PI);
+        let turn = libm::sqrt(turning.norm_squared());
         let length = (radius * angle).max(turn * TURNING_LENGTH);
         Self {
             centre,
@@ -125,7 +192,7 @@ impl Arc {
             forwards,
             radius,
             rate: angle / length,
-            turning: EvenTurning::new(&from.rotation, &to.rotation, length),
+            turning: EvenTurning::by(&from.rotation, turning, length),
             length,
         }
     }

@@ -12,7 +12,7 @@ pub mod orientation;
 pub mod polyline;
 
 use crate::Joints;
-pub use arc::Arc;
+pub use arc::{Arc, ArcError, ArcOrientation};
 pub use corner::Corner;
 pub use joint_line::JointLine;
 pub use line::Line;

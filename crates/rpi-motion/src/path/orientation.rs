@@ -14,7 +14,13 @@ impl EvenTurning {
     /// Turns from `from` to `to`, the shorter way round, while the path parameter grows by `length`.
     #[must_use]
     pub fn new(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, length: f64) -> Self {
-        let turn = (to * from.inverse()).scaled_axis();
+        Self::by(from, Self::vector_between(from, to), length)
+    }
+
+    /// Turns from `from` by a rotation vector (rad, base frame; any number of turns) while the path parameter grows by
+    /// `length`.
+    #[must_use]
+    pub fn by(from: &UnitQuaternion<f64>, turn: Vector3<f64>, length: f64) -> Self {
         Self {
             start: *from,
             rate: if length > 0.0 {
@@ -23,6 +29,12 @@ impl EvenTurning {
                 Vector3::zeros()
             },
         }
+    }
+
+    /// Returns the rotation vector from `from` to `to`, the shorter way round, in base coordinates; rad.
+    #[must_use]
+    pub fn vector_between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>) -> Vector3<f64> {
+        (to * from.inverse()).scaled_axis()
     }
 
     /// Returns the same turning counted from a later value of the path parameter.

@@ -3,7 +3,7 @@
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose};
-use rpi_motion::path::{Arc, Piece, ToolPath};
+use rpi_motion::path::{Arc, ArcOrientation, Piece, ToolPath};
 use rpi_motion::{Arm, Joints, Path};
 
 #[path = "../support/xorshift.rs"]
@@ -78,7 +78,11 @@ pub(crate) fn path(
             }
             let centre = here.translation.vector - spoke * radius;
             let angle = random.between(0.5, 3.0);
-            let arc = Arc::about(&here, &centre, &normal, angle).ok()?;
+            let orientation = match random.below(2) {
+                0 => ArcOrientation::Fixed,
+                _ => ArcOrientation::Turning,
+            };
+            let arc = Arc::by_angle(&here, &centre, &normal, angle, orientation).ok()?;
             Some(Path::Tool(ToolPath::new(Piece::Arc(arc))))
         }
         Kind::JointLine => {
