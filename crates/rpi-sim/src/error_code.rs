@@ -68,6 +68,12 @@ impl ErrorCode {
     pub const SUPERSEDED: Self = Self(22);
     /// There is no corner at the via pose of a motion.
     pub const NO_CORNER: Self = Self(23);
+    /// Start and end of an arc are not equally far from its centre.
+    pub const UNEQUAL_RADII: Self = Self(24);
+    /// The angle of an arc is 0.
+    pub const NO_ANGLE: Self = Self(25);
+    /// An arc starts on its axis, or the axis has no direction.
+    pub const ON_AXIS: Self = Self(26);
 
     /// True for a code whose report carries a place on the path of the tool and the length of the path, in m.
     #[must_use]
@@ -201,7 +207,7 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
     line(
         ErrorCode::COLINEAR,
         "colinear",
-        "start, via point and end of the arc lie on a line, or two of them are the same",
+        "start, via point (or centre) and end of the arc lie on a line, or two of them are the same; give a half circle by its via point or angle",
     ),
     line(
         ErrorCode::NOT_POSITIVE,
@@ -222,5 +228,20 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::NO_CORNER,
         "no-corner",
         "no corner fits at the via pose: the zone is not positive, the path turns back, or the tool turns too far beside it",
+    ),
+    line(
+        ErrorCode::UNEQUAL_RADII,
+        "unequal-radii",
+        "start and end of the arc differ in their distance from its centre by more than 1 mm; correct the centre, or give a via point",
+    ),
+    line(
+        ErrorCode::NO_ANGLE,
+        "no-angle",
+        "the angle of the arc is 0 or not finite",
+    ),
+    line(
+        ErrorCode::ON_AXIS,
+        "on-axis",
+        "the arc starts on its axis, or the axis has no direction",
     ),
 ];

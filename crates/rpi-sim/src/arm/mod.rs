@@ -18,6 +18,7 @@ mod report_log;
 mod sample;
 mod sensing;
 mod simulate;
+mod tool_path;
 
 use crate::cell::{ArmSpec, EnforcedLimits};
 use crate::error_code::ErrorCode;

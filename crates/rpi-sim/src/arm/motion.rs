@@ -1,5 +1,4 @@
-//! Motions of the arm along paths: the device functions `move_line`, `move_arc`, `move_corner` and
-//! `move_joints`.
+//! Motions of the arm along paths: the device functions `move_line`, `move_joints`, and those of the other paths.
 //!
 //! A call with the motion number 0 begins a motion from the arm's state as commanded, and returns a new number; the
 //! caller passes it back in each of the next cycles. The set-point of the call is that of the end of the period.
@@ -7,24 +6,20 @@
 use super::Arm;
 use super::kinematics::PerAxis;
 use super::path_fault::PathFault;
-use crate::device::{SlotWriter, pose_from};
+use super::tool_path::{ToolPathKind, tool_path};
+use crate::device::SlotWriter;
 use crate::error_code::ErrorCode;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use rpi_motion::PathError;
-use rpi_motion::path::{Arc, Piece, ToolPath};
 use rpi_motion::stop_margin::stopping_distances;
 use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint, scan_path};
 
 /// Kind of a path that a motion function follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathKind {
-    /// A straight line of the tool.
-    Line,
-    /// An arc of the tool through a point.
-    Arc,
-    /// Two straight lines of the tool, with the corner between them within a zone.
-    Corner,
+    /// A path of the tool.
+    Tool(ToolPathKind),
     /// A straight line in joint space.
     Joints,
 }
@@ -37,7 +32,7 @@ pub(super) const STATUS_SLOTS: u32 = 6;
 pub(super) const RESULT_SLOTS: u32 = 1 + 7 + STATUS_SLOTS;
 
 /// Shortest way (m, or rad) of a motion along a path; a shorter one only holds its end.
-const SHORTEST_WAY: f64 = 1e-7;
+pub(super) const SHORTEST_WAY: f64 = 1e-7;
 
 /// Number of periods after its computation for which a set-point counts as the arm's present one.
 const PRESENT_PERIODS: f64 = 2.5;
@@ -202,17 +197,8 @@ impl Motion {
     }
 
     fn path(&self, kind: PathKind, from: &PerAxis, target: &[u64]) -> Result<Path, ErrorCode> {
-        let start = self.arm.forward(from);
         let path = match kind {
-            PathKind::Line => Path::line(&start, &pose_from(target)),
-            PathKind::Arc => {
-                let (via, to) = target.split_at(target.len() / 2);
-                let via = pose_from(via).translation.vector;
-                let arc = Arc::via(&start, &via, &pose_from(to));
-                let arc = arc.map_err(|_| ErrorCode::COLINEAR)?;
-                Path::Tool(ToolPath::new(Piece::Arc(arc)))
-            }
-            PathKind::Corner => corner(&start, target)?,
+            PathKind::Tool(kind) => tool_path(kind, &self.arm.forward(from), target)?,
             PathKind::Joints => {
                 let mut to = PerAxis::default();
                 let slots = to.iter_mut().zip(target).take(self.arm.axes());
@@ -427,18 +413,6 @@ fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut SlotWriter<'_
     out.put_bits(0);
     out.put_bits(0);
     out.put_bits(error.0.cast_unsigned());
-}
-
-/// Returns the path over a via pose to another pose, with a zone in m.
-fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
-    let (via, rest) = target.split_at(target.len() / 2);
-    let (via, to) = (pose_from(via), pose_from(rest));
-    let zone = rest.last().map_or(f64::NAN, |bits| f64::from_bits(*bits));
-    if (via.translation.vector - start.translation.vector).norm() < SHORTEST_WAY {
-        return Ok(Path::line(start, &to));
-    }
-    let path = ToolPath::polyline(&[*start, via, to], &[zone]);
-    path.map(Path::Tool).map_err(|_| ErrorCode::NO_CORNER)
 }
 
 /// Returns the lower one of each of two bounds.

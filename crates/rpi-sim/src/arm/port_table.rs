@@ -4,6 +4,7 @@
 //! type `Arm` of `.rpi`.
 
 use super::motion::{PathKind, RESULT_SLOTS};
+use super::tool_path::ToolPathKind;
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{PortSpec, PortValue, SlotWriter, pose_from};
 use rpi_device::PortKind;
@@ -129,6 +130,10 @@ const fn motion(name: &'static str, kind: PathKind) -> PortRow {
     }
 }
 
+const fn tool_motion(name: &'static str, kind: ToolPathKind) -> PortRow {
+    motion(name, PathKind::Tool(kind))
+}
+
 const REAL: PortValue = PortValue::One(Real);
 const POSE: PortValue = PortValue::One(Pose);
 const TWIST: PortValue = PortValue::One(Twist);
@@ -248,9 +253,11 @@ pub(super) const PORTS: &[PortRow] = &[
         PortValue::Reals(7),
         velocity_kinematics,
     ),
-    motion("move_line", PathKind::Line),
-    motion("move_arc", PathKind::Arc),
-    motion("move_corner", PathKind::Corner),
+    tool_motion("move_line", ToolPathKind::Line),
+    tool_motion("move_arc", ToolPathKind::Arc),
+    tool_motion("move_arc_by_centre", ToolPathKind::ArcByCentre),
+    tool_motion("move_arc_by_angle", ToolPathKind::ArcByAngle),
+    tool_motion("move_corner", ToolPathKind::Corner),
     motion("move_joints", PathKind::Joints),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),

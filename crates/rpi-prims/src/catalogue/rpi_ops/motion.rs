@@ -1,15 +1,21 @@
-//! Motions of an arm along paths, planned by the arm: the device functions `move_line`, `move_arc`,
-//! `move_corner`, `move_joints`.
+//! Motions of an arm, planned by the arm: the device functions `move_line`, `move_joints` and others.
 
 use crate::aggregates::Array;
 use crate::catalogue::devices::function;
 use crate::macros::interface;
 use crate::operand::Text;
 use crate::registry::Prim;
-use crate::value_types::Pose;
+use crate::value_types::{Pose, Vector};
 use rpi_image::ShapeRule;
 
-pub(in crate::catalogue) const ALL: &[Prim] = &[MOVE_LINE, MOVE_ARC, MOVE_CORNER, MOVE_JOINTS];
+pub(in crate::catalogue) const ALL: &[Prim] = &[
+    MOVE_LINE,
+    MOVE_ARC,
+    MOVE_ARC_BY_CENTRE,
+    MOVE_ARC_BY_ANGLE,
+    MOVE_CORNER,
+    MOVE_JOINTS,
+];
 
 /// Declares a motion primitive. Its declared work bounds the planning that the motion core does in a cycle: about 200
 /// µs.
@@ -73,6 +79,25 @@ motion! {
     /// base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
     MOVE_ARC = "Rpi::MoveArc", "move_arc";
     in { inVia: Pose; inTo: Pose }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Circular arc of the tool from where it is to `inTo`, about `inCentre` (the shorter way round), with even turning, in
+    /// the base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
+    MOVE_ARC_BY_CENTRE = "Rpi::MoveArcByCentre", "move_arc_by_centre";
+    in { inCentre: Vector; inTo: Pose }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Circular arc of the tool from where it is by `inAngle` (rad, any number of turns) about the axis `inAxis` through
+    /// `inCentre`, in the base frame of the arm. The tool turns with the arc if `inTurning` is true, else it keeps its
+    /// orientation. Units are m and s. `Axes` is the number of axes of the arm.
+    MOVE_ARC_BY_ANGLE = "Rpi::MoveArcByAngle", "move_arc_by_angle";
+    in { inCentre: Vector; inAxis: Vector; inAngle: f64; inTurning: bool }
     param Axes;
     shape ShapeRule::FromParam("Axes")
 }

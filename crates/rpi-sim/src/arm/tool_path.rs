@@ -1,0 +1,102 @@
+//! Paths of the tool as programs request them: from the arguments of a motion function to a path.
+
+use super::motion::SHORTEST_WAY;
+use crate::device::pose_from;
+use crate::error_code::ErrorCode;
+use nalgebra::Vector3;
+use rpi_kin::Pose;
+use rpi_motion::Path;
+use rpi_motion::path::{Arc, ArcError, ArcOrientation, Piece, ToolPath};
+
+/// Kind of a path of the tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ToolPathKind {
+    /// A straight line. Target: a pose.
+    Line,
+    /// An arc through a point. Target: the via pose and the end pose.
+    Arc,
+    /// An arc about a centre. Target: the centre and the end pose.
+    ArcByCentre,
+    /// An arc by an angle. Target: centre, axis, angle (rad), and whether the tool turns with the arc.
+    ArcByAngle,
+    /// Two straight lines, with the corner between them within a zone. Target: the via pose, the end pose and the zone (m).
+    Corner,
+}
+
+/// Number of slots of a vector and of a pose.
+const VECTOR: usize = 3;
+const POSE: usize = 7;
+
+/// Returns the path of the tool from the pose `start` to a target, as the arguments of a motion function give it.
+///
+/// # Errors
+/// The error code for which there is no such path. A number that is not finite may also give a path whose length is not.
+pub(super) fn tool_path(
+    kind: ToolPathKind,
+    start: &Pose,
+    target: &[u64],
+) -> Result<Path, ErrorCode> {
+    match kind {
+        ToolPathKind::Line => Ok(Path::line(start, &pose_from(target))),
+        ToolPathKind::Arc => {
+            let (via, to) = split(target, POSE);
+            let via = pose_from(via).translation.vector;
+            arc(Arc::via(start, &via, &pose_from(to)))
+        }
+        ToolPathKind::ArcByCentre => {
+            let (centre, to) = split(target, VECTOR);
+            arc(Arc::by_centre(start, &vector_from(centre), &pose_from(to)))
+        }
+        ToolPathKind::ArcByAngle => arc(arc_by_angle(start, target)),
+        ToolPathKind::Corner => corner(start, target),
+    }
+}
+
+/// Splits the slots of a target; a part that is missing is empty.
+fn split(target: &[u64], at: usize) -> (&[u64], &[u64]) {
+    target.split_at(at.min(target.len()))
+}
+
+/// Reads a real; NaN if it is missing.
+fn real_at(target: &[u64], at: usize) -> f64 {
+    target
+        .get(at)
+        .map_or(f64::NAN, |bits| f64::from_bits(*bits))
+}
+
+fn vector_from(target: &[u64]) -> Vector3<f64> {
+    Vector3::from_fn(|k, _| real_at(target, k))
+}
+
+fn arc(arc: Result<Arc, ArcError>) -> Result<Path, ErrorCode> {
+    match arc {
+        Ok(arc) => Ok(Path::Tool(ToolPath::new(Piece::Arc(arc)))),
+        Err(ArcError::Colinear) => Err(ErrorCode::COLINEAR),
+        Err(ArcError::UnequalRadii) => Err(ErrorCode::UNEQUAL_RADII),
+        Err(ArcError::NoAngle) => Err(ErrorCode::NO_ANGLE),
+        Err(ArcError::OnAxis) => Err(ErrorCode::ON_AXIS),
+    }
+}
+
+fn arc_by_angle(start: &Pose, target: &[u64]) -> Result<Arc, ArcError> {
+    let (centre, rest) = split(target, VECTOR);
+    let (axis, rest) = split(rest, VECTOR);
+    let orientation = match rest.get(1) {
+        Some(0) | None => ArcOrientation::Fixed,
+        Some(_) => ArcOrientation::Turning,
+    };
+    let (centre, axis) = (vector_from(centre), vector_from(axis));
+    Arc::by_angle(start, &centre, &axis, real_at(rest, 0), orientation)
+}
+
+/// The path over a via pose to another pose, with a zone in m.
+fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
+    let (via, rest) = split(target, POSE);
+    let (via, to) = (pose_from(via), pose_from(rest));
+    let zone = real_at(rest, POSE);
+    if (via.translation.vector - start.translation.vector).norm() < SHORTEST_WAY {
+        return Ok(Path::line(start, &to));
+    }
+    let path = ToolPath::polyline(&[*start, via, to], &[zone]);
+    path.map(Path::Tool).map_err(|_| ErrorCode::NO_CORNER)
+}
