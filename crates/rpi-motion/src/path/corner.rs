@@ -33,7 +33,7 @@ const WEIGHTS: [(f64, f64, f64); 6] = [
     (150.0, 0.76, 0.60),
 ];
 
-/// The rounded corner between two lines of a path: a Bézier curve of degree 5.
+/// The rounded corner between two lines of a path, or a piece of a spline: a Bézier curve of degree 5.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
     points: [Vector3<f64>; 6],
@@ -70,10 +70,21 @@ impl Corner {
             let (from, to) = (controls[k].rotation, controls[k + 1].rotation);
             (from.inverse() * to).scaled_axis()
         };
+        let points = controls.map(|control| control.translation.vector);
+        Self::with_controls(points, controls[0].rotation, core::array::from_fn(turn))
+    }
+
+    /// The Bézier curve with these control points (m) and orientations: `start`, and the rotation vectors from each to the
+    /// next, in the frame of the former (rad).
+    pub(super) fn with_controls(
+        points: [Vector3<f64>; 6],
+        start: UnitQuaternion<f64>,
+        turns: [Vector3<f64>; 5],
+    ) -> Self {
         let mut corner = Self {
-            points: controls.map(|control| control.translation.vector),
-            start: controls[0].rotation,
-            turns: core::array::from_fn(turn),
+            points,
+            start,
+            turns,
             lengths: [0.0; INTERVALS + 1],
         };
         for k in 0..INTERVALS {
@@ -87,6 +98,17 @@ impl Corner {
     #[must_use]
     pub fn length(&self) -> f64 {
         self.lengths[INTERVALS]
+    }
+
+    /// Lowest speed of the curve by its parameter, as a share of the distance of both ends, and the curve parameter there.
+    pub(super) fn slowest(&self) -> (f64, f64) {
+        let chord = libm::sqrt((self.points[5] - self.points[0]).norm_squared());
+        let places = (0..=8 * INTERVALS).map(|k| interval_start(k) / 8.0);
+        let speed = |u: f64| libm::sqrt(self.derivative(u).norm_squared()) / chord;
+        places.fold((f64::INFINITY, 0.0), |least, u| match speed(u) {
+            speed if speed < least.0 || speed.is_nan() => (speed, u),
+            _ => least,
+        })
     }
 
     /// Returns the pose of the tool in the base frame, `s` metres behind the start of the corner.

@@ -1,4 +1,4 @@
-//! Geometric paths: lines and arcs of the tool, and lines in joint space.
+//! Geometric paths: lines, arcs, corners and splines of the tool, and lines in joint space.
 //!
 //! A path has a parameter `s` from 0 to its length: metres along the way of the tool, or, where the tool turns far on a
 //! short way, the turning weighed with a length; radians of the axis that moves farthest on a joint line. Paths continue
@@ -10,6 +10,7 @@ pub mod joint_line;
 pub mod line;
 pub mod orientation;
 pub mod polyline;
+pub mod spline;
 
 use crate::Joints;
 pub use arc::{Arc, ArcError, ArcOrientation};
@@ -18,6 +19,7 @@ pub use joint_line::JointLine;
 pub use line::Line;
 pub use polyline::ZoneError;
 use rpi_kin::Pose;
+pub use spline::SplineError;
 
 /// Maximum number of pieces of a path of the tool.
 pub const MAX_PIECES: usize = 16;
@@ -33,6 +35,8 @@ pub enum Piece {
     Arc(Arc),
     /// The transition between two straight lines.
     Corner(Corner),
+    /// A piece of a spline.
+    Spline(Corner),
 }
 
 /// A path of the tool or of the joints, held by value like its pieces.
@@ -71,7 +75,7 @@ impl Piece {
         match self {
             Piece::Line(line) => line.length(),
             Piece::Arc(arc) => arc.length(),
-            Piece::Corner(corner) => corner.length(),
+            Piece::Corner(curve) | Piece::Spline(curve) => curve.length(),
         }
     }
 
@@ -81,7 +85,7 @@ impl Piece {
         match self {
             Piece::Line(line) => line.way(),
             Piece::Arc(arc) => arc.way(),
-            Piece::Corner(corner) => corner.length(),
+            Piece::Corner(curve) | Piece::Spline(curve) => curve.length(),
         }
     }
 
@@ -89,7 +93,7 @@ impl Piece {
         match self {
             Piece::Line(line) => line.pose(s),
             Piece::Arc(arc) => arc.pose(s),
-            Piece::Corner(corner) => corner.pose(s),
+            Piece::Corner(curve) | Piece::Spline(curve) => curve.pose(s),
         }
     }
 
@@ -97,7 +101,7 @@ impl Piece {
         match self {
             Piece::Line(_) => Curvature::default(),
             Piece::Arc(arc) => arc.curvature(),
-            Piece::Corner(corner) => corner.curvature(s),
+            Piece::Corner(curve) | Piece::Spline(curve) => curve.curvature(s),
         }
     }
 }

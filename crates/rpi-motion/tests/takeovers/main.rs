@@ -49,7 +49,7 @@ fn motion(
     counts: &mut Counts,
 ) -> Option<(Path, rpi_kin::state_to_rest::Bounds)> {
     for _ in 0..200 {
-        let kind = KINDS[random.below(3)];
+        let kind = KINDS[random.below(KINDS.len())];
         let Some(path) = random::path(model, arm, kind, watch.joints(), random) else {
             continue;
         };

@@ -3,6 +3,7 @@
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose};
+use rpi_motion::path::spline::MAX_POINTS;
 use rpi_motion::path::{Arc, ArcOrientation, Piece, ToolPath};
 use rpi_motion::{Arm, Joints, Path};
 
@@ -32,10 +33,11 @@ impl Random {
 pub(crate) enum Kind {
     Line,
     Arc,
+    Spline,
     JointLine,
 }
 
-pub(crate) const KINDS: [Kind; 3] = [Kind::Line, Kind::Arc, Kind::JointLine];
+pub(crate) const KINDS: [Kind; 4] = [Kind::Line, Kind::Arc, Kind::Spline, Kind::JointLine];
 
 pub(crate) fn joints(model: &ArmModel, random: &mut Random) -> Joints {
     let mut q = [0.0; 7];
@@ -84,6 +86,19 @@ pub(crate) fn path(
             };
             let arc = Arc::by_angle(&here, &centre, &normal, angle, orientation).ok()?;
             Some(Path::Tool(ToolPath::new(Piece::Arc(arc))))
+        }
+        Kind::Spline => {
+            let mut points = [here; MAX_POINTS];
+            let count = 2 + random.below(MAX_POINTS - 1);
+            for k in 1..count {
+                let way = random.direction() * random.between(0.02, 0.1);
+                let turn = random.direction() * random.between(0.0, 0.2);
+                points[k] = Pose::from_parts(
+                    Translation3::from(points[k - 1].translation.vector + way),
+                    UnitQuaternion::from_scaled_axis(turn) * points[k - 1].rotation,
+                );
+            }
+            ToolPath::spline(&points[..count]).ok().map(Path::Tool)
         }
         Kind::JointLine => {
             let to = joints(model, random);
