@@ -26,6 +26,8 @@ pub struct Node {
     pub third: Joints,
     /// Curvature of the way of the tool.
     pub curvature: Curvature,
+    /// Greatest distance at which the curvature is well known between two places.
+    pub resolution: f64,
     /// Greatest velocity, acceleration and jerk of the path parameter here, each on its own.
     pub most: MostAllowed,
 }
@@ -89,15 +91,9 @@ pub(crate) fn axis_bounds(arm: &Arm, node: &Node) -> MostAllowed {
 /// this curvature. At a steady speed the acceleration is k v² and the jerk hypot(k', k²) v³; the verification looks at
 /// both together with those along the path.
 pub(crate) fn tool_bounds(requested: Bounds, curvature: Curvature) -> MostAllowed {
-    /// Shares that a steady speed uses of its own bounds, and that remain along a curved path.
+    /// Share of its own bounds that a steady speed uses.
     const STEADY: f64 = 0.985;
-    const ALONG: f64 = 1.0;
     let Curvature { value, slope } = curvature;
-    let share = if value == 0.0 && slope == 0.0 {
-        1.0
-    } else {
-        ALONG
-    };
     let sideways = libm::sqrt(requested.acceleration / value.max(1e-9));
     let turning = libm::hypot(slope, value * value).max(1e-9);
     let twisting = libm::cbrt(requested.jerk / turning);
@@ -106,7 +102,17 @@ pub(crate) fn tool_bounds(requested: Bounds, curvature: Curvature) -> MostAllowe
             .speed
             .min(STEADY * sideways)
             .min(STEADY * twisting),
-        acceleration: share * requested.acceleration,
-        jerk: share * requested.jerk,
+        acceleration: requested.acceleration,
+        jerk: requested.jerk,
     }
+}
+
+/// Returns the shares of the acceleration and the jerk of the tool that a steady speed uses at a place with this
+/// curvature.
+pub(crate) fn tool_shares(requested: Bounds, curvature: Curvature, speed: f64) -> (f64, f64) {
+    let Curvature { value, slope } = curvature;
+    (
+        value * speed * speed / requested.acceleration,
+        libm::hypot(slope, value * value) * speed * speed * speed / requested.jerk,
+    )
 }

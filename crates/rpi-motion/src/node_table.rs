@@ -172,6 +172,7 @@ impl NodeTable {
             s: centre,
             joints: q[2],
             curvature: self.path().curvature(centre),
+            resolution: self.path().resolution(centre),
             ..Node::default()
         };
         let [a, b, c, d, e, _] = &self.window.joints;
@@ -216,32 +217,42 @@ impl NodeTable {
         (one, other, share.clamp(0.0, 1.0))
     }
 
-    /// Returns the number of nodes of finer stretches between two places. `cursor` as in [`NodeTable::around`]; it stays
-    /// at `from`.
+    /// Returns where the next sample behind `from` belongs, at most at `to`: each node of a finer stretch is one, and so are
+    /// places on a curve at the distance of its resolution. `cursor` as in [`NodeTable::around`]; it stays at `from`.
     #[must_use]
-    pub fn fine_nodes_between(&self, from: f64, to: f64, cursor: &mut usize) -> usize {
+    pub fn next_sample(&self, from: f64, to: f64, cursor: &mut usize) -> f64 {
         let _ = self.around(from, cursor);
         let last = self.next.saturating_sub(1);
-        let nodes = (*cursor..last).take_while(|k| self.node(*k).s < to);
-        let widest = widest_spacing(self.path());
-        nodes
-            .filter(|k| self.node(k + 1).s - self.node(*k).s < 0.75 * widest)
-            .count()
+        let widest = 0.75 * widest_spacing(self.path());
+        for k in *cursor..last {
+            let (one, other) = (self.node(k), self.node(k + 1));
+            if one.s >= to {
+                break;
+            }
+            let spacing = other.s - one.s;
+            let needed = one.resolution.min(other.resolution);
+            let distance = if spacing < widest {
+                spacing.min(needed)
+            } else {
+                needed
+            };
+            if distance.is_finite() {
+                return if one.s > from { one.s } else { from + distance }.min(to);
+            }
+        }
+        to
     }
 
-    /// Returns the places of the nodes in a stretch with the greatest speed of each. `cursor` as in
-    /// [`NodeTable::around`].
-    pub fn places_between(
+    /// Returns the nodes behind `from`, in order, up to the place `to`. `cursor` as in [`NodeTable::around`].
+    pub fn nodes_between(
         &self,
         from: f64,
         to: f64,
         cursor: &mut usize,
-    ) -> impl Iterator<Item = (f64, f64)> + '_ {
+    ) -> impl Iterator<Item = &Node> + '_ {
         let _ = self.around(from, cursor);
         let nodes = (*cursor + 1..self.next).map(|k| self.node(k));
-        nodes
-            .take_while(move |node| node.s <= to)
-            .map(|node| (node.s, node.most.velocity))
+        nodes.take_while(move |node| node.s <= to)
     }
 
     /// Returns whether the path is curved somewhere in a stretch.

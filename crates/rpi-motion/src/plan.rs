@@ -1,6 +1,6 @@
 //! Plans the next piece of the time law: the fastest one whose brake passes the verification.
 
-use crate::node::MostAllowed;
+use crate::node::{MostAllowed, Node, tool_shares};
 use crate::node_table::NodeTable;
 use crate::time_law::{HeldBrake, PathState};
 use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
@@ -17,12 +17,18 @@ const BRAKE_ON_CURVE: f64 = 0.6;
 /// Share of the lowest speed ahead that is tried where the speed itself is too high.
 const SLOWER: f64 = 0.4;
 
+/// Share of the bounds of the tool that a steady speed uses at most where braking can begin: on a curve that is passed at its own
+/// speed, no jerk is left for it.
+const FREE: f64 = 0.35;
+
 /// Rule for the target speed of a candidate plan.
 #[derive(Clone, Copy, Debug)]
 enum Speed {
     Near,
     Far,
     BelowFar,
+    /// That of the tightest curve ahead; the brake begins only behind it, or (1) behind the next one.
+    Through(usize),
 }
 
 /// Candidate plan for the next stretch of time: how fast it may be, and how it brakes.
@@ -31,7 +37,7 @@ struct Candidate {
     /// Number of steps in [`SHARES`] by which the candidate is slower than the first one.
     slower_by: usize,
     speed: Speed,
-    /// Share of the bounds of the plan that its braking uses.
+    /// Share of the bounds of the plan that its braking uses; behind a curve, of those of the path.
     brake: f64,
 }
 
@@ -44,13 +50,21 @@ const fn candidate(slower_by: usize, speed: Speed, brake: f64) -> Candidate {
 }
 
 /// Candidate plans in the order in which they are tried.
-const CANDIDATES: [Candidate; 16] = [
+const CANDIDATES: [Candidate; 24] = [
     candidate(0, Speed::Near, 1.0),
     candidate(0, Speed::Far, 1.0),
     candidate(0, Speed::Far, BRAKE_ON_CURVE),
+    candidate(0, Speed::Through(0), 1.0),
+    candidate(0, Speed::Through(0), BRAKE_ON_CURVE),
+    candidate(0, Speed::Through(1), BRAKE_ON_CURVE),
     candidate(1, Speed::Near, 1.0),
     candidate(1, Speed::Far, 1.0),
     candidate(1, Speed::Far, BRAKE_ON_CURVE),
+    candidate(1, Speed::Through(0), BRAKE_ON_CURVE),
+    candidate(1, Speed::Through(1), BRAKE_ON_CURVE),
+    candidate(2, Speed::Through(0), BRAKE_ON_CURVE),
+    candidate(3, Speed::Through(0), BRAKE_ON_CURVE),
+    candidate(4, Speed::Through(0), BRAKE_ON_CURVE),
     candidate(2, Speed::Near, 1.0),
     candidate(2, Speed::Far, 1.0),
     candidate(0, Speed::BelowFar, 1.0),
@@ -79,6 +93,69 @@ pub(crate) struct Planner {
     pub last_share: usize,
 }
 
+/// What the path allows ahead of a plan.
+struct Ahead {
+    /// Path parameter now, and the length of the stretch ahead that counts.
+    from: f64,
+    length: f64,
+    near: MostAllowed,
+    far: MostAllowed,
+    /// Smaller of both in acceleration and jerk.
+    most: MostAllowed,
+    curved: bool,
+    tight: Option<TightCurve>,
+}
+
+impl Ahead {
+    /// Looks at the path up to a little more than the present brake needs (to `held_end`), so that a law from rest sees
+    /// the next nodes, too.
+    fn new(table: &NodeTable, from: f64, held_end: f64, demand: Demand) -> Self {
+        let length = held_end - from + 0.004f64.min(table.path().length() / 16.0);
+        let near = allowed(table, from, 0.5 * length, demand);
+        let far = allowed(table, from, length, demand);
+        let curved = table.is_curved_between(from, from + length);
+        let tight = curved.then(|| TightCurve::find(table, from, length, demand.speed));
+        Self {
+            from,
+            length,
+            near,
+            far,
+            most: near.min(far),
+            curved,
+            tight: tight.flatten(),
+        }
+    }
+
+    /// Returns the bounds of a candidate plan, and the place before which its brake must not begin.
+    fn bounds(&self, candidate: &Candidate, share: f64) -> Option<(Bounds, f64)> {
+        let (speed, behind) = match candidate.speed {
+            Speed::Near => (self.near.velocity, self.from),
+            Speed::Far => (self.far.velocity, self.from),
+            Speed::BelowFar => (SLOWER * self.far.velocity, self.from),
+            Speed::Through(number) => {
+                let curve = self.tight?;
+                (curve.speed, curve.behind[number]?)
+            }
+        };
+        let bounds = Bounds {
+            speed,
+            acceleration: self.most.acceleration * share,
+            jerk: self.most.jerk * share,
+        };
+        (candidate.brake >= 1.0 || self.curved).then_some((bounds, behind))
+    }
+
+    /// Returns acceleration and jerk of the brake of a candidate plan. Behind a curve, they do not depend on those of the
+    /// plan on it.
+    fn brake(&self, candidate: &Candidate, plan: &Bounds) -> (f64, f64) {
+        let (acceleration, jerk) = match candidate.speed {
+            Speed::Through(_) => (self.most.acceleration, self.most.jerk),
+            _ => (plan.acceleration, plan.jerk),
+        };
+        (candidate.brake * acceleration, candidate.brake * jerk)
+    }
+}
+
 impl Planner {
     /// Returns the fastest time law from `now` on that is verified, or `None` if the budget of checks is used up; the
     /// law in force must then be kept. `held_end` is the path parameter at which the law in force comes to rest.
@@ -91,45 +168,23 @@ impl Planner {
         demand: Demand,
     ) -> Option<HeldBrake> {
         let table = verifier.table;
-        let length = table.path().length();
-        // A little more than the present brake needs, so that a law from rest sees the next nodes, too.
-        let ahead = held_end - now.s + 0.004f64.min(length / 16.0);
-        let near = allowed(table, now.s, 0.5 * ahead, demand);
-        let far = allowed(table, now.s, ahead, demand);
-        let (acceleration, jerk) = (
-            near.acceleration.min(far.acceleration),
-            near.jerk.min(far.jerk),
-        );
-        let curved = table.is_curved_between(now.s, now.s + ahead);
+        let ahead = Ahead::new(table, now.s, held_end, demand);
         let mut samples = SAMPLES_PER_CYCLE;
         let first = self.last_share.saturating_sub(1);
         for candidate in CANDIDATES {
             let number = first + candidate.slower_by;
-            let Some(share) = SHARES.get(number) else {
+            let share = SHARES.get(number).copied();
+            let Some((bounds, behind)) = share.and_then(|share| ahead.bounds(&candidate, share))
+            else {
                 continue;
             };
-            if candidate.brake < 1.0 && !curved {
-                continue;
-            }
-            let bounds = Bounds {
-                speed: match candidate.speed {
-                    Speed::Near => near.velocity,
-                    Speed::Far => far.velocity,
-                    Speed::BelowFar => SLOWER * far.velocity,
-                },
-                acceleration: acceleration * share,
-                jerk: jerk * share,
-            };
-            let profile = StateToRestProfile::new(now.into(), length, bounds);
-            let law = profile.and_then(|profile| {
-                let (acceleration, jerk) = (
-                    candidate.brake * bounds.acceleration,
-                    candidate.brake * bounds.jerk,
-                );
-                HeldBrake::following(profile, time, acceleration, jerk)
-            });
+            let profile = StateToRestProfile::new(now.into(), table.path().length(), bounds);
+            let brake = ahead.brake(&candidate, &bounds);
+            let law = profile.and_then(|plan| HeldBrake::following(plan, time, behind, brake));
             let Some(law) = law else { continue };
-            if bounds.speed > far.velocity && !slows_down_in_time(table, &law, bounds, ahead) {
+            if bounds.speed > ahead.far.velocity
+                && !slows_down_in_time(table, &law, bounds, ahead.length)
+            {
                 continue;
             }
             if samples == 0 {
@@ -158,6 +213,54 @@ pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> 
     }
 }
 
+/// Curve ahead on which the tool has no jerk left for braking.
+#[derive(Clone, Copy, Debug)]
+struct TightCurve {
+    /// Greatest speed on it.
+    speed: f64,
+    /// First place behind it where the tool can brake, and the same behind the next tight curve if that is near.
+    behind: [Option<f64>; 2],
+}
+
+impl TightCurve {
+    /// Finds the tightest curve within `ahead` of the place `s`, at a speed of at most `speed`; the next one counts up
+    /// to the same distance behind it.
+    fn find(table: &NodeTable, s: f64, ahead: f64, speed: f64) -> Option<Self> {
+        let mut cursor = 0;
+        let mut curve = Self {
+            speed,
+            behind: [None; 2],
+        };
+        let (mut end, mut was_tight) = (s + ahead, false);
+        for node in table.nodes_between(s, f64::INFINITY, &mut cursor) {
+            if node.s > end && !was_tight {
+                break;
+            }
+            let is_first = curve.behind[0].is_none();
+            if node.most.velocity < curve.speed && (is_first || node.s <= s + ahead) {
+                curve.speed = node.most.velocity;
+                curve.behind = [None; 2];
+            }
+            let is_tight = curve.is_tight_at(table, node);
+            if was_tight && !is_tight {
+                let slot = curve.behind.iter_mut().find(|place| place.is_none());
+                slot.map(|slot| *slot = Some(node.s));
+                end = (node.s + ahead).max(end);
+                if curve.behind[1].is_some() {
+                    break;
+                }
+            }
+            was_tight = is_tight;
+        }
+        curve.behind[0].map(|_| curve)
+    }
+
+    fn is_tight_at(&self, table: &NodeTable, node: &Node) -> bool {
+        let (share, jerk_share) = tool_shares(table.requested(), node.curvature, self.speed);
+        share.max(jerk_share) > FREE
+    }
+}
+
 /// Returns whether the time law can slow down to the speed of each place ahead before it is there. A stop alone would
 /// end there in time, too, but too late to pass at that speed: its acceleration must have decayed when the place
 /// begins.
@@ -166,9 +269,11 @@ fn slows_down_in_time(table: &NodeTable, law: &HeldBrake, bounds: Bounds, ahead:
     const STEP: f64 = 0.8;
     let turn = law.turn;
     let mut level = turn.velocity;
-    let mut cursor = 0;
-    let mut places = table.places_between(turn.s, turn.s + ahead, &mut cursor);
-    places.all(|(s, speed)| {
+    let (mut cursor, mut before) = (0, turn.s);
+    let mut places = table.nodes_between(turn.s, turn.s + ahead, &mut cursor);
+    places.all(|node| {
+        // A curve may begin anywhere between two nodes.
+        let (s, speed) = (core::mem::replace(&mut before, node.s), node.most.velocity);
         if speed >= STEP * level {
             return true;
         }

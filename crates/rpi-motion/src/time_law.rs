@@ -105,16 +105,17 @@ impl HeldBrake {
         })
     }
 
-    /// Creates the law that follows `plan` for [`PIECE`] seconds and then stops with maximum magnitudes of acceleration
-    /// and jerk. `None` if the plan goes backwards there, or a number is not finite.
+    /// Creates the law that follows `plan` for [`PIECE`] seconds, and at least to the place `behind`, and then stops with
+    /// maximum magnitudes of acceleration and jerk. `None` if the plan goes backwards there, or a number is not finite.
     #[must_use]
     pub fn following(
         plan: StateToRestProfile,
         start_time: f64,
-        acceleration: f64,
-        jerk: f64,
+        behind: f64,
+        (acceleration, jerk): (f64, f64),
     ) -> Option<Self> {
-        let turn = PathState::from(plan.state_at(PIECE));
+        let piece_time = PIECE.max(time_at(&plan, behind));
+        let turn = PathState::from(plan.state_at(piece_time));
         if turn.velocity < -1e-9 {
             return None;
         }
@@ -122,7 +123,7 @@ impl HeldBrake {
             start_time,
             start: plan.start().into(),
             piece: Some(plan),
-            piece_time: PIECE,
+            piece_time,
             turn,
             stop: stop_from(&turn, acceleration, jerk)?,
         })
@@ -170,6 +171,24 @@ impl HeldBrake {
         });
         cut.chain(self.stop.phases().iter().copied())
     }
+}
+
+/// Time at which a plan that does not go backwards comes to a place, s; its duration if the place is its end or beyond.
+fn time_at(plan: &StateToRestProfile, place: f64) -> f64 {
+    /// Halvings of the interval: the time need not be exact.
+    const STEPS: u32 = 20;
+    if plan.start().position >= place {
+        return 0.0;
+    }
+    let (mut early, mut late) = (0.0, plan.duration());
+    for _ in 0..STEPS {
+        let middle = f64::midpoint(early, late);
+        match plan.state_at(middle).position < place {
+            true => early = middle,
+            false => late = middle,
+        }
+    }
+    late
 }
 
 fn stop_from(state: &PathState, acceleration: f64, jerk: f64) -> Option<StopProfile> {

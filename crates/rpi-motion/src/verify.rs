@@ -9,8 +9,9 @@
 //! with v, a, j of the path parameter; the residual r is taken with its exact extrema over the step, since its phases
 //! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and [`USED_JERK_SHARE`].
 
-use crate::node::{Node, USED_JERK_SHARE, USED_SHARE};
+use crate::node::{Node, USED_JERK_SHARE, USED_SHARE, tool_shares};
 use crate::node_table::NodeTable;
+use crate::path::Curvature;
 use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
 use crate::time_law::{HeldBrake, PathState};
@@ -29,6 +30,9 @@ pub const SAMPLES_PER_CYCLE: usize = 600;
 
 /// Distance from the end of an axis' range that motions keep, rad.
 const RANGE_MARGIN: f64 = 1e-4;
+
+/// Share of the bounds of the tool that the bending of the curvature between two samples may use up.
+const BETWEEN_SAMPLES: f64 = 1.5e-3;
 
 /// Tolerance for the end of a law beyond the known path, in its unit.
 const END_TOLERANCE: f64 = 1e-12;
@@ -97,21 +101,19 @@ impl Verifier<'_> {
         let mut before = self.terms(&walk.state, phase.jerk, &mut walk.cursor);
         if !self.tool_is_within(&walk.state, phase.jerk, &mut walk.cursor)
             || goes_backwards(&walk.state, phase)
+            || self.is_too_fast(&walk.state, phase)
         {
             return false;
         }
         for _ in 0..steps as u32 {
-            let ahead = walk.state.advanced(width, phase.jerk).s;
-            let parts = 1 + self
-                .table
-                .fine_nodes_between(walk.state.s, ahead, &mut walk.cursor);
-            let Some(left) = walk.left.checked_sub(parts) else {
-                walk.left = 0;
-                return false;
-            };
-            walk.left = left;
-            let width = width / parts as f64;
-            for _ in 0..parts {
+            let mut rest = width;
+            while rest > 0.0 {
+                let Some(left) = walk.left.checked_sub(1) else {
+                    return false;
+                };
+                walk.left = left;
+                let width = self.sample_time(walk, phase.jerk, rest);
+                rest = if width < rest { rest - width } else { 0.0 };
                 let from = walk.time;
                 walk.state = walk.state.advanced(width, phase.jerk);
                 walk.time += width;
@@ -125,6 +127,19 @@ impl Verifier<'_> {
             }
         }
         true
+    }
+
+    /// Time until the next sample of a phase, at most `longest` seconds.
+    fn sample_time(&self, walk: &mut Walk, jerk: f64, longest: f64) -> f64 {
+        /// Two samples are at least this share of the longest time apart.
+        const SHORTEST: f64 = 1e-3;
+        let (now, then) = (walk.state, walk.state.advanced(longest, jerk));
+        let place = self.table.next_sample(now.s, then.s, &mut walk.cursor);
+        if place >= then.s {
+            return longest;
+        }
+        let time = (place - now.s) / now.velocity.max(then.velocity);
+        time.clamp(SHORTEST * longest, longest)
     }
 
     fn terms(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> [Terms; MAX_AXES] {
@@ -151,13 +166,28 @@ impl Verifier<'_> {
         terms
     }
 
+    /// Whether the velocity rises beyond the requested one in a phase that begins with this state.
+    fn is_too_fast(&self, start: &PathState, phase: &JerkPhase) -> bool {
+        let most = self.table.requested().speed.max(start.velocity) * (1.0 + 1e-9);
+        let turning = -start.acceleration / phase.jerk;
+        let inside = turning > 0.0 && turning < phase.duration;
+        let at = |time: f64| start.advanced(time, phase.jerk).velocity;
+        inside && at(turning) > most || at(phase.duration) > most
+    }
+
     /// Whether acceleration and jerk of the tool on a curved path are within the requested bounds:
     /// a t + k v² n, and (j - k² v³) t + (3 k v a + k' v³) n.
     fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
         let (one, other, share) = self.table.around(state.s, cursor);
         let mix = |low: f64, high: f64| low + share * (high - low);
         let curvature = mix(one.curvature.value, other.curvature.value);
-        let slope = mix(one.curvature.slope, other.curvature.slope);
+        let slopes = (one.curvature.slope, other.curvature.slope);
+        // Between nodes of different signs, and where a curve begins or ends, the slope may jump.
+        let is_smooth = slopes.0 * slopes.1 > 0.0;
+        let slope = match is_smooth {
+            true => mix(slopes.0, slopes.1),
+            false => libm::fabs(slopes.0).max(libm::fabs(slopes.1)),
+        };
         if curvature == 0.0 && slope == 0.0 {
             return true;
         }
@@ -169,8 +199,22 @@ impl Verifier<'_> {
         let requested = self.table.requested();
         let acceleration = libm::hypot(a, curvature * v * v);
         let along = jerk - curvature * curvature * v * v * v;
-        let across = 3.0 * curvature * v * a + slope * v * v * v;
-        acceleration <= requested.acceleration && libm::hypot(along, across) <= requested.jerk
+        let (bending, turning) = (3.0 * curvature * v * a, slope * v * v * v);
+        let across = match is_smooth {
+            true => bending + turning,
+            false => libm::fabs(bending) + turning,
+        };
+        let (share, jerk_share) = tool_shares(
+            requested,
+            Curvature {
+                value: curvature,
+                slope,
+            },
+            v,
+        );
+        let most = 1.0 - BETWEEN_SAMPLES * (share + jerk_share).min(1.0);
+        acceleration <= most * requested.acceleration
+            && libm::hypot(along, across) <= most * requested.jerk
     }
 
     fn step_is_within(

@@ -103,7 +103,8 @@ impl Window {
             Path::Joints(_) => 0.0,
             Path::Tool(_) => self.bending(arm, path, 2.5, [one, two, three, &added])?,
         };
-        match difference <= RESOLUTION {
+        let is_resolved = self.spacing <= path.path.resolution(self.centre + 2.0 * self.spacing);
+        match difference <= RESOLUTION && is_resolved {
             true => Ok((added, difference)),
             false => Err(self.unresolved()),
         }

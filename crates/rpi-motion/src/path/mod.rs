@@ -24,6 +24,9 @@ pub use spline::SplineError;
 /// Maximum number of pieces of a path of the tool.
 pub const MAX_PIECES: usize = 16;
 
+/// Number of places at which the curvature of a corner must be known.
+const CORNER_SAMPLES: f64 = 64.0;
+
 /// A piece of a path of the tool. It is held by value, because paths are replaced in the cycle, where nothing may be
 /// allocated.
 #[allow(clippy::large_enum_variant)]
@@ -160,6 +163,14 @@ impl ToolPath {
             .map_or_else(Pose::identity, |(piece, own)| piece.pose(own))
     }
 
+    /// Returns the greatest distance (m) at which the curvature is well known between two places around here.
+    fn resolution(&self, s: f64) -> f64 {
+        match self.piece_at(s) {
+            Some((Piece::Corner(corner), _)) => corner.length() / CORNER_SAMPLES,
+            _ => f64::INFINITY,
+        }
+    }
+
     fn curvature(&self, s: f64) -> Curvature {
         self.piece_at(s)
             .map_or_else(Curvature::default, |(piece, own)| piece.curvature(own))
@@ -194,6 +205,15 @@ impl Path {
         match self {
             Path::Tool(path) => path.pieces().map(Piece::way).sum(),
             Path::Joints(line) => line.length(),
+        }
+    }
+
+    /// Returns the greatest distance at which the curvature is well known between two places around `s`.
+    #[must_use]
+    pub fn resolution(&self, s: f64) -> f64 {
+        match self {
+            Path::Tool(path) => path.resolution(s),
+            Path::Joints(_) => f64::INFINITY,
         }
     }
 
