@@ -21,6 +21,9 @@ const SLOWER: f64 = 0.4;
 /// speed, no jerk is left for it.
 const FREE: f64 = 0.35;
 
+/// Distance up to which a curve counts, as a multiple of the braking distance.
+const NOT_FAR: f64 = 3.0;
+
 /// Rule for the target speed of a candidate plan.
 #[derive(Clone, Copy, Debug)]
 enum Speed {
@@ -112,9 +115,14 @@ impl Ahead {
     fn new(table: &NodeTable, from: f64, held_end: f64, demand: Demand) -> Self {
         let length = held_end - from + 0.004f64.min(table.path().length() / 16.0);
         let near = allowed(table, from, 0.5 * length, demand);
-        let far = allowed(table, from, length, demand);
+        let mut far = allowed(table, from, length, demand);
         let curved = table.is_curved_between(from, from + length);
         let tight = curved.then(|| TightCurve::find(table, from, length, demand.speed));
+        let tight = tight.flatten();
+        if let Some(curve) = tight {
+            // On a curve there may be no jerk left for slowing down to its tightest place.
+            far.velocity = far.velocity.min(curve.near_speed);
+        }
         Self {
             from,
             length,
@@ -122,7 +130,7 @@ impl Ahead {
             far,
             most: near.min(far),
             curved,
-            tight: tight.flatten(),
+            tight,
         }
     }
 
@@ -218,6 +226,8 @@ pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> 
 struct TightCurve {
     /// Greatest speed on it.
     speed: f64,
+    /// Greatest speed on the part of it that is not far.
+    near_speed: f64,
     /// First place behind it where the tool can brake, and the same behind the next tight curve if that is near.
     behind: [Option<f64>; 2],
 }
@@ -229,6 +239,7 @@ impl TightCurve {
         let mut cursor = 0;
         let mut curve = Self {
             speed,
+            near_speed: speed,
             behind: [None; 2],
         };
         let (mut end, mut was_tight) = (s + ahead, false);
@@ -241,10 +252,15 @@ impl TightCurve {
                 curve.speed = node.most.velocity;
                 curve.behind = [None; 2];
             }
+            if is_first && node.s <= s + NOT_FAR * ahead {
+                curve.near_speed = curve.near_speed.min(node.most.velocity);
+            }
             let is_tight = curve.is_tight_at(table, node);
             if was_tight && !is_tight {
                 let slot = curve.behind.iter_mut().find(|place| place.is_none());
-                slot.map(|slot| *slot = Some(node.s));
+                if let Some(slot) = slot {
+                    *slot = Some(node.s);
+                }
                 end = (node.s + ahead).max(end);
                 if curve.behind[1].is_some() {
                     break;

@@ -25,7 +25,7 @@ pub use spline::SplineError;
 pub const MAX_PIECES: usize = 16;
 
 /// Number of places at which the curvature of a corner must be known.
-const CORNER_SAMPLES: f64 = 64.0;
+const CORNER_SAMPLES: f64 = 96.0;
 
 /// A piece of a path of the tool. It is held by value, because paths are replaced in the cycle, where nothing may be
 /// allocated.
