@@ -162,6 +162,37 @@ impl Ahead {
         };
         (candidate.brake * acceleration, candidate.brake * jerk)
     }
+
+    /// Returns whether the time law can slow down to the speed of each place ahead before it is there. A stop alone would
+    /// end there in time, too, but too late to pass at that speed: its acceleration must have decayed when the place
+    /// begins.
+    fn slows_down_in_time(&self, table: &NodeTable, law: &HeldBrake, bounds: Bounds) -> bool {
+        /// Ratio of the speeds of two successive places that are checked: only slower places count, not each node.
+        const STEP: f64 = 0.9;
+        let turn = law.turn;
+        let is_in_time = |speed: f64, place: f64| {
+            slowing_distance(&turn, speed, bounds).is_some_and(|way| turn.s + way <= place)
+        };
+        if let Some(curve) = self.tight
+            && curve.begin > turn.s
+            && curve.near_speed < turn.velocity
+            && !is_in_time(curve.near_speed, curve.begin)
+        {
+            return false;
+        }
+        let mut level = turn.velocity;
+        let (mut cursor, mut before) = (0, turn.s);
+        let mut places = table.nodes_between(turn.s, turn.s + self.length, &mut cursor);
+        places.all(|node| {
+            // A curve may begin anywhere between two nodes.
+            let (s, speed) = (core::mem::replace(&mut before, node.s), node.most.velocity);
+            if speed >= STEP * level {
+                return true;
+            }
+            level = speed;
+            is_in_time(speed, s)
+        })
+    }
 }
 
 impl Planner {
@@ -190,9 +221,7 @@ impl Planner {
             let brake = ahead.brake(&candidate, &bounds);
             let law = profile.and_then(|plan| HeldBrake::following(plan, time, behind, brake));
             let Some(law) = law else { continue };
-            if bounds.speed > ahead.far.velocity
-                && !slows_down_in_time(table, &law, bounds, ahead.length)
-            {
+            if bounds.speed > ahead.far.velocity && !ahead.slows_down_in_time(table, &law, bounds) {
                 continue;
             }
             if samples == 0 {
@@ -228,6 +257,8 @@ struct TightCurve {
     speed: f64,
     /// Greatest speed on the part of it that is not far.
     near_speed: f64,
+    /// Place where it begins.
+    begin: f64,
     /// First place behind it where the tool can brake, and the same behind the next tight curve if that is near.
     behind: [Option<f64>; 2],
 }
@@ -240,15 +271,18 @@ impl TightCurve {
         let mut curve = Self {
             speed,
             near_speed: speed,
+            begin: s,
             behind: [None; 2],
         };
+        let (mut run, mut before) = (s, s);
         let (mut end, mut was_tight) = (s + ahead, false);
         for node in table.nodes_between(s, f64::INFINITY, &mut cursor) {
             if node.s > end && !was_tight {
                 break;
             }
             let is_first = curve.behind[0].is_none();
-            if node.most.velocity < curve.speed && (is_first || node.s <= s + ahead) {
+            let is_tightest = node.most.velocity < curve.speed;
+            if is_tightest && (is_first || node.s <= s + ahead) {
                 curve.speed = node.most.velocity;
                 curve.behind = [None; 2];
             }
@@ -256,6 +290,13 @@ impl TightCurve {
                 curve.near_speed = curve.near_speed.min(node.most.velocity);
             }
             let is_tight = curve.is_tight_at(table, node);
+            if is_tight && !was_tight {
+                run = before;
+            }
+            if is_tight && curve.behind[0].is_none() {
+                curve.begin = run;
+            }
+            before = node.s;
             if was_tight && !is_tight {
                 let slot = curve.behind.iter_mut().find(|place| place.is_none());
                 if let Some(slot) = slot {
@@ -275,27 +316,6 @@ impl TightCurve {
         let (share, jerk_share) = tool_shares(table.requested(), node.curvature, self.speed);
         share.max(jerk_share) > FREE
     }
-}
-
-/// Returns whether the time law can slow down to the speed of each place ahead before it is there. A stop alone would
-/// end there in time, too, but too late to pass at that speed: its acceleration must have decayed when the place
-/// begins.
-fn slows_down_in_time(table: &NodeTable, law: &HeldBrake, bounds: Bounds, ahead: f64) -> bool {
-    /// Ratio of the speeds of two successive places that are checked: only markedly slower places count, not each node.
-    const STEP: f64 = 0.8;
-    let turn = law.turn;
-    let mut level = turn.velocity;
-    let (mut cursor, mut before) = (0, turn.s);
-    let mut places = table.nodes_between(turn.s, turn.s + ahead, &mut cursor);
-    places.all(|node| {
-        // A curve may begin anywhere between two nodes.
-        let (s, speed) = (core::mem::replace(&mut before, node.s), node.most.velocity);
-        if speed >= STEP * level {
-            return true;
-        }
-        level = speed;
-        slowing_distance(&turn, speed, bounds).is_some_and(|distance| turn.s + distance <= s)
-    })
 }
 
 /// Distance in which the path parameter comes from a state to a speed without acceleration.
