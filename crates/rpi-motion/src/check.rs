@@ -4,6 +4,7 @@ use crate::joint_path::JointPath;
 use crate::node_table::NodeTable;
 use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
+use crate::speed_limit::{SpeedLimit, slower};
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
 
@@ -12,9 +13,8 @@ use rpi_kin::state_to_rest::Bounds;
 pub struct PathReport {
     /// Joints at the end of the path, rad.
     pub end: Joints,
-    /// Lowest velocity of the path parameter that the limits of the axes enforce, and the value of the path parameter
-    /// where they do.
-    pub slowest: (f64, f64),
+    /// Place at which the path is followed most slowly; `None` if the requested speed is possible everywhere.
+    pub limit: Option<SpeedLimit>,
     /// Number of places at which the derivatives of the joints were computed.
     pub nodes: usize,
 }
@@ -104,15 +104,13 @@ pub fn check_path(
     table.begin(arm, path, start, requested)?;
     let mut report = PathReport {
         end: *start,
-        slowest: (f64::INFINITY, 0.0),
+        limit: None,
         nodes: 1,
     };
     let mut is_growing = true;
     while is_growing {
         let newest = *table.newest();
-        if newest.most.velocity < report.slowest.0 {
-            report.slowest = (newest.most.velocity, newest.s);
-        }
+        report.limit = slower(report.limit, newest.speed_limit());
         is_growing = table.extend(arm, 1, newest.s - 1e-9) > 0;
         if let Some(error) = table.error() {
             return Err(error);

@@ -36,6 +36,7 @@ pub mod path;
 pub mod path_error;
 mod plan;
 pub mod residual;
+pub mod speed_limit;
 pub mod stop_margin;
 pub mod time_law;
 pub mod verify;
@@ -46,6 +47,7 @@ pub use check::{PathReport, check_path, scan_path};
 pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
 pub use path::Path;
 pub use path_error::{PathError, PathErrorKind};
+pub use speed_limit::{SpeedBound, SpeedLimit};
 
 /// Values of all axes, in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.
 pub type Joints = [f64; rpi_kin::MAX_AXES];

@@ -1,11 +1,13 @@
 //! The motion core of one arm: begins a motion from any state, and gives the set-point of each cycle.
 
 use crate::entry::{self, ATTEMPTS};
+use crate::node::Node;
 use crate::node_table::NodeTable;
 use crate::path::Path;
 use crate::path_error::PathError;
 use crate::plan::{Demand, Planner};
 use crate::residual::Residual;
+use crate::speed_limit::{SpeedLimit, slower};
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
 use crate::verify::{SAMPLES_PER_CYCLE, Verifier, allowed_ranges};
 use crate::{Arm, JointState, Joints};
@@ -221,6 +223,16 @@ impl MotionCore {
     #[must_use]
     pub fn path_error(&self) -> Option<PathError> {
         self.table.error()
+    }
+
+    /// Returns the place ahead for which the motion is slower than requested now: the slowest one that its brake reaches.
+    /// `None` if the requested speed is possible there.
+    #[must_use]
+    pub fn speed_limit(&self) -> Option<SpeedLimit> {
+        let now = self.held.state_at(self.cycle as f64 * self.period).s;
+        let mut cursor = 0;
+        let nodes = self.table.nodes_between(now, self.held.end(), &mut cursor);
+        nodes.map(Node::speed_limit).fold(None, slower)
     }
 
     /// Returns the time at which the arm is on the path, s since the start of the motion.

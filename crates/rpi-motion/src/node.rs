@@ -1,6 +1,7 @@
 //! A place on the path in joint space, and what it allows.
 
 use crate::path::Curvature;
+use crate::speed_limit::{SpeedBound, SpeedLimit, steady_speed};
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
 
@@ -30,6 +31,8 @@ pub struct Node {
     pub resolution: f64,
     /// Greatest velocity, acceleration and jerk of the path parameter here, each on its own.
     pub most: MostAllowed,
+    /// Bound that limits this velocity; `None` if it is the requested one.
+    pub speed_bound: Option<SpeedBound>,
 }
 
 /// Greatest velocity, acceleration and jerk of the path parameter.
@@ -41,6 +44,18 @@ pub struct MostAllowed {
     pub acceleration: f64,
     /// Greatest jerk of the path parameter.
     pub jerk: f64,
+}
+
+impl Node {
+    /// Returns the limit of the speed at the node, if it is lower than the requested one.
+    #[must_use]
+    pub fn speed_limit(&self) -> Option<SpeedLimit> {
+        self.speed_bound.map(|bound| SpeedLimit {
+            s: self.s,
+            velocity: self.most.velocity,
+            bound,
+        })
+    }
 }
 
 impl Default for MostAllowed {
@@ -65,46 +80,26 @@ impl MostAllowed {
     }
 }
 
-/// Returns the velocity, acceleration and jerk of the path parameter that the limits of the axes allow at a node. The
-/// shares of acceleration (0.7) and jerk (0.6) that the speed may use up alone leave room for the acceleration and the
-/// jerk of the path parameter.
-pub(crate) fn axis_bounds(arm: &Arm, node: &Node) -> MostAllowed {
-    let mut most = MostAllowed::default();
-    for (axis, limits) in arm.limits().iter().enumerate() {
-        let first = node.first[axis].abs().max(1e-9);
-        let second = node.second[axis].abs().max(1e-9);
-        let third = node.third[axis].abs().max(1e-9);
-        let by_acceleration = libm::sqrt(0.7 * limits.acceleration / second);
-        let by_jerk = libm::cbrt(0.6 * limits.jerk / third);
-        most = most.min(MostAllowed {
-            velocity: (USED_SHARE * limits.velocity / first)
-                .min(by_acceleration)
-                .min(by_jerk),
-            acceleration: USED_SHARE * limits.acceleration / first,
-            jerk: USED_JERK_SHARE * limits.jerk / first,
-        });
-    }
-    most
-}
-
-/// Returns the velocity, acceleration and jerk of the path parameter that the bounds of the tool allow at a place with
-/// this curvature. At a steady speed the acceleration is k v² and the jerk hypot(k', k²) v³; the verification looks at
-/// both together with those along the path.
-pub(crate) fn tool_bounds(requested: Bounds, curvature: Curvature) -> MostAllowed {
-    /// Share of its own bounds that a steady speed uses.
-    const STEADY: f64 = 0.985;
-    let Curvature { value, slope } = curvature;
-    let sideways = libm::sqrt(requested.acceleration / value.max(1e-9));
-    let turning = libm::hypot(slope, value * value).max(1e-9);
-    let twisting = libm::cbrt(requested.jerk / turning);
-    MostAllowed {
-        velocity: requested
-            .speed
-            .min(STEADY * sideways)
-            .min(STEADY * twisting),
+/// Returns the velocity, acceleration and jerk of the path parameter that the axes and the requested bounds of the tool
+/// allow at a node, and the bound that limits the velocity; `None` if it is the requested one.
+pub(crate) fn bounds_at(
+    arm: &Arm,
+    node: &Node,
+    requested: Bounds,
+) -> (MostAllowed, Option<SpeedBound>) {
+    let (velocity, bound) = steady_speed(arm, node, requested);
+    let mut most = MostAllowed {
+        velocity,
         acceleration: requested.acceleration,
         jerk: requested.jerk,
+    };
+    for (axis, limits) in arm.limits().iter().enumerate() {
+        let first = node.first[axis].abs().max(1e-9);
+        let along = USED_SHARE * limits.acceleration / first;
+        most.acceleration = most.acceleration.min(along);
+        most.jerk = most.jerk.min(USED_JERK_SHARE * limits.jerk / first);
     }
+    (most, bound)
 }
 
 /// Returns the shares of the acceleration and the jerk of the tool that a steady speed uses at a place with this

@@ -5,7 +5,7 @@
 //! room for those ahead.
 
 use crate::joint_path::JointPath;
-use crate::node::{MostAllowed, Node, axis_bounds, tool_bounds};
+use crate::node::{MostAllowed, Node, bounds_at};
 use crate::path::{Curvature, Path};
 use crate::path_error::{PathError, PathErrorKind};
 use crate::window::{Window, widest_spacing};
@@ -188,7 +188,7 @@ impl NodeTable {
             node.second = [0.0; MAX_AXES];
             node.third = [0.0; MAX_AXES];
         }
-        node.most = axis_bounds(arm, &node).min(tool_bounds(self.requested, node.curvature));
+        (node.most, node.speed_bound) = bounds_at(arm, &node, self.requested);
         let slot = self.next % self.ring.len();
         self.ring[slot] = node;
         self.next += 1;

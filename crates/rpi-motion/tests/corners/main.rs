@@ -6,6 +6,7 @@ use rpi_kin::{ArmModel, Pose, models};
 use rpi_motion::path::{Piece, ToolPath};
 use rpi_motion::{Arm, Controls, JointState, Joints, MotionCore, Path};
 
+mod limits;
 mod speed;
 
 pub(crate) const PERIOD: f64 = 1e-3;
