@@ -7,6 +7,7 @@
 mod axis;
 mod brake;
 mod faults;
+mod kinematic_functions;
 mod kinematics;
 pub mod limits;
 mod motion;
