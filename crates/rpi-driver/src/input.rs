@@ -1,10 +1,8 @@
 //! Reading of input files: their kind, and decompression.
 
 use std::fmt;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-
-use flate2::read::MultiGzDecoder;
 
 /// Kind of a file, decided by its extension.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -121,7 +119,7 @@ impl std::error::Error for InputError {}
 /// # Errors
 /// If the extension is unknown, or the file cannot be read or decompressed.
 pub fn read(path: &Path) -> Result<Input, InputError> {
-    let bytes = std::fs::read(path).map_err(|e| read_error(path, &e))?;
+    let bytes = rpi_files::read(path, rpi_files::MAX_PROGRAM).map_err(|e| read_error(path, &e))?;
     let kind = InputKind::from_path(path).ok_or_else(|| {
         let known: Vec<String> = KINDS.iter().map(|k| format!(".{}", k.0)).collect();
         let help = format!(
@@ -133,8 +131,6 @@ pub fn read(path: &Path) -> Result<Input, InputError> {
             ..InputError::new(path, "unknown file extension")
         }
     })?;
-    let bytes =
-        decompress(bytes).map_err(|e| InputError::new(path, format!("invalid gzip file: {e}")))?;
     let bytes = match kind {
         InputKind::Lustre => as_unicode(bytes),
         _ => bytes,
@@ -144,16 +140,6 @@ pub fn read(path: &Path) -> Result<Input, InputError> {
         kind,
         bytes,
     })
-}
-
-/// Decompresses the content if it begins with the gzip magic number (RFC 1952, section 2.3.1).
-fn decompress(bytes: Vec<u8>) -> std::io::Result<Vec<u8>> {
-    if !bytes.starts_with(&[0x1f, 0x8b]) {
-        return Ok(bytes);
-    }
-    let mut out = Vec::new();
-    MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut out)?;
-    Ok(out)
 }
 
 /// Returns the file name without folders and extensions.

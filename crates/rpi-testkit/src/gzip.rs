@@ -1,9 +1,7 @@
 //! Reading of recorded data, compressed or not.
 
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
-
-use flate2::read::MultiGzDecoder;
 
 /// Returns the text of a file. The file is decompressed if it begins with the gzip magic number (RFC 1952, section
 /// 2.3.1).
@@ -12,14 +10,8 @@ use flate2::read::MultiGzDecoder;
 ///
 /// If the file cannot be read, is invalid gzip, or is not UTF-8.
 pub fn read_maybe_gz(path: impl AsRef<Path>) -> io::Result<String> {
-    let bytes = std::fs::read(path)?;
-    let mut text = String::new();
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        MultiGzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
-    } else {
-        bytes.as_slice().read_to_string(&mut text)?;
-    }
-    Ok(text)
+    let bytes = rpi_files::read(path.as_ref(), rpi_files::MAX_TRACE)?;
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi-sim",
         &["rpi-device", "rpi-image", "rpi-kin", "rpi-motion"],
     ),
+    ("rpi-files", &[]),
     ("rpi-words", &[]),
     ("rpi-diag", &["rpi-words"]),
     ("rpi-syntax", &["rpi-diag"]),
@@ -42,6 +43,7 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi-driver",
         &[
             "rpi-diag",
+            "rpi-files",
             "rpi-image",
             "rpi-literal",
             "rpi-lower",
@@ -69,6 +71,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-core",
             "rpi-device",
             "rpi-diag",
+            "rpi-files",
             "rpi-image",
             "rpi-literal",
             "rpi-runtime",
@@ -168,7 +171,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-prims",
         ],
     ),
-    ("rpi-testkit", &[]),
+    ("rpi-testkit", &["rpi-files"]),
     (
         "rpi-bench",
         &[

@@ -1,11 +1,9 @@
 //! Trace in memory. The rows are ranges of one text buffer.
 
 use std::collections::BTreeMap;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::Path;
-
-use flate2::read::MultiGzDecoder;
 
 use super::{FileReadError, TraceError, csv, tsv};
 
@@ -189,13 +187,7 @@ pub fn read_text(path: &Path) -> Result<String, FileReadError> {
             _ => e.to_string(),
         },
     };
-    let bytes = std::fs::read(path).map_err(failed)?;
-    let mut text = String::new();
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        MultiGzDecoder::new(bytes.as_slice()).read_to_string(&mut text)
-    } else {
-        bytes.as_slice().read_to_string(&mut text)
-    }
-    .map_err(failed)?;
-    Ok(text)
+    let bytes = rpi_files::read(path, rpi_files::MAX_TRACE).map_err(failed)?;
+    let text = String::from_utf8(bytes);
+    text.map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))
 }
