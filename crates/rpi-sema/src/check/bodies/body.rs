@@ -11,6 +11,7 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::reported::ReportedErrors;
 use crate::check::exprs::bindings::Binding;
 use crate::check::exprs::bindings::NotEvaluable;
+use crate::check::limits::nesting;
 use crate::check::signatures::imported::ContractInstance;
 use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::unit;
@@ -212,6 +213,10 @@ impl<'c, 'a> Body<'c, 'a> {
     /// Adds an expression. A time, or a fixed duration in seconds, is wrapped in a `Part`, which can later be replaced
     /// by a conversion between ticks and seconds.
     pub(crate) fn add(&mut self, kind: TypedKind, ty: Ty, span: Span) -> ExprId {
+        let (kind, ty) = match nesting::may_hold(self, &ty, span) {
+            true => (kind, ty),
+            false => (TypedKind::Error, Ty::Unknown),
+        };
         match unit::reads_rpi_syntax(self)
             && crate::check::types::exact_time::may_be_converted(&self.unit, &kind, &ty)
         {

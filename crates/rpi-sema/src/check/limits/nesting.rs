@@ -3,6 +3,8 @@
 
 use crate::check::Checker;
 use crate::check::bodies::body::Body;
+use crate::check::diagnostics::report;
+use crate::check::types::MAX_LEAVES;
 use crate::program::Program;
 use crate::ty::{Member, Ty};
 use crate::typed::Leaf;
@@ -19,7 +21,7 @@ const MAX_ALIAS_CHAIN: usize = 64;
 const MAX_TYPE_DEPTH: u32 = 420;
 
 /// Maximum number of parts of a struct, over all levels.
-const MAX_STRUCT_PARTS: usize = crate::check::types::MAX_LEAVES;
+const MAX_STRUCT_PARTS: usize = MAX_LEAVES;
 
 /// Maximum number of expressions and flows of all units, in addition to the share that grows with the source text.
 const MAX_EXPANDED_SIZE: usize = 320_000;
@@ -29,6 +31,12 @@ const EXPRS_PER_BYTE: usize = 4;
 
 /// Number of leaves of constants that count as one expression.
 const LEAVES_PER_EXPR: usize = 4;
+
+/// Number of parts of a value that count as one expression.
+const PARTS_PER_EXPR: usize = 16;
+
+/// Maximum number of parts of one value, over all levels: an array of [`MAX_LEAVES`] leaves, with what holds them.
+const MAX_VALUE_PARTS: usize = 2 * MAX_LEAVES;
 
 /// Returns the maximum number of expressions and flows of all units of a program.
 pub(crate) fn max_expanded_size(program: &Program<'_>) -> usize {
@@ -104,6 +112,35 @@ pub(crate) fn check_nested<'a, T>(
     let result = work(checker);
     checker.limits.nesting -= 1;
     result
+}
+
+/// Whether an expression may have a value of this type; reports it if not. Tuples of tuples double in size with every
+/// line, so the size is counted before anything is computed for each part, and the values of all expressions together
+/// are limited, too.
+pub(crate) fn may_hold(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> bool {
+    if !matches!(ty, Ty::Tuple(_) | Ty::Array(..) | Ty::Struct(_)) {
+        return true;
+    }
+    match part_count(ty, MAX_TYPE_DEPTH, MAX_VALUE_PARTS) {
+        Some(parts) => {
+            cx.checker.limits.expanded_size += parts / PARTS_PER_EXPR;
+            may_expand(cx, span)
+        }
+        None => {
+            let diagnostic = Diagnostic::new(Code::RPI2009, "the value is too large")
+                .primary(
+                    span,
+                    format!(
+                        "more than {MAX_VALUE_PARTS} parts, or more than {MAX_TYPE_DEPTH} levels"
+                    ),
+                )
+                .help(
+                    "use fewer parts: a tuple or array of tuples holds all parts of each of them",
+                );
+            report::report_diagnostic(cx, diagnostic);
+            false
+        }
+    }
 }
 
 /// Whether a struct type with these fields has few enough parts and levels.
