@@ -55,11 +55,12 @@ class Core:
         await self._wire.send(text)
         return await answer
 
-    async def open_session(self, name: str, on_loss: str = "cancel") -> Session:
-        """Opens a session; ``on_loss`` (``cancel``, ``run-on``, ``abort``) says what becomes of its commands without us."""
+    async def open_session(self, name: str, on_loss: str = "cancel", grace: float | None = None) -> Session:
+        """Opens a session; ``on_loss`` (``cancel``, ``run-on``, ``abort``) says what becomes of its commands without us, and
+        ``grace`` within how many seconds a cancelled command must end before it is aborted."""
         from ._goal import Session
 
-        opened = await self.call("session.open", name=name, on_loss=on_loss)
+        opened = await self.call("session.open", name=name, on_loss=on_loss, grace=grace)
         return Session(self, opened["session"])
 
     async def emergency_stop(self, by: str = "a client") -> None:

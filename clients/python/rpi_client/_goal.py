@@ -150,9 +150,11 @@ class Goal:
         """Sets inputs, all between the same two cycles."""
         await self._core.call("command.set", command=self.name, values=values)
 
-    async def preempt(self) -> None:
-        """Asks it to end, in its own way and on its path."""
-        await self._core.call("command.cancel", command=self.name)
+    async def preempt(self, grace: float | None = None) -> Ending:
+        """Cancels it and waits until it has ended: on its path, or by an abort when it has not ended within ``grace`` seconds
+        (by default those of the session). The devices are free then."""
+        await self._core.call("command.cancel", command=self.name, grace=grace)
+        return await self.result()
 
     async def abort(self) -> None:
         """Ends it at once; devices stop on their own limits."""
@@ -265,9 +267,10 @@ class Task:
         """Starts it."""
         await self._core.call("task.start", task=self.name)
 
-    async def preempt(self) -> None:
-        """Cancels the task: no further command starts, and running ones are cancelled."""
+    async def preempt(self) -> TaskEnd:
+        """Cancels the task, so that no further command starts and running ones are cancelled, and waits for its end."""
         await self._core.call("task.cancel", task=self.name)
+        return await self.result()
 
     async def unload(self) -> None:
         """Lets go of it: one that runs is unloaded when it has ended."""

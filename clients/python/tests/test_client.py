@@ -163,9 +163,26 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             session = await core.open_session("test", on_loss="run-on")
             goal = await session.load("command Wait () let finish stopped when cancel; finish never when false; tel")
             await goal.start()
-            await goal.preempt()
-            ending = await asyncio.wait_for(goal.result(), 10)
+            ending = await asyncio.wait_for(goal.preempt(), 10)
             self.assertEqual((ending.result, ending.cancelled), ("stopped", True))
+
+    async def test_preempt_ends_what_ignores_it(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test", grace=0.05)
+            goal = await session.load("command Deaf () let finish never when false; tel")
+            await goal.start()
+            ending = await asyncio.wait_for(goal.preempt(), 10)
+            self.assertEqual((ending.cause, ending.cancelled), ("aborted", True))
+
+    async def test_the_operator_slows_and_pauses(self) -> None:
+        async with await connect(self.path) as core:
+            await core.set_override(0.5)
+            await core.pause()
+            self.assertEqual(await core.call("motion.state"), {"override": 0.5, "paused": True})
+            await core.resume()
+            with self.assertRaises(RpiError):
+                await core.set_override(2.0)
+            await core.set_override(1.0)
 
     async def test_a_lost_server_is_updates(self) -> None:
         core = await connect(f"ws://127.0.0.1:{self.port}")

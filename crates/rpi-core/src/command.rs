@@ -74,6 +74,8 @@ pub enum AbortReason {
     EmergencyStop,
     /// The connection to the owner was lost.
     ClientLost,
+    /// The command had not ended within the grace time after a cancel request.
+    CancelTimeout,
     /// A discontinuous takeover by another command with [`Continuity::AbortAll`].
     Discontinuity,
 }

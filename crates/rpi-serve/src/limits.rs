@@ -29,8 +29,14 @@ pub struct Limits {
     pub message_bytes: usize,
     /// Memory of commands and tasks in bytes, over all sessions.
     pub memory_bytes: usize,
+    /// Number of values in one JSON message, those inside of others included. A value takes more memory than its text.
+    pub json_values: usize,
+    /// Number of requests in one batch.
+    pub batch_requests: usize,
     /// Number of messages that may be queued for a client that does not read them.
     pub queued_messages: usize,
+    /// Total size in bytes of the messages that may be queued for a client, and of the answers to one batch.
+    pub queued_bytes: usize,
     /// Number of subscriptions of one client.
     pub subscriptions: usize,
     /// Length of a session, command or device name in bytes. A longer device name is rejected, any other one is
@@ -58,7 +64,10 @@ impl Default for Limits {
             devices: 64,
             message_bytes: 16 << 20,
             memory_bytes: 512 << 20,
+            json_values: 1 << 17,
+            batch_requests: 1024,
             queued_messages: 4096,
+            queued_bytes: 16 << 20,
             subscriptions: 1024,
             name_bytes: 256,
             queued_loads: 32,

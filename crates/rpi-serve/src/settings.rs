@@ -2,6 +2,7 @@
 
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
+use std::time::Duration;
 
 use rpi_core::Continuity;
 use rpi_runtime::control::Budget;
@@ -38,6 +39,9 @@ pub struct Settings {
     pub continuity: Option<Continuity>,
     /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
     pub on_loss: OnLoss,
+    /// Time in which a cancelled command must end; afterwards it is aborted, and its devices brake on their own. A session
+    /// or a request may set another one.
+    pub grace: Duration,
     /// Maximum share of a tick for all commands together, from 0 to 1, by the compiler's bounds. Commands beyond it are
     /// rejected; the rest of the tick is for requests and devices. `None` disables the check.
     pub cycle_share: Option<f64>,
@@ -61,6 +65,7 @@ impl Default for Settings {
             real_time: None,
             continuity: None,
             on_loss: OnLoss::default(),
+            grace: Duration::from_secs(5),
             cycle_share: Some(Budget::SHARE),
             ns_per_operation: Budget::NS_PER_OPERATION,
             limits: Limits::default(),

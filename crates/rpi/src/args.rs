@@ -250,6 +250,9 @@ pub(crate) struct ServeArgs {
     /// Policy for the commands of a disconnected client, unless the client specifies one.
     #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
     pub(crate) on_loss: OnLoss,
+    /// Time in which a cancelled command must end, unless the client specifies one; afterwards it is aborted.
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "5s")]
+    pub(crate) grace: u64,
     #[command(flatten)]
     pub(crate) share: BudgetArgs,
     #[command(flatten)]

@@ -34,6 +34,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
         real_time: args.clock.real_time.then(|| args.clock.real_time()),
         continuity: args.on_jump.map(Into::into),
         on_loss: args.on_loss,
+        grace: Duration::from_nanos(args.grace),
         ..Settings::default()
     };
     let recording = args.record.as_deref().map(|path| recording(path, text));

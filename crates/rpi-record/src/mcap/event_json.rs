@@ -10,12 +10,13 @@ use rpi_runtime::control::Event;
 use rpi_runtime::run::fault_text;
 
 /// Reasons of an abort and their keywords.
-const REASON_KEYWORDS: [(AbortReason, &str); 5] = [
+const REASON_KEYWORDS: [(AbortReason, &str); 6] = [
     (AbortReason::Request, "request"),
     (AbortReason::Overrun, "overrun"),
     (AbortReason::EmergencyStop, "emergency stop"),
     (AbortReason::ClientLost, "client lost"),
     (AbortReason::Discontinuity, "discontinuity"),
+    (AbortReason::CancelTimeout, "cancel timeout"),
 ];
 
 /// Returns the word that recordings use for the reason of an abort.

@@ -112,6 +112,9 @@ pub fn abort_text(why: AbortReason) -> &'static str {
         AbortReason::Overrun => "too many overruns",
         AbortReason::EmergencyStop => "emergency stop",
         AbortReason::ClientLost => "the client connection was lost",
+        AbortReason::CancelTimeout => {
+            "it had not ended within the grace time after a cancel request"
+        }
         AbortReason::Discontinuity => "discontinuous takeover by another command",
     }
 }

@@ -3,12 +3,13 @@
 use rpi_core::AbortReason;
 
 /// Reasons of an abort. The index of a reason is its key on the tick log, so the order must not change.
-const REASONS: [AbortReason; 5] = [
+const REASONS: [AbortReason; 6] = [
     AbortReason::Request,
     AbortReason::Overrun,
     AbortReason::EmergencyStop,
     AbortReason::ClientLost,
     AbortReason::Discontinuity,
+    AbortReason::CancelTimeout,
 ];
 
 /// Returns the number that stands for an abort reason in the tick log.

@@ -9,7 +9,7 @@ use crate::condition::{self, Expr, FactExpr};
 use crate::limits::OnLoss;
 use crate::peer::Peer;
 use crate::state::{
-    ApiError, Client, Language, LoadRequest, Reply, RuleRequest, SharedState,
+    ApiError, Client, Language, LoadRequest, Reply, RuleRequest, SessionPolicy, SharedState,
     TOO_MANY_SUBSCRIPTIONS, WatchRequest,
 };
 use crate::transport::{ConnectionHandler, Outbox};
@@ -43,7 +43,7 @@ const REQUESTS: &[(&str, Handler)] = &[
         front.net_op(m, |state, net, reply| state.start(net, reply))
     }),
     ("neca", |front, m| {
-        front.net_op(m, |state, net, reply| state.cancel(net, reply))
+        front.net_op(m, |state, net, reply| state.cancel(net, None, reply))
     }),
     ("neab", |front, m| {
         front.net_op(m, |state, net, reply| state.abort(net, reply))
@@ -118,18 +118,18 @@ impl DioConnection {
     }
 
     fn ok(&self, tag: &str, result: &str) -> bool {
-        self.outbox.put_device(answer(tag, Ok(result.to_owned())))
+        self.outbox.queue(answer(tag, Ok(result.to_owned())))
     }
 
     fn err(&self, tag: &str, error: ApiError) -> bool {
-        self.outbox.put_device(answer(tag, Err(error)))
+        self.outbox.queue(answer(tag, Err(error)))
     }
 
     /// Returns a callback that sends the result of a request with this tag.
     fn reply(&self, tag: &str) -> Reply {
         let (out, tag) = (self.outbox.clone(), tag.to_owned());
         Box::new(move |result| {
-            out.put_device(answer(&tag, result));
+            out.queue(answer(&tag, result));
         })
     }
 
@@ -155,11 +155,14 @@ impl DioConnection {
 
     fn new_session(&mut self, message: &Message) -> Result<(), ApiError> {
         let on_loss = message.args.get(1).and_then(Arg::as_text);
-        let on_loss = on_loss.and_then(OnLoss::from_name);
+        let policy = SessionPolicy {
+            on_loss: on_loss.and_then(OnLoss::from_name),
+            grace: None,
+        };
         let name =
             self.state
                 .lock()
-                .open_session(text_arg(message, 0)?, on_loss, (self.client, true))?;
+                .open_session(text_arg(message, 0)?, policy, (self.client, true))?;
         self.ok(&message.tag, &name);
         self.sessions.push(name);
         Ok(())

@@ -30,6 +30,16 @@ pub(super) fn one(
     Ok(None)
 }
 
+/// Method that cancels a command, which must end within a time.
+pub(super) fn cancel(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let reply = call.deferred_reply(|_| json!({}));
+    let command = call.text("command")?;
+    let grace = call.optional_seconds("grace")?;
+    front.ensure_may_act(&[command])?;
+    front.state.lock().cancel(command, grace, reply);
+    Ok(None)
+}
+
 /// Method that sets inputs of a command, all between the same two cycles.
 pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let command = call.text("command")?;

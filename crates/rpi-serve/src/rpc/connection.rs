@@ -2,8 +2,10 @@
 
 use serde_json::{Value, json};
 
+use super::json_size::max_values;
 use super::methods::{METHODS, Method};
 use super::reply_target::ReplyTarget;
+use crate::limits::Limits;
 use crate::peer::Peer;
 use crate::state::{ApiError, Client, Reply, SharedState};
 use crate::transport::{ConnectionHandler, Outbox};
@@ -13,6 +15,7 @@ pub(crate) struct RpcConnection {
     pub(super) state: SharedState,
     pub(super) client: Client,
     pub(super) outbox: Outbox,
+    limits: Limits,
     /// Names of the sessions that the client has opened or taken over.
     pub(super) sessions: Vec<String>,
 }
@@ -29,6 +32,9 @@ pub(super) type MethodResult = Result<Option<Value>, ApiError>;
 impl ConnectionHandler for RpcConnection {
     fn on_message(&mut self, text: &str) -> bool {
         let nobody = json!({"id": null});
+        if let Some(why) = self.excess(text) {
+            return ReplyTarget::single(&nobody, &self.outbox).error(-32600, &why, Value::Null);
+        }
         let request: Value = match serde_json::from_str(text) {
             Ok(request) => request,
             Err(why) => {
@@ -40,8 +46,14 @@ impl ConnectionHandler for RpcConnection {
             Value::Array(batch) if batch.is_empty() => {
                 ReplyTarget::single(&nobody, &self.outbox).invalid_request()
             }
+            Value::Array(batch) if batch.len() > self.limits.batch_requests => {
+                let most = self.limits.batch_requests;
+                let why = format!("a batch has at most {most} requests, found {}", batch.len());
+                ReplyTarget::single(&nobody, &self.outbox).error(-32600, &why, Value::Null)
+            }
             Value::Array(batch) => {
-                let answers = ReplyTarget::batch(&batch, &self.outbox);
+                let most = self.limits.queued_bytes / 2;
+                let answers = ReplyTarget::batch(&batch, &self.outbox, most);
                 let mut all = batch.iter().zip(answers);
                 all.all(|(request, answers)| self.handle_request(request, answers))
             }
@@ -68,14 +80,26 @@ impl Drop for RpcConnection {
 
 impl RpcConnection {
     /// Creates the connection of a new client.
-    pub(crate) fn new(state: SharedState, peer: Peer, out: Outbox) -> RpcConnection {
+    pub(crate) fn new(
+        state: SharedState,
+        peer: Peer,
+        out: Outbox,
+        limits: Limits,
+    ) -> RpcConnection {
         let client = state.lock().objects.client(peer);
         RpcConnection {
             state,
             client,
             outbox: out,
+            limits,
             sessions: Vec::new(),
         }
+    }
+
+    /// Returns why a text has too many values to be read; `None` if it has not.
+    fn excess(&self, text: &str) -> Option<String> {
+        let most = self.limits.json_values;
+        (max_values(text) > most).then(|| format!("a message has at most {most} values"))
     }
 
     fn handle_request(&mut self, request: &Value, answers: ReplyTarget) -> bool {

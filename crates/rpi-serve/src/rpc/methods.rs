@@ -26,7 +26,7 @@ const TASK: &[&str] = &["task"];
 pub(super) const METHODS: &[Method] = &[
     method(
         "session.open",
-        &["name", "on_loss", "shared"],
+        &["name", "on_loss", "grace", "shared"],
         sessions::open_session,
     ),
     method("session.close", &["session"], sessions::close_session),
@@ -46,9 +46,7 @@ pub(super) const METHODS: &[Method] = &[
     method("command.start", COMMAND, |front, call| {
         commands::one(front, call, ServerState::start)
     }),
-    method("command.cancel", COMMAND, |front, call| {
-        commands::one(front, call, ServerState::cancel)
-    }),
+    method("command.cancel", &["command", "grace"], commands::cancel),
     method("command.abort", COMMAND, |front, call| {
         commands::one(front, call, ServerState::abort)
     }),

@@ -3,6 +3,7 @@
 mod commands;
 mod connection;
 mod devices;
+mod json_size;
 mod methods;
 mod motion;
 mod params;

@@ -121,6 +121,14 @@ impl<'a> Call<'a> {
         Ok(self.optional(key, texts_type())?.unwrap_or_default())
     }
 
+    /// Returns an optional duration given in seconds.
+    pub(super) fn optional_seconds(&self, key: &str) -> Result<Option<Duration>, ApiError> {
+        match self.params.get(key) {
+            None | Some(Value::Null) => Ok(None),
+            Some(_) => self.seconds(key, 0.0).map(Some),
+        }
+    }
+
     /// Returns a duration given in seconds; `unless_said` seconds if the parameter is missing.
     pub(super) fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, ApiError> {
         let seconds = self.optional(key, number_type())?.unwrap_or(unless_said);

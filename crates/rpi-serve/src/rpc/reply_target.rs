@@ -24,8 +24,14 @@ enum Delivery {
 
 /// Answers to the requests of a JSON-RPC batch, sent together once all are answered.
 struct Batch {
+    /// Number of requests that are not answered yet.
     left: usize,
-    answers: Vec<Value>,
+    /// The answers, separated by commas.
+    answers: String,
+    /// Greatest length of the answers in bytes.
+    most: usize,
+    /// Whether the answers are longer than that, so that the others are left out.
+    is_too_long: bool,
     out: Outbox,
 }
 
@@ -38,11 +44,13 @@ impl ReplyTarget {
         }
     }
 
-    /// Creates the destinations for the requests of a batch.
-    pub(super) fn batch(requests: &[Value], out: &Outbox) -> Vec<ReplyTarget> {
+    /// Creates the destinations for the requests of a batch, whose answers have at most `most` bytes.
+    pub(super) fn batch(requests: &[Value], out: &Outbox, most: usize) -> Vec<ReplyTarget> {
         let batch = Batch {
             left: requests.len(),
-            answers: Vec::new(),
+            answers: String::new(),
+            most,
+            is_too_long: false,
             out: out.clone(),
         };
         let batch = Arc::new(Mutex::new(batch));
@@ -107,7 +115,7 @@ impl ReplyTarget {
             answer
         });
         match (&self.delivery, answer) {
-            (Delivery::Single(out), Some(answer)) => out.put_device(answer.to_string()),
+            (Delivery::Single(out), Some(answer)) => out.queue(answer.to_string()),
             (Delivery::Single(_), None) => true,
             (Delivery::Batch(batch), answer) => {
                 let mut batch = batch.lock().unwrap_or_else(PoisonError::into_inner);
@@ -119,14 +127,37 @@ impl ReplyTarget {
 
 impl Batch {
     fn take(&mut self, answer: Option<Value>) -> bool {
-        self.answers.extend(answer);
+        if let Some(answer) = answer {
+            self.add(&answer.to_string());
+        }
         self.left = self.left.saturating_sub(1);
         // JSON-RPC 2.0, section 6: all answers in one array, and no answer at all to a batch of notifications.
-        if self.left > 0 || self.answers.is_empty() {
+        if self.left > 0 || self.answers.is_empty() && !self.is_too_long {
             return true;
         }
+        if self.is_too_long {
+            let message = format!("the answers have more than {} bytes", self.most);
+            let error = json!({"code": -32004, "message": message});
+            let answer = json!({"jsonrpc": "2.0", "id": null, "error": error});
+            self.push(&answer.to_string());
+        }
         let answers = std::mem::take(&mut self.answers);
-        self.out.put_device(Value::Array(answers).to_string())
+        self.out.queue(format!("[{answers}]"))
+    }
+
+    /// Adds an answer, unless the answers would become too long.
+    fn add(&mut self, answer: &str) {
+        self.is_too_long |= self.answers.len() + answer.len() > self.most;
+        if !self.is_too_long {
+            self.push(answer);
+        }
+    }
+
+    fn push(&mut self, answer: &str) {
+        if !self.answers.is_empty() {
+            self.answers.push(',');
+        }
+        self.answers.push_str(answer);
     }
 }
 

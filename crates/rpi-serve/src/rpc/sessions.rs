@@ -5,15 +5,19 @@ use serde_json::json;
 use super::connection::{Call, MethodResult, RpcConnection};
 use super::params::text_type;
 use crate::limits::OnLoss;
-use crate::state::ApiError;
+use crate::state::{ApiError, SessionPolicy};
 
 /// Method that opens a session, to which the commands of a client belong.
 pub(super) fn open_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let on_loss = call.one_of("on_loss", &OnLoss::ALL)?;
     let name = call.optional("name", text_type())?;
     let shared = call.boolean("shared")?;
+    let policy = SessionPolicy {
+        on_loss,
+        grace: call.optional_seconds("grace")?,
+    };
     let mut state = front.state.lock();
-    let session = state.open_session(name.unwrap_or_default(), on_loss, (front.client, shared))?;
+    let session = state.open_session(name.unwrap_or_default(), policy, (front.client, shared))?;
     drop(state);
     front.sessions.push(session.clone());
     Ok(Some(json!({"session": session})))

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rpi_image::Image;
-use rpi_runtime::control::{AdoptedCommand, CommandError, CommandId, CommandState};
+use rpi_runtime::control::{AbortReason, AdoptedCommand, CommandError, CommandId, CommandState};
 
 use super::core_link::CoreLink;
 use super::deferred::CommandOp;
 use super::devices::Devices;
+use super::event_log::EventLog;
 use super::parse_number;
 use super::pending::OnAnswer;
 use super::record::CommandRecord;
@@ -181,6 +182,34 @@ impl Commands {
             subscriptions.add(watching, &record.status, &exported);
         }
         Ok(())
+    }
+
+    /// Sets the time in which a command must end after a cancel request.
+    pub(super) fn set_grace(&mut self, name: &str, grace: Option<Duration>) {
+        let found = self.find(name).map(|(number, _)| number);
+        let record = found.ok().and_then(|number| self.records.get_mut(&number));
+        if let Some(record) = record {
+            record.grace = grace.or(record.grace);
+        }
+    }
+
+    /// Aborts the cancelled commands that have not ended in time.
+    pub(super) fn abort_overdue(&mut self, core: &mut CoreLink, log: &mut EventLog) {
+        let now = Instant::now();
+        for (number, record) in &mut self.records {
+            let is_overdue = record.deadline.is_some_and(|deadline| deadline <= now);
+            if !is_overdue {
+                continue;
+            }
+            record.deadline = None;
+            if let Some(id) = record.id.filter(|_| record.runs()) {
+                let name = record.display_name(*number);
+                log.write(format_args!(
+                    "{name} had not ended within the grace time after its cancel; it was aborted"
+                ));
+                core.defer_by_id(id, CommandOp::Abort(AbortReason::CancelTimeout));
+            }
+        }
     }
 
     /// Reports changed exports to all subscriptions that are due.

@@ -24,6 +24,7 @@ impl ServerState {
         self.rules.release_reported(commands);
         self.rules.report_delayed_rules(commands);
         finish_evals(commands, &mut self.core);
+        commands.abort_overdue(&mut self.core, &mut self.log);
         commands.publish();
     }
 
@@ -113,7 +114,8 @@ impl ServerState {
             }
             Notice::Started { command, .. } => set_phase(commands, command, CommandState::Running),
             Notice::Cancelling { command, .. } => {
-                set_phase(commands, command, CommandState::Cancelling)
+                set_phase(commands, command, CommandState::Cancelling);
+                self.objects.set_deadline(command);
             }
             Notice::Ended {
                 command, ending, ..

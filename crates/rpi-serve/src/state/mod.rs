@@ -65,6 +65,7 @@ pub(crate) use loader::Language;
 pub(crate) use loading::LoadRequest;
 pub(crate) use record::{CommandRecord, results};
 pub(crate) use rule_request::RuleRequest;
+pub(crate) use sessions::SessionPolicy;
 pub(crate) use source_location::SourceLocation;
 pub(crate) use subscriptions::{TOO_MANY_SUBSCRIPTIONS, WatchRequest};
 pub(crate) use task_status::{Step, TaskStatus};
@@ -134,7 +135,7 @@ impl SharedState {
                 continuity: settings.continuity,
             },
             core: CoreLink::new(control),
-            objects: Objects::new(limits, settings.on_loss),
+            objects: Objects::new(limits, settings.on_loss, settings.grace),
             rules: Rules::new(&limits),
             emergency: Emergency::default(),
             controls: OperatorControls::default(),

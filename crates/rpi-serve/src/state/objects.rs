@@ -1,6 +1,10 @@
 //! Sessions and what they own: commands and tasks. Ownership decides which client may act on an object, and whose quota
 //! it counts for.
 
+use std::time::{Duration, Instant};
+
+use rpi_runtime::control::CommandId;
+
 use super::commands::Commands;
 use super::core_link::CoreLink;
 use super::deferred::CommandOp;
@@ -10,7 +14,7 @@ use super::pending::answer;
 use super::quota::{NO_SESSION, QuotaView};
 use super::record::CommandRecord;
 use super::rules::RuleRecord;
-use super::sessions::Sessions;
+use super::sessions::{SessionPolicy, Sessions};
 use super::tasks::Tasks;
 use super::types::{ApiError, MEMORY_LIMIT};
 use crate::fair_share::Client;
@@ -28,10 +32,10 @@ pub(crate) struct Objects {
 }
 
 impl Objects {
-    /// Creates empty tables. `on_loss` is the default policy for the loss of a client.
-    pub(super) fn new(limits: Limits, on_loss: OnLoss) -> Objects {
+    /// Creates empty tables. `on_loss` and `grace` are the default policies of sessions.
+    pub(super) fn new(limits: Limits, on_loss: OnLoss, grace: Duration) -> Objects {
         Objects {
-            sessions: Sessions::new(on_loss),
+            sessions: Sessions::new(on_loss, grace),
             commands: Commands::default(),
             tasks: Tasks::default(),
             limits,
@@ -80,13 +84,24 @@ impl Objects {
     pub(super) fn open_session(
         &mut self,
         name: &str,
-        on_loss: Option<OnLoss>,
+        policy: SessionPolicy,
         owner: (Client, bool),
     ) -> Result<String, ApiError> {
         self.sessions.has_room(owner.0, &self.limits)?;
         let number = self.number();
         let shown = (name, self.limits.name_bytes);
-        Ok(self.sessions.open(number, shown, on_loss, owner))
+        Ok(self.sessions.open(number, shown, policy, owner))
+    }
+
+    /// Sets the time by which a cancelled command must have ended.
+    pub(super) fn set_deadline(&mut self, id: CommandId) {
+        let Some(record) = self.commands.record_of(id) else {
+            return;
+        };
+        let grace = record
+            .grace
+            .unwrap_or_else(|| self.sessions.grace(record.session));
+        record.deadline = Instant::now().checked_add(grace);
     }
 
     /// Ensures that the quotas allow one more command or task with this many bytes of text; removes ended ones of the

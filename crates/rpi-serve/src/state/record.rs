@@ -1,7 +1,7 @@
 //! State of one command in the server.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rpi_core::Overrun;
 use rpi_image::Image;
@@ -41,6 +41,10 @@ pub(crate) struct CommandRecord {
     pub(super) eval: Option<Eval>,
     /// Whether the command is to be unloaded once it has ended.
     pub(super) unload_at_end: bool,
+    /// Time in which the command must end after a cancel request; `None` for that of its session.
+    pub(super) grace: Option<Duration>,
+    /// Time at which the cancelled command is aborted.
+    pub(super) deadline: Option<Instant>,
     /// Memory of the command in bytes.
     pub(super) bytes: usize,
 }
@@ -64,6 +68,8 @@ impl CommandRecord {
             loading: None,
             eval: None,
             unload_at_end: false,
+            grace: None,
+            deadline: None,
             bytes: 0,
         }
     }

@@ -1,5 +1,7 @@
 //! Requests of clients that need several parts of the state.
 
+use std::time::Duration;
+
 use rpi_core::MotionControls;
 use rpi_runtime::control::{AbortReason, Control};
 
@@ -8,11 +10,11 @@ use super::device_spec::NewDevice;
 use super::emergency::requester;
 use super::pending::OnAnswer;
 use super::rule_request::{RuleRequest, record_end_result};
+use super::sessions::SessionPolicy;
 use super::settings::{self, Value};
 use super::task_core::TaskCoreAdapter;
 use super::types::{ApiError, Reply, Subscriber};
 use super::{Client, ServerState};
-use crate::limits::OnLoss;
 
 impl ServerState {
     /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
@@ -20,10 +22,10 @@ impl ServerState {
     pub(crate) fn open_session(
         &mut self,
         name: &str,
-        on_loss: Option<OnLoss>,
+        policy: SessionPolicy,
         owner: (Client, bool),
     ) -> Result<String, ApiError> {
-        let session = self.objects.open_session(name, on_loss, owner)?;
+        let session = self.objects.open_session(name, policy, owner)?;
         let of = match name {
             "" => String::new(),
             name => format!(" of {name}"),
@@ -47,8 +49,9 @@ impl ServerState {
         }
     }
 
-    /// Cancels a command.
-    pub(crate) fn cancel(&mut self, name: &str, reply: Reply) {
+    /// Cancels a command, which must end within `grace`; `None` for the time of its session.
+    pub(crate) fn cancel(&mut self, name: &str, grace: Option<Duration>, reply: Reply) {
+        self.objects.commands.set_grace(name, grace);
         self.core
             .send_request(&self.objects.commands, name, Control::cancel, reply);
     }

@@ -1,6 +1,7 @@
 //! Sessions: who owns commands and tasks.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use super::event_log::EventLog;
 use super::parse_number;
@@ -14,6 +15,8 @@ struct Session {
     /// Name given by the client, for display.
     name: String,
     on_loss: OnLoss,
+    /// Time in which a cancelled command must end.
+    grace: Duration,
     /// Client that opened the session or took it over.
     client: Client,
     /// Whether every client that knows the name of the session may act on it.
@@ -38,14 +41,26 @@ pub(crate) struct Sessions {
     records: BTreeMap<u64, Session>,
     /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
     on_loss: OnLoss,
+    /// Time in which a cancelled command must end, unless the client specifies one.
+    grace: Duration,
+}
+
+/// Policy for the commands of a session; `None` for the default of the server.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct SessionPolicy {
+    /// What becomes of the commands when the client has disconnected.
+    pub(crate) on_loss: Option<OnLoss>,
+    /// Time in which a cancelled command must end.
+    pub(crate) grace: Option<Duration>,
 }
 
 impl Sessions {
-    /// Creates the table of sessions with the default policy for the loss of a client.
-    pub(super) fn new(on_loss: OnLoss) -> Sessions {
+    /// Creates the table of sessions with the default policies.
+    pub(super) fn new(on_loss: OnLoss, grace: Duration) -> Sessions {
         Sessions {
             records: BTreeMap::new(),
             on_loss,
+            grace,
         }
     }
 
@@ -79,12 +94,13 @@ impl Sessions {
         &mut self,
         number: u64,
         (name, most): (&str, usize),
-        on_loss: Option<OnLoss>,
+        policy: SessionPolicy,
         (client, shared): (Client, bool),
     ) -> String {
         let session = Session {
             name: truncated(name, most),
-            on_loss: on_loss.unwrap_or(self.on_loss),
+            on_loss: policy.on_loss.unwrap_or(self.on_loss),
+            grace: policy.grace.unwrap_or(self.grace),
             client,
             shared,
             closed: false,
@@ -92,6 +108,13 @@ impl Sessions {
         };
         self.records.insert(number, session);
         format!("s{number}")
+    }
+
+    /// Returns the time in which a cancelled command of a session must end.
+    pub(super) fn grace(&self, session: u64) -> Duration {
+        self.records
+            .get(&session)
+            .map_or(self.grace, |session| session.grace)
     }
 
     /// Returns the number of a session.

@@ -196,8 +196,8 @@ fn queued_messages(
         true => ANSWER_WAIT,
         false => Duration::ZERO,
     };
-    let first = out.messages.recv_timeout(wait).ok();
-    std::iter::successors(first, |_| out.messages.try_recv().ok())
+    let first = out.receive(wait);
+    std::iter::successors(first, |_| out.receive(Duration::ZERO))
 }
 
 fn send(
@@ -224,20 +224,17 @@ pub(crate) fn lines(
     closing: &AtomicBool,
 ) -> CloseReason {
     let mut waiting = Vec::new();
-    let mut chunk = vec![0; 16 << 10];
+    let mut chunk = vec![0; 64 << 10];
     while !is_closing(closing) {
-        let answer_expected = match stream.read(&mut chunk) {
+        let received = match stream.read(&mut chunk) {
             Ok(0) => return CloseReason::Closed,
-            Ok(read) => {
-                waiting.extend_from_slice(&chunk[..read]);
-                true
-            }
-            Err(e) if is_timeout(&e) => false,
+            Ok(read) => &chunk[..read],
+            Err(e) if is_timeout(&e) => &[],
             Err(_) => return CloseReason::Closed,
         };
-        if !handle_lines(&mut waiting, front) {
+        let Some(answer_expected) = handle_lines(&mut waiting, received, front) else {
             break;
-        }
+        };
         if waiting.len() > most {
             front.on_error(&too_long(most));
             let _ = send_lines(&mut stream, out, true);
@@ -253,15 +250,26 @@ pub(crate) fn lines(
     }
 }
 
-fn handle_lines(waiting: &mut Vec<u8>, front: &mut dyn ConnectionHandler) -> bool {
-    while let Some(end) = waiting.iter().position(|b| *b == b'\n') {
-        let line: Vec<u8> = waiting.drain(..=end).collect();
+/// Handles the lines that end within `received`; `waiting` holds the beginning of the first one, and afterwards that of
+/// the next one. Returns whether there was a line; `None` to close the connection. Each byte is looked at once, so that
+/// a long line takes linear time.
+fn handle_lines(
+    waiting: &mut Vec<u8>,
+    received: &[u8],
+    front: &mut dyn ConnectionHandler,
+) -> Option<bool> {
+    let mut rest = received;
+    while let Some(end) = rest.iter().position(|b| *b == b'\n') {
+        waiting.extend_from_slice(&rest[..end]);
+        rest = &rest[end + 1..];
+        let line = std::mem::take(waiting);
         let text = String::from_utf8_lossy(&line);
         if !text.trim().is_empty() && !front.on_message(text.trim()) {
-            return false;
+            return None;
         }
     }
-    true
+    waiting.extend_from_slice(rest);
+    Some(rest.len() < received.len())
 }
 
 fn send_lines(

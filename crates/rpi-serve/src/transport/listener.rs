@@ -166,7 +166,7 @@ impl Acceptor {
     }
 
     fn serve_websocket(&self, mut stream: Box<dyn Stream>, head: Head, peer: Peer) {
-        let (out, outgoing) = outbox(self.limits.queued_messages, self.limits.subscriptions);
+        let (out, outgoing) = outbox(&self.limits);
         let Some(mut front) = self.handler_for(&head.path, peer, out) else {
             let _ =
                 web::Response::error(404, "there is no websocket at this path").send(&mut stream);
@@ -217,7 +217,7 @@ impl Acceptor {
         let shared = self.state.clone();
         match path {
             "/DirectIO" => Some(Box::new(DioConnection::new(shared, peer, out))),
-            "/rpc" => Some(Box::new(RpcConnection::new(shared, peer, out))),
+            "/rpc" => Some(Box::new(RpcConnection::new(shared, peer, out, self.limits))),
             _ => None,
         }
     }
@@ -297,11 +297,9 @@ impl Acceptor {
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
         if ready.is_ok() {
             self.spawn_connection(Peer::Local, move |acceptor| {
-                let (out, outgoing) = outbox(
-                    acceptor.limits.queued_messages,
-                    acceptor.limits.subscriptions,
-                );
-                let mut front = RpcConnection::new(acceptor.state.clone(), Peer::Local, out);
+                let (out, outgoing) = outbox(&acceptor.limits);
+                let mut front =
+                    RpcConnection::new(acceptor.state.clone(), Peer::Local, out, acceptor.limits);
                 let most = acceptor.limits.message_bytes;
                 let end = framing::lines(
                     Box::new(stream),

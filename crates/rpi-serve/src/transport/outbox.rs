@@ -3,6 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Duration;
+
+use crate::limits::Limits;
 
 /// Sender side of the queue of messages to a client. A client that does not read its messages is disconnected once the
 /// queue is full.
@@ -10,6 +13,8 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 pub(crate) struct Outbox {
     messages: SyncSender<String>,
     closed: Arc<AtomicBool>,
+    /// Number of bytes that may still be queued.
+    bytes_left: Arc<AtomicUsize>,
     /// Number of subscriptions that the client may still make.
     subscriptions_left: Arc<AtomicUsize>,
 }
@@ -19,37 +24,41 @@ pub(crate) struct SubscriptionSender(Outbox);
 
 /// Receiver side of the queue of messages to a client, owned by the connection.
 pub(crate) struct OutboxReceiver {
-    pub(crate) messages: Receiver<String>,
+    messages: Receiver<String>,
     closed: Arc<AtomicBool>,
+    bytes_left: Arc<AtomicUsize>,
 }
 
-/// Creates a queue of at most `most` messages, for a client with at most `watches` subscriptions.
-pub(crate) fn outbox(most: usize, watches: usize) -> (Outbox, OutboxReceiver) {
-    let (sender, messages) = sync_channel(most);
+/// Creates the queue of messages to a client.
+pub(crate) fn outbox(limits: &Limits) -> (Outbox, OutboxReceiver) {
+    let (sender, messages) = sync_channel(limits.queued_messages);
     let over = Arc::new(AtomicBool::new(false));
+    let bytes_left = Arc::new(AtomicUsize::new(limits.queued_bytes));
     let outbox = Outbox {
         messages: sender,
         closed: Arc::clone(&over),
-        subscriptions_left: Arc::new(AtomicUsize::new(watches)),
+        bytes_left: Arc::clone(&bytes_left),
+        subscriptions_left: Arc::new(AtomicUsize::new(limits.subscriptions)),
     };
     (
         outbox,
         OutboxReceiver {
             messages,
             closed: over,
+            bytes_left,
         },
     )
 }
 
 impl Outbox {
     /// Queues a message. Returns false if the client is disconnected.
-    pub(crate) fn put_device(&self, message: String) -> bool {
+    pub(crate) fn queue(&self, message: String) -> bool {
         if self.closed.load(Ordering::Relaxed) {
             return false;
         }
         // A client that does not read is disconnected. Waiting would block the thread that serves all clients, and
         // without single messages the client would be wrong about the state.
-        let put = self.messages.try_send(message).is_ok();
+        let put = take(&self.bytes_left, message.len()) && self.messages.try_send(message).is_ok();
         if !put {
             self.close();
         }
@@ -63,17 +72,21 @@ impl Outbox {
 
     /// Reserves a sender for a subscription; `None` if the client has too many.
     pub(crate) fn subscription_sender(&self) -> Option<SubscriptionSender> {
-        let one_less = |left: usize| left.checked_sub(1);
-        let (set, get) = (Ordering::Relaxed, Ordering::Relaxed);
-        let taken = self.subscriptions_left.fetch_update(set, get, one_less);
-        taken.ok().map(|_| SubscriptionSender(self.clone()))
+        take(&self.subscriptions_left, 1).then(|| SubscriptionSender(self.clone()))
     }
 }
 
+/// Takes a number from what is left. Returns false, and takes nothing, if less is left.
+fn take(left: &AtomicUsize, number: usize) -> bool {
+    let less = |left: usize| left.checked_sub(number);
+    left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less)
+        .is_ok()
+}
+
 impl SubscriptionSender {
-    /// Queues a message, as [`Outbox::put`]. Returns false if the client is disconnected.
+    /// Queues a message, as [`Outbox::queue`]. Returns false if the client is disconnected.
     pub(crate) fn send(&self, message: String) -> bool {
-        self.0.put_device(message)
+        self.0.queue(message)
     }
 
     /// Returns whether the client is still connected.
@@ -89,6 +102,17 @@ impl Drop for SubscriptionSender {
 }
 
 impl OutboxReceiver {
+    /// Waits for the next message, for at most `wait`.
+    pub(crate) fn receive(&self, wait: Duration) -> Option<String> {
+        let message = match wait.is_zero() {
+            true => self.messages.try_recv().ok(),
+            false => self.messages.recv_timeout(wait).ok(),
+        };
+        let message = message?;
+        self.bytes_left.fetch_add(message.len(), Ordering::Relaxed);
+        Some(message)
+    }
+
     /// Returns whether the client is to be disconnected.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Relaxed)

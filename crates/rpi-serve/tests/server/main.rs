@@ -2,6 +2,7 @@
 //! isolation of clients.
 
 mod auth;
+mod cancel;
 mod client;
 mod cycle_share;
 mod evals;

@@ -169,3 +169,62 @@ fn tasks_are_counted() {
     let gone = owner.ask("task.describe", &describe);
     assert_eq!(gone["error"]["code"], -32001, "it has made room: {gone}");
 }
+
+/// Answers of a connection to texts that are no requests.
+fn errors(client: &mut Client, text: &str) -> Value {
+    client.send(text);
+    client.wait_for_next("an error", |answer| {
+        let answer: Value = serde_json::from_str(answer).ok()?;
+        answer["error"]["code"].is_i64().then_some(answer)
+    })
+}
+
+/// A message with more values than fit is answered by one error, before any of them is made.
+#[test]
+fn a_message_has_only_so_many_values() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    let most = Limits::default().json_values;
+    for text in [
+        format!("[{}1]", "1,".repeat(2_000_000)),
+        format!("[{}{{}}]", "{},".repeat(500_000)),
+        format!("{{\"id\":1,\"params\":[{}1]}}", "[],".repeat(500_000)),
+    ] {
+        let answer = errors(&mut client, &text);
+        assert_eq!(answer["error"]["code"], -32600);
+        let message = format!("a message has at most {most} values");
+        assert_eq!(answer["error"]["message"], message);
+    }
+    assert!(Owner::new(&server).session.is_string(), "others are served");
+}
+
+/// A batch has a greatest number of requests.
+#[test]
+fn a_batch_has_only_so_many_requests() {
+    let server = open();
+    let mut client = Client::rpc(server.address());
+    let most = Limits::default().batch_requests;
+    let answer = errors(&mut client, &format!("[{}1]", "1,".repeat(most)));
+    let message = format!("a batch has at most {most} requests, found {}", most + 1);
+    assert_eq!(answer["error"]["message"], message);
+}
+
+/// The answers to a batch have a budget; one error stands for those that exceed it.
+#[test]
+fn answers_to_a_batch_count() {
+    let server = with(Limits {
+        queued_bytes: 4096,
+        ..Limits::default()
+    });
+    let mut client = Client::rpc(server.address());
+    let ping = json!({"jsonrpc": "2.0", "id": 1, "method": "ping"});
+    let batch = Value::Array(vec![ping; 200]);
+    client.send(&batch.to_string());
+    let answers = client.wait("the answers", |answer| {
+        serde_json::from_str::<Vec<Value>>(answer).ok()
+    });
+    let (last, others) = answers.split_last().unwrap();
+    assert!(others.len() > 10 && others.len() < 199, "{}", others.len());
+    assert!(others.iter().all(|answer| answer["error"].is_null()));
+    assert_eq!(last["error"]["code"], -32004, "{last}");
+}
