@@ -191,7 +191,8 @@ fn residual(
     let bounds = |axis: usize| {
         let limits = arm.limits()[axis];
         Bounds {
-            speed: used * limits.velocity,
+            // Never the whole velocity: the next takeover may find an acceleration that is still to be lost.
+            speed: used.min(USED_SHARE) * limits.velocity,
             acceleration: used * limits.acceleration,
             jerk: used_jerk * limits.jerk,
         }

@@ -34,6 +34,7 @@ pub mod node_table;
 pub mod online;
 pub mod path;
 pub mod path_error;
+pub mod path_start;
 mod plan;
 pub mod residual;
 pub mod speed_limit;
@@ -47,6 +48,7 @@ pub use check::{PathReport, check_path, scan_path};
 pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
 pub use path::Path;
 pub use path_error::{PathError, PathErrorKind};
+pub use path_start::path_start;
 pub use speed_limit::{SpeedBound, SpeedLimit};
 
 /// Values of all axes, in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.

@@ -141,12 +141,27 @@ impl MotionCore {
         state: &JointState,
         requested: Bounds,
     ) -> Result<(), MotionError> {
-        if !(requested.are_positive() && state.is_finite()) {
+        self.begin_at(path, &state.position, state, requested)
+    }
+
+    /// As [`MotionCore::begin`], with joints at the start of the path, or near to them: for a path that begins elsewhere
+    /// than where the arm is, as at [`path_start`](crate::path_start()).
+    ///
+    /// # Errors
+    /// As [`MotionCore::begin`].
+    pub fn begin_at(
+        &mut self,
+        path: Path,
+        start: &Joints,
+        state: &JointState,
+        requested: Bounds,
+    ) -> Result<(), MotionError> {
+        let is_finite = state.is_finite() && start.iter().all(|joint| joint.is_finite());
+        if !(requested.are_positive() && is_finite) {
             return Err(MotionError::NotFinite);
         }
-        let start = &state.position;
         self.table.begin(&self.arm, path, start, requested)?;
-        self.ranges = allowed_ranges(&self.arm, start);
+        self.ranges = allowed_ranges(&self.arm, &state.position);
         self.hint = self.table.first_node().joints;
         self.cycle = 0;
         self.planner = Planner::default();

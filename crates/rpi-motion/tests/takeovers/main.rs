@@ -8,8 +8,9 @@ mod refusals;
 mod watch;
 
 use random::{KINDS, Kind, Random};
+use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose, models};
-use rpi_motion::{Arm, Controls, MotionCore, Path, check_path};
+use rpi_motion::{Arm, Controls, Joints, MotionCore, Path, check_path, path_start};
 use rpi_testkit::no_alloc;
 use watch::{PERIOD, Watch};
 
@@ -40,24 +41,45 @@ struct Counts {
     deviation: f64,
 }
 
-/// A motion that the check accepts, from where the arm is.
+/// A motion that is to take over: its path, the joints at its start, and the bounds of the tool.
+struct Motion {
+    path: Path,
+    start: Joints,
+    requested: Bounds,
+}
+
+/// A motion that the check accepts, from where the arm is or, in half of the tries, from where it can stop.
 fn motion(
     model: &ArmModel,
     arm: &Arm,
     watch: &Watch,
     random: &mut Random,
     counts: &mut Counts,
-) -> Option<(Path, rpi_kin::state_to_rest::Bounds)> {
+) -> Option<Motion> {
     for _ in 0..200 {
         let kind = KINDS[random.below(KINDS.len())];
-        let Some(path) = random::path(model, arm, kind, watch.joints(), random) else {
+        let same = random.clone();
+        let Some(mut path) = random::path(model, arm, kind, watch.joints(), random) else {
             continue;
         };
+        let mut start = *watch.joints();
+        if random.unit() < 0.5 {
+            start = path_start(arm, &watch.state(), &path);
+            // The same way, from another start.
+            let Some(moved) = random::path(model, arm, kind, &start, &mut same.clone()) else {
+                continue;
+            };
+            path = moved;
+        }
         let default = random.unit() < 0.3;
         let requested = random::requested(kind, random, default);
         counts.checked += usize::from(kind == Kind::Line);
-        if check_path(arm, path, watch.joints(), requested).is_ok() {
-            return Some((path, requested));
+        if check_path(arm, path, &start, requested).is_ok() {
+            return Some(Motion {
+                path,
+                start,
+                requested,
+            });
         }
         counts.refused_by_check += usize::from(kind == Kind::Line);
     }
@@ -70,10 +92,16 @@ fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
     let mut watch = Watch::standing(&random::joints(model, &mut random));
     let mut core = MotionCore::new(arm, PERIOD);
     for number in 0..CHAIN {
-        let Some((path, requested)) = motion(model, &arm, &watch, &mut random, counts) else {
+        let Some(Motion {
+            path,
+            start,
+            requested,
+        }) = motion(model, &arm, &watch, &mut random, counts)
+        else {
             return;
         };
-        no_alloc(|| core.begin(path, &watch.state(), requested)).expect("the check accepted it");
+        no_alloc(|| core.begin_at(path, &start, &watch.state(), requested))
+            .expect("the check accepted it");
         counts.takeovers += 1;
         let cycles = match () {
             () if number + 1 == CHAIN => 60_000,

@@ -13,7 +13,9 @@ use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use rpi_motion::PathError;
 use rpi_motion::stop_margin::stopping_distances;
-use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint, scan_path};
+use rpi_motion::{
+    Controls, JointState, MotionCore, MotionError, Path, SetPoint, path_start, scan_path,
+};
 
 /// Kind of a path that a motion function follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -212,6 +214,29 @@ impl Motion {
         }
     }
 
+    /// Returns the path with the joints at its start: where the arm can stop, so that it need not swing back. From there,
+    /// the path may be impossible although it is possible from the present position, which is then its start.
+    fn path_from_stop(
+        &self,
+        kind: PathKind,
+        state: &JointState,
+        target: &[u64],
+    ) -> Result<(Path, PerAxis), ErrorCode> {
+        let here = self.path(kind, &state.position, target)?;
+        let start = path_start(&self.arm, state, &here);
+        if start == state.position {
+            return Ok((here, start));
+        }
+        let moved = self.path(kind, &start, target);
+        let possible = moved
+            .ok()
+            .filter(|path| scan_path(&self.arm, path, &start).is_ok());
+        Ok(match possible {
+            Some(path) => (path, start),
+            None => (here, state.position),
+        })
+    }
+
     /// Begins a motion from the state of the arm. If it cannot be made, prepares to come to rest and returns the
     /// reason.
     fn begin(
@@ -250,12 +275,11 @@ impl Motion {
         request: &Request<'_>,
         state: &JointState,
     ) -> Result<(), PathFault> {
-        let from = &state.position;
-        let path = self.path(kind, from, request.target)?;
+        let (path, from) = self.path_from_stop(kind, state, request.target)?;
         if !request.requested.are_positive() {
             return Err(ErrorCode::NOT_POSITIVE.into());
         }
-        scan_path(&self.arm, &path, from).map_err(|error| self.fault(&error, &path))?;
+        scan_path(&self.arm, &path, &from).map_err(|error| self.fault(&error, &path))?;
         self.core.set_period(self.period);
         if path.length() < SHORTEST_WAY {
             return self.hold_end(&path, state);
@@ -265,7 +289,7 @@ impl Motion {
             Path::Tool(_) => least(request.requested, self.tool_limits),
             Path::Joints(_) => request.requested,
         };
-        let begun = self.core.begin(path, state, requested);
+        let begun = self.core.begin_at(path, &from, state, requested);
         begun.map_err(|error| match error {
             MotionError::Path(error) => {
                 // The core has forgotten the path that it was on.
