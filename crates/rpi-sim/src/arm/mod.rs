@@ -11,6 +11,7 @@ mod kinematic_functions;
 mod kinematics;
 pub mod limits;
 mod motion;
+mod motion_path;
 mod parameters;
 mod path_fault;
 mod port;

@@ -5,17 +5,16 @@
 
 use super::Arm;
 use super::kinematics::PerAxis;
+use super::motion_path::path_from_stop;
 use super::path_fault::PathFault;
-use super::tool_path::{ToolPathKind, tool_path};
+use super::tool_path::ToolPathKind;
 use crate::device::SlotWriter;
 use crate::error_code::ErrorCode;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use rpi_motion::PathError;
 use rpi_motion::stop_margin::stopping_distances;
-use rpi_motion::{
-    Controls, JointState, MotionCore, MotionError, Path, SetPoint, path_start, scan_path,
-};
+use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint};
 
 /// Kind of a path that a motion function follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,45 +197,6 @@ impl Motion {
         self.brake = None;
     }
 
-    fn path(&self, kind: PathKind, from: &PerAxis, target: &[u64]) -> Result<Path, ErrorCode> {
-        let path = match kind {
-            PathKind::Tool(kind) => tool_path(kind, &self.arm.forward(from), target)?,
-            PathKind::Joints => {
-                let mut to = PerAxis::default();
-                let slots = to.iter_mut().zip(target).take(self.arm.axes());
-                slots.for_each(|(slot, bits)| *slot = f64::from_bits(*bits));
-                Path::joint_line(from, &to, self.arm.axes())
-            }
-        };
-        match path.length().is_finite() {
-            true => Ok(path),
-            false => Err(ErrorCode::NOT_A_NUMBER),
-        }
-    }
-
-    /// Returns the path with the joints at its start: where the arm can stop, so that it need not swing back. From there,
-    /// the path may be impossible although it is possible from the present position, which is then its start.
-    fn path_from_stop(
-        &self,
-        kind: PathKind,
-        state: &JointState,
-        target: &[u64],
-    ) -> Result<(Path, PerAxis), ErrorCode> {
-        let here = self.path(kind, &state.position, target)?;
-        let start = path_start(&self.arm, state, &here);
-        if start == state.position {
-            return Ok((here, start));
-        }
-        let moved = self.path(kind, &start, target);
-        let possible = moved
-            .ok()
-            .filter(|path| scan_path(&self.arm, path, &start).is_ok());
-        Ok(match possible {
-            Some(path) => (path, start),
-            None => (here, state.position),
-        })
-    }
-
     /// Begins a motion from the state of the arm. If it cannot be made, prepares to come to rest and returns the
     /// reason.
     fn begin(
@@ -275,11 +235,10 @@ impl Motion {
         request: &Request<'_>,
         state: &JointState,
     ) -> Result<(), PathFault> {
-        let (path, from) = self.path_from_stop(kind, state, request.target)?;
+        let (path, from) = path_from_stop(&self.arm, kind, state, request.target)?;
         if !request.requested.are_positive() {
             return Err(ErrorCode::NOT_POSITIVE.into());
         }
-        scan_path(&self.arm, &path, &from).map_err(|error| self.fault(&error, &path))?;
         self.core.set_period(self.period);
         if path.length() < SHORTEST_WAY {
             return self.hold_end(&path, state);
