@@ -65,8 +65,9 @@ pub(crate) fn first(
     node: &Node,
     state: &JointState,
     ranges: &[Range; MAX_AXES],
+    time: f64,
 ) -> Option<Residual> {
-    let gentle = residual(arm, node, state, 0.0, PathState::default(), 0.5);
+    let gentle = residual(arm, node, state, time, PathState::default(), 0.5);
     let in_ranges = |residual: &Residual| {
         ranges
             .iter()
@@ -80,7 +81,7 @@ pub(crate) fn first(
     };
     gentle
         .filter(|residual| peaks_are_within(arm, residual) && in_ranges(residual))
-        .or_else(|| standing(arm, node, state, 0.0))
+        .or_else(|| standing(arm, node, state, time))
 }
 
 /// Tries one entry at `time` (s) from the state of the arm.
@@ -135,7 +136,7 @@ pub(crate) fn attempted(
 
 /// Velocity and acceleration of the path parameter that fit best to those of the joints: least squares, weighted by the
 /// velocity limits, and cut to what the path allows.
-fn along_path(
+pub(crate) fn along_path(
     arm: &Arm,
     node: &Node,
     state: &JointState,

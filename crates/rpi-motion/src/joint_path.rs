@@ -101,6 +101,38 @@ impl JointPath {
         })
     }
 
+    /// Returns the joints near to `hint` for a pose of the tool that is displaced from the path at a place, with an arm angle
+    /// that differs from that of the path by `change` (rad). `None` if there are none, if they belong to another
+    /// configuration, or if the arm angle is not free there.
+    #[must_use]
+    pub fn displaced_joints(
+        &self,
+        arm: &Arm,
+        s: f64,
+        pose: &Pose,
+        change: f64,
+        hint: &Joints,
+    ) -> Option<Joints> {
+        let Path::Tool(path) = &self.path else {
+            return None;
+        };
+        if self.arm_angle.held_third_axis(s).is_some() {
+            return None;
+        }
+        let angle = self.arm_angle_at(arm, s, &path.pose(s), hint) + change;
+        let (joints, moved) = arm.inverse(pose, hint, angle).ok()?;
+        let jumps = |axis: usize| (joints[axis] - hint[axis]).abs() > CONFIGURATION_STEP;
+        (moved == 0.0 && !(0..arm.axes()).any(jumps)).then_some(joints)
+    }
+
+    /// Returns the arm angle of the path at a place, rad; 0 for an arm without.
+    pub(crate) fn arm_angle_of_path(&self, arm: &Arm, s: f64, hint: &Joints) -> f64 {
+        match &self.path {
+            Path::Tool(path) if self.is_redundant => self.arm_angle_at(arm, s, &path.pose(s), hint),
+            _ => 0.0,
+        }
+    }
+
     /// Whether the arm has an arm angle to choose on this path.
     #[must_use]
     pub fn is_redundant(&self) -> bool {

@@ -25,6 +25,7 @@ extern crate alloc;
 pub mod arm;
 pub mod arm_angle;
 pub mod check;
+mod course;
 mod entry;
 mod held_axis;
 pub mod joint_path;
@@ -37,18 +38,23 @@ pub mod path_error;
 pub mod path_start;
 mod plan;
 pub mod residual;
+pub mod set_point;
 pub mod speed_limit;
 pub mod stop_margin;
 pub mod time_law;
+mod tool_entry;
+mod tool_residual;
+mod tool_trace;
 pub mod verify;
 mod window;
 
 pub use arm::{Arm, JointState};
 pub use check::{PathReport, check_path, scan_path};
-pub use motion_core::{Controls, MotionCore, MotionError, SetPoint};
+pub use motion_core::MotionCore;
 pub use path::Path;
 pub use path_error::{PathError, PathErrorKind};
 pub use path_start::path_start;
+pub use set_point::{Controls, EntryPreference, MotionError, SetPoint};
 pub use speed_limit::{SpeedBound, SpeedLimit};
 
 /// Values of all axes, in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.

@@ -1,87 +1,32 @@
 //! The motion core of one arm: begins a motion from any state, and gives the set-point of each cycle.
 
+use crate::course::{Course, state_of};
 use crate::entry::{self, ATTEMPTS};
 use crate::node::Node;
-use crate::node_table::NodeTable;
 use crate::path::Path;
 use crate::path_error::PathError;
 use crate::plan::{Demand, Planner};
 use crate::residual::Residual;
+use crate::set_point::{Controls, EntryPreference, MotionError, SetPoint};
 use crate::speed_limit::{SpeedLimit, slower};
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
+use crate::tool_entry::{INVERSES_PER_CYCLE, Situation, ToolEntry, Verification};
+use crate::tool_trace::ToolTrace;
 use crate::verify::{SAMPLES_PER_CYCLE, Verifier, allowed_ranges};
 use crate::{Arm, JointState, Joints};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{MAX_AXES, Range};
 
-/// Controls of a running motion: speed and pause, set anew in each cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Controls {
-    /// Share of the requested speed, from 0 to 1; 0 pauses.
-    pub speed_share: f64,
-    /// Whether the arm comes to rest on the path and stays there until this is false again.
-    pub paused: bool,
-}
-
-impl Default for Controls {
-    fn default() -> Self {
-        Self {
-            speed_share: 1.0,
-            paused: false,
-        }
-    }
-}
-
-/// Reason why a motion cannot begin or continue.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MotionError {
-    /// The path cannot be followed from some place on. The arm comes to rest before it.
-    Path(PathError),
-    /// A bound, a pose or a state is not finite, or a bound is not positive.
-    NotFinite,
-}
-
-impl core::fmt::Display for MotionError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            MotionError::Path(error) => error.fmt(f),
-            MotionError::NotFinite => {
-                f.write_str("a number of the motion is not finite, or a bound is not positive")
-            }
-        }
-    }
-}
-
-impl core::error::Error for MotionError {}
-
-impl From<PathError> for MotionError {
-    fn from(error: PathError) -> Self {
-        MotionError::Path(error)
-    }
-}
-
-/// Set-point of one cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SetPoint {
-    /// Joints, rad.
-    pub joints: Joints,
-    /// Path parameter with its derivatives.
-    pub path: PathState,
-    /// Whether the arm is on the path: the residual has decayed.
-    pub on_path: bool,
-    /// Whether the arm rests at the end of the path.
-    pub done: bool,
-}
-
 /// Motion core of one arm: it computes the set-points of a motion along a path, cycle by cycle.
 #[derive(Clone, Debug)]
 pub struct MotionCore {
     arm: Arm,
-    table: NodeTable,
     /// Period of the set-points, s.
     period: f64,
-    residual: Residual,
-    held: HeldBrake,
+    /// Path, time law and residuals of the motion.
+    course: Course,
+    /// The same of the motion before: the arm follows it until the takeover begins.
+    previous: Course,
     planner: Planner,
     /// Ranges of the axes that the motion does not leave.
     ranges: [Range; MAX_AXES],
@@ -90,15 +35,33 @@ pub struct MotionCore {
     /// Number of planned takeovers that are still to be tried; all of them as long as the arm stands at the start of
     /// the path.
     attempt: usize,
-    /// Joints on the path in the last cycle: the hint of the next inverse.
-    hint: Joints,
+    preference: EntryPreference,
+    /// Takeover that is prepared while the arm follows its previous motion.
+    approach: Option<Approach>,
+    trace: ToolTrace,
+}
+
+/// Preparation of a takeover within the bounds of the tool.
+#[derive(Clone, Copy, Debug)]
+struct Approach {
+    /// Time of the previous motion at the start of the present one, s.
+    previous_time: f64,
+    /// The takeover; `None` until it is planned.
+    entry: Option<ToolEntry>,
 }
 
 /// Maximum number of nodes in the table of the path: 1 MB for each arm.
 const NODES: usize = 4096;
 
+/// Difference of the joints below which two set-points are the same, rad.
+const SAME_JOINTS: f64 = 1e-9;
+
 /// Cycle in which better entries are tried first: enough of the path is known then.
 const ENTRY_CYCLE: u64 = 4;
+
+/// Cycle in which a takeover within the bounds of the tool begins: the arm follows its previous motion until then, and no
+/// longer than that has been planned.
+const SWITCH_CYCLE: u64 = 12;
 
 /// Share of the tool's bounds for the path parameter while a residual decays.
 const SHARE_WITH_RESIDUAL: f64 = 1.0;
@@ -113,19 +76,24 @@ impl MotionCore {
     /// Creates the core of an arm at rest for set-points of a period (s). Allocates.
     #[must_use]
     pub fn new(arm: Arm, period: f64) -> Self {
-        let zero = [0.0; MAX_AXES];
         Self {
-            ranges: allowed_ranges(&arm, &zero),
+            ranges: allowed_ranges(&arm, &[0.0; MAX_AXES]),
             arm,
-            table: NodeTable::with_capacity(NODES),
             period,
-            residual: Residual::default(),
-            held: HeldBrake::standing(0.0, 0.0),
+            course: Course::new(NODES),
+            previous: Course::new(NODES),
             planner: Planner::default(),
             cycle: 0,
             attempt: ATTEMPTS.len(),
-            hint: zero,
+            preference: EntryPreference::default(),
+            approach: None,
+            trace: ToolTrace::default(),
         }
+    }
+
+    /// Sets how the arm comes on to the next path. Call it before [`MotionCore::begin`].
+    pub fn set_entry_preference(&mut self, preference: EntryPreference) {
+        self.preference = preference;
     }
 
     /// Begins a motion along `path` from the state of the arm as commanded, in place of the present one. `requested` are the
@@ -160,18 +128,65 @@ impl MotionCore {
         if !(requested.are_positive() && is_finite) {
             return Err(MotionError::NotFinite);
         }
-        self.table.begin(&self.arm, path, start, requested)?;
+        // The arm may still follow the previous motion; then the present one has not begun.
+        let spare = match self.approach {
+            Some(_) => &mut self.course,
+            None => &mut self.previous,
+        };
+        spare.table.begin(&self.arm, path, start, requested)?;
+        let hint = spare.table.first_node().joints;
+        spare.stand(hint);
+        let approach = self.approach_from(state);
+        if self.approach.is_none() {
+            core::mem::swap(&mut self.course, &mut self.previous);
+        }
         self.ranges = allowed_ranges(&self.arm, &state.position);
-        self.hint = self.table.first_node().joints;
         self.cycle = 0;
         self.planner = Planner::default();
-        self.held = HeldBrake::standing(0.0, 0.0);
-        let residual = entry::first(&self.arm, self.table.first_node(), state, &self.ranges);
-        self.residual = residual.ok_or(MotionError::NotFinite)?;
-        self.attempt = if self.residual.end() > 0.0 {
-            0
-        } else {
-            ATTEMPTS.len()
+        self.attempt = ATTEMPTS.len();
+        self.trace.begin(&self.arm, state, self.period);
+        self.approach = None;
+        self.enter_by_axes(state, 0.0)?;
+        if self.course.residual.end() > 0.0 {
+            self.approach = approach;
+        }
+        Ok(())
+    }
+
+    /// Returns the preparation of a takeover from the motion that the arm follows, if it does so in this state.
+    fn approach_from(&self, state: &JointState) -> Option<Approach> {
+        let time = self.cycle as f64 * self.period;
+        let (course, previous_time, path) = match self.approach {
+            Some(approach) => (
+                &self.previous,
+                approach.previous_time + time,
+                self.course.path(),
+            ),
+            None => (&self.course, time, self.previous.path()),
+        };
+        let is_wanted = self.preference == EntryPreference::WithinToolBounds
+            && matches!(path, Path::Tool(_))
+            && self.cycle > 0;
+        let (joints, _) = course
+            .joints_at(&self.arm, previous_time, &course.hint)
+            .ok()?;
+        let differs = |axis: usize| (joints[axis] - state.position[axis]).abs() > SAME_JOINTS;
+        let follows = !(0..self.arm.axes()).any(differs);
+        (is_wanted && follows).then_some(Approach {
+            previous_time,
+            entry: None,
+        })
+    }
+
+    /// Begins to come on to the path from a state at a time of the motion (s), each axis on its own.
+    fn enter_by_axes(&mut self, state: &JointState, time: f64) -> Result<(), MotionError> {
+        let node = self.course.table.first_node();
+        let residual = entry::first(&self.arm, node, state, &self.ranges, time);
+        self.course.residual = residual.ok_or(MotionError::NotFinite)?;
+        self.course.held = HeldBrake::standing(0.0, time);
+        self.attempt = match self.course.residual.end() > time {
+            true => 0,
+            false => ATTEMPTS.len(),
         };
         Ok(())
     }
@@ -182,10 +197,15 @@ impl MotionCore {
     /// [`MotionError::Path`] if the inverse at the present place has no solution although its neighbours have one.
     pub fn next_set_point(&mut self, controls: Controls) -> Result<SetPoint, MotionError> {
         let time = self.cycle as f64 * self.period;
-        let now = self.held.state_at(time);
-        self.table
+        let now = self.course.held.state_at(time);
+        self.course
+            .table
             .extend(&self.arm, Self::NODES_PER_CYCLE, now.s - 1e-3);
-        if self.is_planning_cycle() && !controls.paused && controls.speed_share > 0.0 {
+        if let Some(approach) = self.approach {
+            self.prepare(approach, time, controls)?;
+        } else if self.course.tool.is_some_and(|tool| time < tool.end()) {
+            // The law until the tool is on the path has been verified as a whole.
+        } else if self.is_planning_cycle() && !controls.paused && controls.speed_share > 0.0 {
             if self.attempt < ATTEMPTS.len() {
                 // Entries begin with a standing path, so it must not move before they have been tried.
                 if self.cycle >= ENTRY_CYCLE {
@@ -196,7 +216,75 @@ impl MotionCore {
             }
         }
         self.cycle += 1;
-        self.set_point(self.cycle as f64 * self.period)
+        let at = self.set_point(self.cycle as f64 * self.period)?;
+        self.trace
+            .push(&self.arm, &at, self.period, self.course.table.requested());
+        Ok(at)
+    }
+
+    /// Prepares the takeover within the bounds of the tool, and begins it in its cycle. If it is not possible, each axis
+    /// comes on to the path on its own.
+    fn prepare(
+        &mut self,
+        mut approach: Approach,
+        time: f64,
+        controls: Controls,
+    ) -> Result<(), MotionError> {
+        if self.cycle < ENTRY_CYCLE {
+            return Ok(());
+        }
+        let switch = SWITCH_CYCLE as f64 * self.period;
+        let (arm, previous, period) = (&self.arm, &self.previous, self.period);
+        let situation = Situation {
+            arm,
+            table: &self.course.table,
+            ranges: &self.ranges,
+            demand: self.demand(time, controls),
+            period,
+        };
+        if approach.entry.is_none() {
+            let budget = (SWITCH_CYCLE - ENTRY_CYCLE) as usize * INVERSES_PER_CYCLE;
+            approach.entry = ToolEntry::plan(&situation, switch, budget, |stride| {
+                let until = approach.previous_time + switch;
+                previous.set_points_until(arm, until, stride as f64 * period)
+            });
+        }
+        let verified = approach
+            .entry
+            .as_mut()
+            .map(|entry| entry.verify(&situation));
+        let is_stopped = controls.paused || controls.speed_share <= 0.0;
+        match (verified, approach.entry) {
+            (Some(Verification::Accepted), Some(entry)) if !is_stopped => {
+                self.approach = Some(approach);
+                if self.cycle >= SWITCH_CYCLE {
+                    self.begin_tool_entry(&entry);
+                }
+                Ok(())
+            }
+            (Some(Verification::Running), _) if !is_stopped && self.cycle < SWITCH_CYCLE => {
+                self.approach = Some(approach);
+                Ok(())
+            }
+            _ => {
+                let until = approach.previous_time + time;
+                let last = self.previous.set_points_until(&self.arm, until, period);
+                let state = state_of(&last.ok_or(MotionError::NotFinite)?, period);
+                self.approach = None;
+                self.ranges = allowed_ranges(&self.arm, &state.position);
+                self.enter_by_axes(&state, time)
+            }
+        }
+    }
+
+    fn begin_tool_entry(&mut self, entry: &ToolEntry) {
+        self.approach = None;
+        self.attempt = ATTEMPTS.len();
+        self.course.residual = Residual::default();
+        self.course.tool = Some(entry.residual);
+        self.course.held = entry.law;
+        self.course.hint = self.previous.hint;
+        self.planner.last_share = 1;
     }
 
     /// Begins to hold the joints `at`, in place of the present motion, from the state of the arm as commanded: each
@@ -208,14 +296,16 @@ impl MotionCore {
         if !(state.is_finite() && at.iter().all(|joint| joint.is_finite())) {
             return Err(MotionError::NotFinite);
         }
-        self.table.begin_hold(&self.arm, at);
+        self.approach = None;
+        self.course.table.begin_hold(&self.arm, at);
+        self.course.stand(*at);
         self.ranges = allowed_ranges(&self.arm, &state.position);
-        self.hint = *at;
         self.cycle = 0;
         self.planner = Planner::default();
-        self.held = HeldBrake::standing(0.0, 0.0);
-        let residual = entry::standing(&self.arm, self.table.first_node(), state, 0.0);
-        self.residual = residual.ok_or(MotionError::NotFinite)?;
+        self.trace.begin(&self.arm, state, self.period);
+        let node = self.course.table.first_node();
+        let residual = entry::standing(&self.arm, node, state, 0.0);
+        self.course.residual = residual.ok_or(MotionError::NotFinite)?;
         self.attempt = ATTEMPTS.len();
         Ok(())
     }
@@ -237,29 +327,37 @@ impl MotionCore {
     /// Returns why the path cannot be followed to its end, once this is known.
     #[must_use]
     pub fn path_error(&self) -> Option<PathError> {
-        self.table.error()
+        self.course.table.error()
     }
 
     /// Returns the place ahead for which the motion is slower than requested now: the slowest one that its brake reaches.
     /// `None` if the requested speed is possible there.
     #[must_use]
     pub fn speed_limit(&self) -> Option<SpeedLimit> {
-        let now = self.held.state_at(self.cycle as f64 * self.period).s;
+        let now = self.course.held.state_at(self.cycle as f64 * self.period).s;
         let mut cursor = 0;
-        let nodes = self.table.nodes_between(now, self.held.end(), &mut cursor);
+        let (table, end) = (&self.course.table, self.course.held.end());
+        let nodes = table.nodes_between(now, end, &mut cursor);
         nodes.map(Node::speed_limit).fold(None, slower)
     }
 
     /// Returns the time at which the arm is on the path, s since the start of the motion.
     #[must_use]
     pub fn residual_end(&self) -> f64 {
-        self.residual.end()
+        self.course.residual_end()
+    }
+
+    /// Returns the greatest shares of the requested speed, acceleration and jerk that the tool has used on its way on to
+    /// the path so far; more than 1 where the connecting piece exceeds them.
+    #[must_use]
+    pub fn tool_shares_on_entry(&self) -> [f64; 3] {
+        self.trace.worst
     }
 
     /// Returns the path of the motion.
     #[must_use]
     pub fn path(&self) -> &Path {
-        self.table.path()
+        self.course.path()
     }
 
     fn is_planning_cycle(&self) -> bool {
@@ -274,17 +372,17 @@ impl MotionCore {
     fn verifier(&self) -> Verifier<'_> {
         Verifier {
             arm: &self.arm,
-            table: &self.table,
-            residual: &self.residual,
+            table: &self.course.table,
+            residual: &self.course.residual,
             ranges: &self.ranges,
         }
     }
 
     fn demand(&self, time: f64, controls: Controls) -> Demand {
         let share = controls.speed_share.clamp(0.0, 1.0);
-        let entering = time < self.residual.end();
+        let entering = time < self.course.residual_end();
         Demand {
-            speed: self.table.requested().speed * share,
+            speed: self.course.table.requested().speed * share,
             tool_share: if entering { SHARE_WITH_RESIDUAL } else { 1.0 },
         }
     }
@@ -298,17 +396,17 @@ impl MotionCore {
         self.attempt += 1;
         if let Some(entry) = entry {
             self.attempt = ATTEMPTS.len();
-            self.residual = entry.residual;
-            self.held = entry.brake;
+            self.course.residual = entry.residual;
+            self.course.held = entry.brake;
             self.planner.last_share = entry.share;
         }
     }
 
     /// State of the arm while the path parameter has not moved yet: the start of the path and the residual.
     fn state_while_standing(&self, time: f64) -> JointState {
-        let mut state = JointState::at_rest(self.table.first_node().joints);
+        let mut state = JointState::at_rest(self.course.table.first_node().joints);
         for axis in 0..self.arm.axes() {
-            let rest = self.residual.state_at(axis, time);
+            let rest = self.course.residual.state_at(axis, time);
             state.position[axis] += rest.position;
             state.velocity[axis] = rest.velocity;
             state.acceleration[axis] = rest.acceleration;
@@ -318,27 +416,27 @@ impl MotionCore {
 
     fn replan(&mut self, now: PathState, time: f64, controls: Controls) {
         let demand = self.demand(time, controls);
-        let held_end = self.held.end();
+        let held_end = self.course.held.end();
         let mut planner = self.planner;
         let law = planner.plan(&self.verifier(), now, time, held_end, demand);
         self.planner = planner;
         if let Some(law) = law {
-            self.held = law;
+            self.course.held = law;
         }
     }
 
     fn set_point(&mut self, time: f64) -> Result<SetPoint, MotionError> {
-        let path = self.held.state_at(time);
-        let mut joints = self.table.joints_at(&self.arm, path.s, &self.hint)?;
-        self.hint = joints;
-        self.residual.add_to(&mut joints, time);
-        let on_path = time >= self.residual.end();
-        let done = on_path && path.s >= self.path().length() - 1e-10 && path.velocity.abs() < 1e-8;
+        let Some(approach) = self.approach else {
+            return self.course.set_point(&self.arm, time);
+        };
+        let at = self
+            .previous
+            .set_point(&self.arm, approach.previous_time + time)?;
         Ok(SetPoint {
-            joints,
-            path,
-            on_path,
-            done,
+            joints: at.joints,
+            path: PathState::default(),
+            on_path: false,
+            done: false,
         })
     }
 }

@@ -95,6 +95,11 @@ impl NodeTable {
         &self.path.path
     }
 
+    /// Returns the path in joint space.
+    pub(crate) fn joint_path(&self) -> &JointPath {
+        &self.path
+    }
+
     /// Returns the requested bounds of the tool along the path.
     #[must_use]
     pub fn requested(&self) -> Bounds {

@@ -112,9 +112,20 @@ impl HeldBrake {
         plan: StateToRestProfile,
         start_time: f64,
         behind: f64,
-        (acceleration, jerk): (f64, f64),
+        brake: (f64, f64),
     ) -> Option<Self> {
         let piece_time = PIECE.max(time_at(&plan, behind));
+        Self::lasting(plan, start_time, piece_time, brake)
+    }
+
+    /// As [`HeldBrake::following`], but the plan is followed for `piece_time` seconds.
+    #[must_use]
+    pub fn lasting(
+        plan: StateToRestProfile,
+        start_time: f64,
+        piece_time: f64,
+        (acceleration, jerk): (f64, f64),
+    ) -> Option<Self> {
         let turn = PathState::from(plan.state_at(piece_time));
         if turn.velocity < -1e-9 {
             return None;
@@ -126,6 +137,18 @@ impl HeldBrake {
             piece_time,
             turn,
             stop: stop_from(&turn, acceleration, jerk)?,
+        })
+    }
+
+    /// Returns the stop behind the plan, as a law of its own; `None` if the plan goes backwards in between.
+    #[must_use]
+    pub fn behind_piece(&self) -> Option<Self> {
+        (self.turn.s >= self.start.s).then_some(Self {
+            start_time: self.start_time + self.piece_time,
+            start: self.turn,
+            piece: None,
+            piece_time: 0.0,
+            ..*self
         })
     }
 

@@ -37,6 +37,9 @@ struct Counts {
     checked: usize,
     over_limits: usize,
     not_arrived: usize,
+    /// Takeovers on to a path of the tool in motion, and those of them within the bounds of the tool.
+    entered: usize,
+    within_tool_bounds: usize,
     worst: [f64; 3],
     deviation: f64,
 }
@@ -139,7 +142,8 @@ fn run(
     cycles: usize,
     counts: &mut Counts,
 ) -> bool {
-    for _ in 0..cycles {
+    let mut was_on_path = false;
+    for time in 0..cycles {
         let at =
             no_alloc(|| core.next_set_point(Controls::default())).expect("the path was checked");
         watch.push(arm, &at.joints);
@@ -149,6 +153,14 @@ fn run(
             let off = arm.forward(&at.joints).translation.vector
                 - path.pose(at.path.s).translation.vector;
             counts.deviation = counts.deviation.max(off.norm());
+        }
+        if at.on_path && !was_on_path {
+            was_on_path = true;
+            if time > 1 && matches!(path, Path::Tool(_)) {
+                counts.entered += 1;
+                let shares = core.tool_shares_on_entry();
+                counts.within_tool_bounds += usize::from(shares.iter().all(|share| *share < 1.01));
+            }
         }
         if at.done {
             return true;

@@ -1,0 +1,255 @@
+//! Takeover on to a path within the bounds of the tool: planned ahead, and verified before it begins.
+//!
+//! While the verification runs, the arm follows its old motion. The joints of the whole connecting piece are computed
+//! from the residual of the tool and the path, some in each cycle; their differences must keep the limits of the axes,
+//! and those of the tool its bounds.
+
+use crate::course::state_of;
+use crate::entry::along_path;
+use crate::node_table::NodeTable;
+use crate::path::Path;
+use crate::plan::{Demand, allowed};
+use crate::residual::Residual;
+use crate::stop_margin::stopping_distances;
+use crate::time_law::{HeldBrake, PathState};
+use crate::tool_residual::{Difference, ToolResidual};
+use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
+use crate::{Arm, JointState, Joints};
+use nalgebra::Vector3;
+use rpi_kin::angle::nearest_turn;
+use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
+use rpi_kin::{MAX_AXES, Range};
+
+/// Greatest number of inverses of the verification in a cycle.
+pub(crate) const INVERSES_PER_CYCLE: usize = 64;
+
+/// Greatest number of periods between two samples.
+pub(crate) const WIDEST: usize = 3;
+
+/// Share of the bounds of the tool for the path parameter until the tool is on the path.
+const LAW: f64 = 0.5;
+
+/// Share of the limits of the axes that the samples may use: the rest covers what lies between them.
+const USED: f64 = 0.98;
+
+/// Greatest share of the bounds of the tool, and what rounding adds.
+const TOOL: f64 = 1.002;
+
+/// Step of the differences at the start, s.
+const STEP: f64 = 1e-4;
+
+/// A takeover within the bounds of the tool that is being verified.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ToolEntry {
+    pub residual: ToolResidual,
+    pub law: HeldBrake,
+    start_time: f64,
+    /// Time between two samples, s; number of samples, and of those that are done.
+    spacing: f64,
+    count: usize,
+    done: usize,
+    last: [Joints; 4],
+    places: [Vector3<f64>; 4],
+}
+
+/// Result of a step of the verification.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verification {
+    Running,
+    Accepted,
+    Rejected,
+}
+
+/// What a takeover is planned for: arm, path, ranges and the command.
+#[derive(Clone, Copy)]
+pub(crate) struct Situation<'a> {
+    pub arm: &'a Arm,
+    pub table: &'a NodeTable,
+    pub ranges: &'a [Range; MAX_AXES],
+    pub demand: Demand,
+    pub period: f64,
+}
+
+impl ToolEntry {
+    /// Plans the takeover at a time (s) from the set-points there; `earlier` gives the last four up to that time for a
+    /// spacing in periods. `budget` is the number of inverses until then.
+    pub(crate) fn plan(
+        of: &Situation<'_>,
+        time: f64,
+        budget: usize,
+        earlier: impl Fn(usize) -> Option<[Joints; 4]>,
+    ) -> Option<Self> {
+        let state = state_of(&earlier(1)?, of.period);
+        let requested = of.table.requested();
+        let most = allowed(of.table, 0.0, 0.0, of.demand);
+        let mut start = along_path(
+            of.arm,
+            of.table.first_node(),
+            &state,
+            most,
+            of.demand,
+            requested,
+        );
+        start.velocity = start.velocity.min(0.95 * requested.speed);
+        let most = LAW * requested.acceleration;
+        start.acceleration = start.acceleration.clamp(-most, most);
+        let differences = differences(of, &state, start)?;
+        let residual = ToolResidual::new(&differences, STEP, time, requested)?;
+        let periods = libm::ceil((residual.end() - time) / of.period) as usize + 4;
+        let stride = periods.div_ceil(budget.max(1)).max(1);
+        if stride > WIDEST {
+            return None;
+        }
+        let law = law(of, start, &residual, time)?;
+        let last = earlier(stride)?;
+        Some(Self {
+            residual,
+            law,
+            start_time: time,
+            spacing: stride as f64 * of.period,
+            count: periods.div_ceil(stride),
+            done: 0,
+            places: last.map(|joints| of.arm.forward(&joints).translation.vector),
+            last,
+        })
+    }
+
+    /// Verifies the next samples, at most [`INVERSES_PER_CYCLE`].
+    pub(crate) fn verify(&mut self, of: &Situation<'_>) -> Verification {
+        for _ in 0..INVERSES_PER_CYCLE {
+            if self.done == self.count {
+                return Verification::Accepted;
+            }
+            self.done += 1;
+            if self.next_sample(of).is_none() {
+                return Verification::Rejected;
+            }
+        }
+        Verification::Running
+    }
+
+    /// Takes the next sample; `None` if it has no inverse or is not within the bounds.
+    fn next_sample(&mut self, of: &Situation<'_>) -> Option<()> {
+        let time = self.start_time + self.done as f64 * self.spacing;
+        let (joint_path, Path::Tool(path)) = (of.table.joint_path(), of.table.path()) else {
+            return None;
+        };
+        let PathState { s, velocity, .. } = self.law.state_at(time);
+        if velocity < -1e-9 {
+            return None;
+        }
+        let pose = self.residual.displaced(&path.pose(s), time);
+        let angle = self.residual.arm_angle_at(time);
+        let joints = joint_path.displaced_joints(of.arm, s, &pose, angle, &self.last[3])?;
+        self.last.rotate_left(1);
+        self.last[3] = joints;
+        self.places.rotate_left(1);
+        self.places[3] = pose.translation.vector;
+        (self.axes_are_within(of) && self.tool_is_within(of.table.requested())).then_some(())
+    }
+
+    fn axes_are_within(&self, of: &Situation<'_>) -> bool {
+        let [a, b, c, d] = &self.last;
+        let width = self.spacing;
+        let mut limits = of.arm.limits().iter().enumerate();
+        limits.all(|(axis, limits)| {
+            let velocity = (d[axis] - c[axis]) / width;
+            let acceleration = (d[axis] - 2.0 * c[axis] + b[axis]) / (width * width);
+            let jerk = (d[axis] - 3.0 * (c[axis] - b[axis]) - a[axis]) / (width * width * width);
+            let (below, above) = stopping_distances(velocity, acceleration, limits);
+            let range = &of.ranges[axis];
+            velocity.abs() <= USED * limits.velocity
+                && acceleration.abs() <= USED * limits.acceleration
+                && jerk.abs() <= USED * limits.jerk
+                && range.contains(d[axis] - below)
+                && range.contains(d[axis] + above)
+        })
+    }
+
+    fn tool_is_within(&self, requested: Bounds) -> bool {
+        tool_shares(&self.places, self.spacing, requested)
+            .iter()
+            .all(|share| *share <= TOOL)
+    }
+}
+
+/// Returns the shares of the requested speed, acceleration and jerk that the last four places of the tool, `width` seconds
+/// apart, have used.
+pub(crate) fn tool_shares(places: &[Vector3<f64>; 4], width: f64, requested: Bounds) -> [f64; 3] {
+    let [a, b, c, d] = places;
+    let length = |way: Vector3<f64>| libm::sqrt(way.norm_squared());
+    [
+        length(d - c) / (width * requested.speed),
+        length(d - c * 2.0 + b) / (width * width * requested.acceleration),
+        length(d - (c - b) * 3.0 - a) / (width * width * width * requested.jerk),
+    ]
+}
+
+/// Differences between the tool and the path one step before the takeover, then, and one step after it.
+fn differences(
+    of: &Situation<'_>,
+    state: &JointState,
+    start: PathState,
+) -> Option<[Difference; 3]> {
+    let Path::Tool(path) = of.table.path() else {
+        return None;
+    };
+    let node = of.table.first_node();
+    let at = |time: f64| {
+        let joints = core::array::from_fn(|axis| {
+            let half = state.acceleration[axis] * time / 2.0;
+            state.position[axis] + time * (state.velocity[axis] + half)
+        });
+        let s = time * (start.velocity + start.acceleration * time / 2.0);
+        let (tool, place) = (of.arm.forward(&joints), path.pose(s));
+        let own = of.arm.arm_angle(&joints).unwrap_or(0.0);
+        let of_path = of
+            .table
+            .joint_path()
+            .arm_angle_of_path(of.arm, s, &node.joints);
+        Difference {
+            way: tool.translation.vector - place.translation.vector,
+            turn: (tool.rotation * place.rotation.inverse()).scaled_axis(),
+            arm_angle: nearest_turn(own, of_path) - of_path,
+        }
+    };
+    Some([at(-STEP), at(0.0), at(STEP)])
+}
+
+/// Law of the path parameter until the tool is on the path, and the stop behind it, which has been verified. What the
+/// displacement needs of the requested speed is left to it.
+fn law(
+    of: &Situation<'_>,
+    start: PathState,
+    residual: &ToolResidual,
+    time: f64,
+) -> Option<HeldBrake> {
+    /// Shares of the speed that are tried, and number of samples of the speed of the displacement.
+    const SPEEDS: [f64; 4] = [1.0, 0.6, 0.3, 0.1];
+    const SAMPLES: u32 = 32;
+    let requested = of.table.requested();
+    let aside = residual.greatest_speed(SAMPLES);
+    let left = requested.speed * requested.speed - aside * aside;
+    let duration = residual.end() - time + 4.0 * of.period;
+    let mut samples = SAMPLES_PER_CYCLE;
+    let verifier = Verifier {
+        arm: of.arm,
+        table: of.table,
+        residual: &Residual::default(),
+        ranges: of.ranges,
+    };
+    SPEEDS.iter().find_map(|share| {
+        let speed = (share * libm::sqrt(left.max(0.0))).min(of.demand.speed);
+        let reach = (speed.max(start.velocity) * duration).min(of.table.known_end());
+        let most = allowed(of.table, 0.0, reach, of.demand);
+        let bounds = Bounds {
+            speed: speed.min(most.velocity).max(1e-3 * requested.speed),
+            acceleration: LAW * most.acceleration,
+            jerk: LAW * most.jerk,
+        };
+        let plan = StateToRestProfile::new(start.into(), of.table.path().length(), bounds)?;
+        let law = HeldBrake::lasting(plan, time, duration, (bounds.acceleration, bounds.jerk))?;
+        let stop = law.behind_piece()?;
+        verifier.accepts(&stop, &mut samples).then_some(law)
+    })
+}
