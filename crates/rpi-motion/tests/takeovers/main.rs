@@ -3,6 +3,7 @@
 //! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
 
 mod controls;
+mod places;
 mod random;
 mod refusals;
 mod watch;
