@@ -97,22 +97,6 @@ impl Course {
             done: on_path && at_end,
         })
     }
-
-    /// Returns the last four set-points up to a time, `spacing` seconds apart, the newest last; `None` if one has no
-    /// inverse.
-    pub(crate) fn set_points_until(
-        &self,
-        arm: &Arm,
-        time: f64,
-        spacing: f64,
-    ) -> Option<[Joints; 4]> {
-        let mut joints = [[0.0; MAX_AXES]; 4];
-        for (k, slot) in joints.iter_mut().enumerate() {
-            let at = time - spacing * (3 - k) as f64;
-            *slot = self.joints_at(arm, at, &self.hint).ok()?.0;
-        }
-        Some(joints)
-    }
 }
 
 /// Returns the state on the parabola through the last set-points, `period` seconds apart.

@@ -102,10 +102,8 @@ impl JointPath {
     }
 
     /// Returns the joints near to `hint` for a pose of the tool that is displaced from the path at a place, with an arm angle
-    /// that differs from that of the path by `change` (rad). `None` if there are none, if they belong to another
-    /// configuration, or if the arm angle is not free there.
-    #[must_use]
-    pub fn displaced_joints(
+    /// that differs from that of the path by `change` (rad). `None` if there are none.
+    pub(crate) fn displaced_joints(
         &self,
         arm: &Arm,
         s: f64,
@@ -116,13 +114,13 @@ impl JointPath {
         let Path::Tool(path) = &self.path else {
             return None;
         };
-        if self.arm_angle.held_third_axis(s).is_some() {
-            return None;
-        }
         let angle = self.arm_angle_at(arm, s, &path.pose(s), hint) + change;
-        let (joints, moved) = arm.inverse(pose, hint, angle).ok()?;
-        let jumps = |axis: usize| (joints[axis] - hint[axis]).abs() > CONFIGURATION_STEP;
-        (moved == 0.0 && !(0..arm.axes()).any(jumps)).then_some(joints)
+        arm.inverse(pose, hint, angle).ok().map(|found| found.0)
+    }
+
+    /// Whether the arm angle is free at a place: axis 3 is not held there.
+    pub(crate) fn has_free_arm_angle(&self, s: f64) -> bool {
+        self.arm_angle.held_third_axis(s).is_none()
     }
 
     /// Returns the arm angle of the path at a place, rad; 0 for an arm without.

@@ -1,16 +1,17 @@
 //! The motion core of one arm: begins a motion from any state, and gives the set-point of each cycle.
 
-use crate::course::{Course, state_of};
+mod approach;
+
+use self::approach::Approach;
+use crate::course::Course;
 use crate::entry::{self, ATTEMPTS};
 use crate::node::Node;
 use crate::path::Path;
 use crate::path_error::PathError;
 use crate::plan::{Demand, Planner};
-use crate::residual::Residual;
 use crate::set_point::{Controls, EntryPreference, MotionError, SetPoint};
 use crate::speed_limit::{SpeedLimit, slower};
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
-use crate::tool_entry::{INVERSES_PER_CYCLE, Situation, ToolEntry, Verification};
 use crate::tool_trace::ToolTrace;
 use crate::verify::{SAMPLES_PER_CYCLE, Verifier, allowed_ranges};
 use crate::{Arm, JointState, Joints};
@@ -41,27 +42,11 @@ pub struct MotionCore {
     trace: ToolTrace,
 }
 
-/// Preparation of a takeover within the bounds of the tool.
-#[derive(Clone, Copy, Debug)]
-struct Approach {
-    /// Time of the previous motion at the start of the present one, s.
-    previous_time: f64,
-    /// The takeover; `None` until it is planned.
-    entry: Option<ToolEntry>,
-}
-
 /// Maximum number of nodes in the table of the path: 1 MB for each arm.
 const NODES: usize = 4096;
 
-/// Difference of the joints below which two set-points are the same, rad.
-const SAME_JOINTS: f64 = 1e-9;
-
 /// Cycle in which better entries are tried first: enough of the path is known then.
 const ENTRY_CYCLE: u64 = 4;
-
-/// Cycle in which a takeover within the bounds of the tool begins: the arm follows its previous motion until then, and no
-/// longer than that has been planned.
-const SWITCH_CYCLE: u64 = 12;
 
 /// Share of the tool's bounds for the path parameter while a residual decays.
 const SHARE_WITH_RESIDUAL: f64 = 1.0;
@@ -137,6 +122,7 @@ impl MotionCore {
         let hint = spare.table.first_node().joints;
         spare.stand(hint);
         let approach = self.approach_from(state);
+        let continues = self.continues(state);
         if self.approach.is_none() {
             core::mem::swap(&mut self.course, &mut self.previous);
         }
@@ -144,38 +130,13 @@ impl MotionCore {
         self.cycle = 0;
         self.planner = Planner::default();
         self.attempt = ATTEMPTS.len();
-        self.trace.begin(&self.arm, state, self.period);
+        self.trace.begin(&self.arm, state, self.period, continues);
         self.approach = None;
         self.enter_by_axes(state, 0.0)?;
         if self.course.residual.end() > 0.0 {
             self.approach = approach;
         }
         Ok(())
-    }
-
-    /// Returns the preparation of a takeover from the motion that the arm follows, if it does so in this state.
-    fn approach_from(&self, state: &JointState) -> Option<Approach> {
-        let time = self.cycle as f64 * self.period;
-        let (course, previous_time, path) = match self.approach {
-            Some(approach) => (
-                &self.previous,
-                approach.previous_time + time,
-                self.course.path(),
-            ),
-            None => (&self.course, time, self.previous.path()),
-        };
-        let is_wanted = self.preference == EntryPreference::WithinToolBounds
-            && matches!(path, Path::Tool(_))
-            && self.cycle > 0;
-        let (joints, _) = course
-            .joints_at(&self.arm, previous_time, &course.hint)
-            .ok()?;
-        let differs = |axis: usize| (joints[axis] - state.position[axis]).abs() > SAME_JOINTS;
-        let follows = !(0..self.arm.axes()).any(differs);
-        (is_wanted && follows).then_some(Approach {
-            previous_time,
-            entry: None,
-        })
     }
 
     /// Begins to come on to the path from a state at a time of the motion (s), each axis on its own.
@@ -222,71 +183,6 @@ impl MotionCore {
         Ok(at)
     }
 
-    /// Prepares the takeover within the bounds of the tool, and begins it in its cycle. If it is not possible, each axis
-    /// comes on to the path on its own.
-    fn prepare(
-        &mut self,
-        mut approach: Approach,
-        time: f64,
-        controls: Controls,
-    ) -> Result<(), MotionError> {
-        if self.cycle < ENTRY_CYCLE {
-            return Ok(());
-        }
-        let switch = SWITCH_CYCLE as f64 * self.period;
-        let (arm, previous, period) = (&self.arm, &self.previous, self.period);
-        let situation = Situation {
-            arm,
-            table: &self.course.table,
-            ranges: &self.ranges,
-            demand: self.demand(time, controls),
-            period,
-        };
-        if approach.entry.is_none() {
-            let budget = (SWITCH_CYCLE - ENTRY_CYCLE) as usize * INVERSES_PER_CYCLE;
-            approach.entry = ToolEntry::plan(&situation, switch, budget, |stride| {
-                let until = approach.previous_time + switch;
-                previous.set_points_until(arm, until, stride as f64 * period)
-            });
-        }
-        let verified = approach
-            .entry
-            .as_mut()
-            .map(|entry| entry.verify(&situation));
-        let is_stopped = controls.paused || controls.speed_share <= 0.0;
-        match (verified, approach.entry) {
-            (Some(Verification::Accepted), Some(entry)) if !is_stopped => {
-                self.approach = Some(approach);
-                if self.cycle >= SWITCH_CYCLE {
-                    self.begin_tool_entry(&entry);
-                }
-                Ok(())
-            }
-            (Some(Verification::Running), _) if !is_stopped && self.cycle < SWITCH_CYCLE => {
-                self.approach = Some(approach);
-                Ok(())
-            }
-            _ => {
-                let until = approach.previous_time + time;
-                let last = self.previous.set_points_until(&self.arm, until, period);
-                let state = state_of(&last.ok_or(MotionError::NotFinite)?, period);
-                self.approach = None;
-                self.ranges = allowed_ranges(&self.arm, &state.position);
-                self.enter_by_axes(&state, time)
-            }
-        }
-    }
-
-    fn begin_tool_entry(&mut self, entry: &ToolEntry) {
-        self.approach = None;
-        self.attempt = ATTEMPTS.len();
-        self.course.residual = Residual::default();
-        self.course.tool = Some(entry.residual);
-        self.course.held = entry.law;
-        self.course.hint = self.previous.hint;
-        self.planner.last_share = 1;
-    }
-
     /// Begins to hold the joints `at`, in place of the present motion, from the state of the arm as commanded: each
     /// axis goes there on its own, with all its limits. The motion is done once they rest there.
     ///
@@ -302,7 +198,8 @@ impl MotionCore {
         self.ranges = allowed_ranges(&self.arm, &state.position);
         self.cycle = 0;
         self.planner = Planner::default();
-        self.trace.begin(&self.arm, state, self.period);
+        let continues = self.continues(state);
+        self.trace.begin(&self.arm, state, self.period, continues);
         let node = self.course.table.first_node();
         let residual = entry::standing(&self.arm, node, state, 0.0);
         self.course.residual = residual.ok_or(MotionError::NotFinite)?;

@@ -77,9 +77,9 @@ impl ToolEntry {
         of: &Situation<'_>,
         time: f64,
         budget: usize,
-        earlier: impl Fn(usize) -> Option<[Joints; 4]>,
+        earlier: impl Fn(usize) -> [Joints; 4],
     ) -> Option<Self> {
-        let state = state_of(&earlier(1)?, of.period);
+        let state = state_of(&earlier(1), of.period);
         let requested = of.table.requested();
         let most = allowed(of.table, 0.0, 0.0, of.demand);
         let mut start = along_path(
@@ -101,7 +101,7 @@ impl ToolEntry {
             return None;
         }
         let law = law(of, start, &residual, time)?;
-        let last = earlier(stride)?;
+        let last = earlier(stride);
         Some(Self {
             residual,
             law,
@@ -135,7 +135,7 @@ impl ToolEntry {
             return None;
         };
         let PathState { s, velocity, .. } = self.law.state_at(time);
-        if velocity < -1e-9 {
+        if velocity < -1e-9 || !joint_path.has_free_arm_angle(s) {
             return None;
         }
         let pose = self.residual.displaced(&path.pose(s), time);
