@@ -24,8 +24,23 @@ pub(crate) const ARMS: [&ArmModel; 4] = [
     &models::kuka_lbr::IIWA_7,
 ];
 
-/// Takeovers of one chain.
+/// Takeovers of one chain, and of one with a new motion every few cycles.
 const CHAIN: usize = 10;
+const QUICK_CHAIN: usize = 60;
+
+/// Rule for the number of cycles between two takeovers of a chain.
+type Cycles = fn(&mut Random) -> usize;
+
+fn any(random: &mut Random) -> usize {
+    match random.unit() < 0.4 {
+        true => 1 + random.below(20),
+        false => 1 + random.below(800),
+    }
+}
+
+fn few(random: &mut Random) -> usize {
+    1 + random.below(50)
+}
 
 pub(crate) fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect("a number"))
@@ -90,12 +105,17 @@ fn motion(
     None
 }
 
-fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
+fn chain(
+    model: &'static ArmModel,
+    seed: u64,
+    (length, wait): (usize, Cycles),
+    counts: &mut Counts,
+) {
     let arm = Arm::new(model, Pose::identity(), &[]);
     let mut random = Random::new(seed);
     let mut watch = Watch::standing(&random::joints(model, &mut random));
     let mut core = MotionCore::new(arm, PERIOD);
-    for number in 0..CHAIN {
+    for number in 0..length {
         let Some(Motion {
             path,
             start,
@@ -107,13 +127,12 @@ fn chain(model: &'static ArmModel, seed: u64, counts: &mut Counts) {
         no_alloc(|| core.begin_at(path, &start, &watch.state(), requested))
             .expect("the check accepted it");
         counts.takeovers += 1;
-        let cycles = match () {
-            () if number + 1 == CHAIN => 60_000,
-            () if random.unit() < 0.4 => 1 + random.below(20),
-            () => 1 + random.below(800),
+        let cycles = match number + 1 == length {
+            true => 60_000,
+            false => wait(&mut random),
         };
         let arrived = run(&mut core, &arm, &path, &mut watch, cycles, counts);
-        if number + 1 == CHAIN && !arrived {
+        if number + 1 == length && !arrived {
             counts.not_arrived += 1;
             println!(
                 "not arrived: {} seed {seed}: {:?}",
@@ -170,12 +189,11 @@ fn run(
     false
 }
 
-#[test]
-fn takeovers_at_random_moments_keep_every_limit() {
-    let (chains, first) = (number("RPI_TAKEOVERS", 50), number("RPI_SEED", 1));
+fn run_chains(chains: u64, length: usize, wait: Cycles) {
+    let first = number("RPI_SEED", 1);
     for model in ARMS {
         let mut counts = Counts::default();
-        (first..first + chains).for_each(|seed| chain(model, seed, &mut counts));
+        (first..first + chains).for_each(|seed| chain(model, seed, (length, wait), &mut counts));
         println!("{}: {counts:?}", model.id);
         assert_eq!(
             (counts.over_limits, counts.not_arrived),
@@ -186,4 +204,14 @@ fn takeovers_at_random_moments_keep_every_limit() {
         assert!(counts.deviation < 1e-9, "{}: {counts:?}", model.id);
         assert!(counts.takeovers > 0);
     }
+}
+
+#[test]
+fn takeovers_at_random_moments_keep_every_limit() {
+    run_chains(number("RPI_TAKEOVERS", 50), CHAIN, any);
+}
+
+#[test]
+fn takeovers_in_quick_succession_keep_every_limit() {
+    run_chains(number("RPI_TAKEOVERS", 50) / 10, QUICK_CHAIN, few);
 }
