@@ -74,6 +74,14 @@ impl ErrorCode {
     pub const NO_ANGLE: Self = Self(25);
     /// An arc starts on its axis, or the axis has no direction.
     pub const ON_AXIS: Self = Self(26);
+    /// A path has more points than the arm can plan.
+    pub const TOO_MANY_POINTS: Self = Self(27);
+    /// Two successive points of a spline are the same.
+    pub const SAME_POINT: Self = Self(28);
+    /// A spline turns back so sharply that the tool would have to stop.
+    pub const REVERSAL: Self = Self(29);
+    /// The tool turns too far between two points of a spline.
+    pub const TURNING_DECIDES: Self = Self(30);
 
     /// True for a code whose report carries a place on the path of the tool and the length of the path, in m.
     #[must_use]
@@ -243,5 +251,25 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::ON_AXIS,
         "on-axis",
         "the arc starts on its axis, or the axis has no direction",
+    ),
+    line(
+        ErrorCode::TOO_MANY_POINTS,
+        "too-many-points",
+        "the path has more than 16 points; divide it",
+    ),
+    line(
+        ErrorCode::SAME_POINT,
+        "same-point",
+        "two successive points of the spline are the same; leave one out",
+    ),
+    line(
+        ErrorCode::REVERSAL,
+        "reversal",
+        "the spline turns back so sharply that the tool would have to stop; end the motion there",
+    ),
+    line(
+        ErrorCode::TURNING_DECIDES,
+        "turning-decides",
+        "the tool turns by more than 4 rad per metre between two points of the spline; turn it on a longer way, or by a line",
     ),
 ];

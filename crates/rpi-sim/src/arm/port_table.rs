@@ -261,6 +261,7 @@ pub(super) const PORTS: &[PortRow] = &[
     tool_motion("move_arc_by_centre", ToolPathKind::ArcByCentre),
     tool_motion("move_arc_by_angle", ToolPathKind::ArcByAngle),
     tool_motion("move_corner", ToolPathKind::Corner),
+    tool_motion("move_spline", ToolPathKind::Spline),
     motion("move_joints", PathKind::Joints),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),

@@ -6,7 +6,9 @@ use crate::error_code::ErrorCode;
 use nalgebra::Vector3;
 use rpi_kin::Pose;
 use rpi_motion::Path;
-use rpi_motion::path::{Arc, ArcError, ArcOrientation, Piece, ToolPath};
+use rpi_motion::path::line::TURNING_LENGTH;
+use rpi_motion::path::spline::{MAX_POINTS, SHORTEST_CHORD};
+use rpi_motion::path::{Arc, ArcError, ArcOrientation, Piece, SplineError, ToolPath};
 
 /// Kind of a path of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +23,8 @@ pub(super) enum ToolPathKind {
     ArcByAngle,
     /// Two straight lines, with the corner between them within a zone. Target: the via pose, the end pose and the zone (m).
     Corner,
+    /// A smooth curve through points. Target: one pose for each point.
+    Spline,
 }
 
 /// Number of slots of a vector and of a pose.
@@ -49,6 +53,7 @@ pub(super) fn tool_path(
         }
         ToolPathKind::ArcByAngle => arc(arc_by_angle(start, target)),
         ToolPathKind::Corner => corner(start, target),
+        ToolPathKind::Spline => spline(start, target),
     }
 }
 
@@ -99,4 +104,35 @@ fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     }
     let path = ToolPath::polyline(&[*start, via, to], &[zone]);
     path.map(Path::Tool).map_err(|_| ErrorCode::NO_CORNER)
+}
+
+/// The spline through points. If the tool is at the first one, it is the start.
+fn spline(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
+    let mut points = [*start; MAX_POINTS];
+    let mut count = 1;
+    for slots in target.chunks(POSE) {
+        let point = pose_from(slots);
+        if count == 1 && is_at(start, &point) {
+            continue;
+        }
+        *points.get_mut(count).ok_or(ErrorCode::TOO_MANY_POINTS)? = point;
+        count += 1;
+    }
+    if count == 1 {
+        return Ok(Path::line(start, start));
+    }
+    let path = ToolPath::spline(&points[..count]).map_err(|error| match error {
+        SplineError::Counts => ErrorCode::TOO_MANY_POINTS,
+        SplineError::SamePoint(_) => ErrorCode::SAME_POINT,
+        SplineError::Reversal(_) => ErrorCode::REVERSAL,
+        SplineError::TurningDecides(_) => ErrorCode::TURNING_DECIDES,
+    });
+    path.map(Path::Tool)
+}
+
+/// Whether two poses are the same, but for rounding.
+fn is_at(one: &Pose, other: &Pose) -> bool {
+    let turn = one.rotation.angle_to(&other.rotation);
+    (one.translation.vector - other.translation.vector).norm() < SHORTEST_CHORD
+        && turn * TURNING_LENGTH < SHORTEST_CHORD
 }

@@ -14,6 +14,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     MOVE_ARC_BY_CENTRE,
     MOVE_ARC_BY_ANGLE,
     MOVE_CORNER,
+    MOVE_SPLINE,
     MOVE_JOINTS,
 ];
 
@@ -107,6 +108,15 @@ motion! {
     /// the base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
     MOVE_CORNER = "Rpi::MoveCorner", "move_corner";
     in { inVia: Pose; inTo: Pose; inZone: f64 }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Smooth curve of the tool from where it is through `inPoints`, at most 16, in the base frame of the arm. Curvature and
+    /// angular acceleration are continuous. Units are m and s. `Axes` is the number of axes of the arm.
+    MOVE_SPLINE = "Rpi::MoveSpline", "move_spline";
+    in { inPoints: Array<Pose> }
     param Axes;
     shape ShapeRule::FromParam("Axes")
 }
