@@ -28,6 +28,7 @@ pub mod check;
 mod course;
 mod entry;
 mod held_axis;
+pub mod joint_motion;
 pub mod joint_path;
 pub mod motion_core;
 pub mod node;
@@ -50,6 +51,7 @@ mod window;
 
 pub use arm::{Arm, JointState};
 pub use check::{PathReport, check_path, scan_path};
+pub use joint_motion::{JointGoal, JointMotion, JointSetPoint};
 pub use motion_core::MotionCore;
 pub use path::Path;
 pub use path_error::{PathError, PathErrorKind};

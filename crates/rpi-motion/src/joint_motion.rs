@@ -1,0 +1,428 @@
+//! Motion of the axes towards goals that may change in every cycle: positions, moving positions, velocities.
+//!
+//! In every cycle the online generator plans from the state of the last set-point to the goal, and one period of this plan
+//! is followed. Before that, the core looks ahead: a state is only taken if each axis could stop from it within its range.
+//! Otherwise the axis takes a more careful plan, at last that of its stop. So the way to rest of the state before remains
+//! possible at any time, and no goal, late or wrong, leads out of a range.
+//!
+//! Nothing allocates, and the work of a cycle is bounded: at most five plans of each axis.
+
+use crate::node::{USED_JERK_SHARE, USED_SHARE};
+use crate::online::{AxisLimits, MotionOptions, OnlineMotion, Synchronization};
+use crate::verify::allowed_ranges;
+use crate::{Arm, JointState, Joints, MotionError};
+use rpi_kin::state_to_rest::{AxisState, Bounds};
+use rpi_kin::{MAX_AXES, Range};
+
+/// Goal of the axes, in rad and s (m for a linear axis).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointGoal {
+    /// All axes come to rest at these positions, at the same time: synchronised by time.
+    Position(Joints),
+    /// The axes follow a goal that is at these positions and moves with these velocities, each as fast as it can.
+    Moving {
+        /// Positions.
+        position: Joints,
+        /// Velocities.
+        velocity: Joints,
+    },
+    /// The axes move with these velocities, and stop before the ends of their ranges.
+    Velocity(Joints),
+    /// The axes come to rest, as fast as their limits allow, and stay there.
+    Rest,
+}
+
+/// Set-point of a [`JointMotion`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSetPoint {
+    /// State of the axes.
+    pub state: JointState,
+    /// Whether the axes are at the goal: at its positions and with its velocities, or with the velocities that are asked.
+    pub at_goal: bool,
+    /// Axis that cannot go on, counted from 0: it rests at the end of its range, and the goal lies beyond.
+    pub at_range_end: Option<usize>,
+}
+
+/// Motion of the axes of one arm towards goals that may change in every cycle.
+#[derive(Clone, Debug)]
+pub struct JointMotion {
+    arm: Arm,
+    /// Period of the set-points, s.
+    period: f64,
+    /// Bounds of the plans, and those of the stops: the limits of the axes.
+    bounds: [Bounds; MAX_AXES],
+    stops: [AxisLimits; MAX_AXES],
+    ranges: [Range; MAX_AXES],
+    /// State at the last set-point.
+    state: [AxisState; MAX_AXES],
+}
+
+/// Difference of positions (rad) and of velocities (rad/s) that counts as none.
+const SAME: f64 = 1e-9;
+
+/// Distance beyond a range that is rounding, rad.
+const OUTSIDE: f64 = 1e-9;
+
+/// Share of the highest speed of an axis that a goal may have, so that the axis can catch up with it.
+const FASTEST_GOAL: f64 = 0.95;
+
+/// States at rest at 0.
+const AT_REST: [AxisState; MAX_AXES] = [AxisState {
+    position: 0.0,
+    velocity: 0.0,
+    acceleration: 0.0,
+}; MAX_AXES];
+
+/// Bounds of an axis that the arm does not have.
+const NO_AXIS: Bounds = Bounds {
+    speed: 1.0,
+    acceleration: 1.0,
+    jerk: 1.0,
+};
+
+impl JointMotion {
+    /// Creates the motion of an arm at rest for set-points of a period (s).
+    #[must_use]
+    pub fn new(arm: Arm, period: f64) -> Self {
+        let mut stops = [AxisLimits::from(NO_AXIS); MAX_AXES];
+        for (slot, limits) in stops.iter_mut().zip(arm.limits()) {
+            *slot = AxisLimits::from(Bounds {
+                speed: limits.velocity,
+                acceleration: limits.acceleration,
+                jerk: limits.jerk,
+            });
+        }
+        Self {
+            ranges: allowed_ranges(&arm, &[0.0; MAX_AXES]),
+            arm,
+            period,
+            bounds: [NO_AXIS; MAX_AXES],
+            stops,
+            state: [AxisState::default(); MAX_AXES],
+        }
+    }
+
+    /// Begins a motion from the state of the arm as commanded, for set-points of a period (s). `requested` are the bounds of
+    /// each axis, which may be higher than its limits.
+    ///
+    /// # Errors
+    /// [`MotionError::NotFinite`] if a number is not finite or a bound not positive. The present motion then goes on.
+    pub fn begin(
+        &mut self,
+        state: &JointState,
+        requested: Bounds,
+        period: f64,
+    ) -> Result<(), MotionError> {
+        if !(requested.are_positive() && state.is_finite()) {
+            return Err(MotionError::NotFinite);
+        }
+        self.period = period;
+        self.ranges = allowed_ranges(&self.arm, &state.position);
+        for (axis, limits) in self.arm.limits().iter().enumerate() {
+            // Leaves room for what the next motion does not know: see `can_stop_from`.
+            let unknown = period * (limits.acceleration + limits.jerk * period);
+            let speed = (limits.velocity - unknown).max(limits.velocity / 2.0);
+            self.bounds[axis] = Bounds {
+                speed: requested.speed.min(USED_SHARE * limits.velocity).min(speed),
+                acceleration: requested.acceleration.min(USED_SHARE * limits.acceleration),
+                jerk: requested.jerk.min(USED_JERK_SHARE * limits.jerk),
+            };
+            self.state[axis] = AxisState {
+                position: state.position[axis],
+                velocity: state.velocity[axis],
+                acceleration: state.acceleration[axis],
+            };
+        }
+        Ok(())
+    }
+
+    /// Returns the set-point of the next cycle: one period further towards the goal, with a share (0 to 1) of the requested
+    /// speed. Call it once per period. A goal that is not finite is that of [`JointGoal::Rest`].
+    pub fn next_set_point(&mut self, goal: &JointGoal, speed_share: f64) -> JointSetPoint {
+        let goal = self.limited(goal, speed_share);
+        let limits = self.limits(&goal, speed_share);
+        let next = self.planned(&goal, &limits);
+        self.state = next;
+        JointSetPoint {
+            state: self.joint_state(&next),
+            at_goal: self.is_at(&goal),
+            at_range_end: self.axis_at_end(&goal),
+        }
+    }
+
+    /// Returns the state `elapsed` seconds (down to minus one period) after the last set-point if each axis stops on its own:
+    /// for an arm that stops in steps shorter than a period.
+    #[must_use]
+    pub fn stopping(&self, elapsed: f64) -> JointState {
+        let stop = self.stop_from(&self.state);
+        let at = |axis: usize| match (elapsed < 0.0, &stop) {
+            (false, Some(stop)) => stop.axes()[axis].state_at(elapsed),
+            _ => self.state[axis].advanced(elapsed, 0.0),
+        };
+        self.joint_state(&core::array::from_fn(at))
+    }
+
+    /// The goal with positions within the ranges and velocities that the bounds allow.
+    fn limited(&self, goal: &JointGoal, speed_share: f64) -> JointGoal {
+        let speed = |axis: usize| FASTEST_GOAL * self.bounds[axis].speed * speed_share;
+        let inside = |axis: usize, position: f64| {
+            let range = self.goals(axis);
+            position.clamp(range.lower, range.upper)
+        };
+        let is_finite = |joints: &Joints| joints.iter().all(|joint| joint.is_finite());
+        let along =
+            |velocity: &Joints, axis: usize| velocity[axis].clamp(-speed(axis), speed(axis));
+        match goal {
+            _ if !(speed_share > 0.0 && speed_share <= 1.0) => JointGoal::Rest,
+            JointGoal::Position(to) if is_finite(to) => {
+                JointGoal::Position(core::array::from_fn(|axis| inside(axis, to[axis])))
+            }
+            JointGoal::Moving { position, velocity }
+                if is_finite(position) && is_finite(velocity) =>
+            {
+                JointGoal::Moving {
+                    position: core::array::from_fn(|axis| inside(axis, position[axis])),
+                    velocity: core::array::from_fn(|axis| {
+                        let is_inside = inside(axis, position[axis]) == position[axis];
+                        if is_inside {
+                            along(velocity, axis)
+                        } else {
+                            0.0
+                        }
+                    }),
+                }
+            }
+            JointGoal::Velocity(velocity) if is_finite(velocity) => {
+                let velocity = |axis| velocity[axis] * speed_share;
+                let within = |axis: usize| {
+                    let most = self.bounds[axis].speed;
+                    f64::clamp(velocity(axis), -most, most)
+                };
+                JointGoal::Velocity(core::array::from_fn(within))
+            }
+            _ => JointGoal::Rest,
+        }
+    }
+
+    /// Range of the positions at which an axis may rest: its range, less what a stop from rest may take if the acceleration is
+    /// only known to one period of jerk.
+    fn goals(&self, axis: usize) -> Range {
+        let (jerk, range) = (self.stops[axis].max_jerk, self.ranges[axis]);
+        let stop = 3.0 * jerk * self.period * self.period * self.period;
+        range.shrunk(stop.min((range.upper - range.lower) / 4.0))
+    }
+
+    /// Limits of the plans for a goal.
+    fn limits(&self, goal: &JointGoal, speed_share: f64) -> [AxisLimits; MAX_AXES] {
+        core::array::from_fn(|axis| {
+            let bounds = self.bounds[axis];
+            let speed = match goal {
+                JointGoal::Velocity(velocity) if velocity[axis] != 0.0 => velocity[axis].abs(),
+                JointGoal::Position(_) | JointGoal::Moving { .. } => bounds.speed * speed_share,
+                _ => bounds.speed,
+            };
+            AxisLimits::from(Bounds { speed, ..bounds })
+        })
+    }
+
+    /// The states one period later: of the first plan of each axis from which it can stop within its range.
+    fn planned(&self, goal: &JointGoal, limits: &[AxisLimits; MAX_AXES]) -> [AxisState; MAX_AXES] {
+        let careful = match goal {
+            JointGoal::Moving { position, .. } => {
+                self.followed(&resting(position), limits, Synchronization::None)
+            }
+            _ => self.halted(limits),
+        };
+        let stop = self.stop_from(&self.state);
+        let mut next = stop.map_or(self.state, |stop| stop.state_at(self.period));
+        for candidate in [careful, self.wanted(goal, limits)].into_iter().flatten() {
+            let is_safe = self.can_stop_from(&candidate);
+            for axis in (0..self.arm.axes()).filter(|axis| is_safe[*axis]) {
+                next[axis] = candidate[axis];
+            }
+        }
+        next
+    }
+
+    /// The states one period later on the fastest way to the goal; `None` if there is no plan.
+    fn wanted(
+        &self,
+        goal: &JointGoal,
+        limits: &[AxisLimits; MAX_AXES],
+    ) -> Option<[AxisState; MAX_AXES]> {
+        let target = self.target(goal);
+        match goal {
+            JointGoal::Position(_) => self.followed(&target, limits, Synchronization::Time),
+            JointGoal::Moving { .. } => self.followed(&target, limits, Synchronization::None),
+            JointGoal::Velocity(velocity) => {
+                let moving = self.followed(&target, limits, Synchronization::None)?;
+                let halted = self.halted(limits)?;
+                Some(core::array::from_fn(|axis| match velocity[axis] {
+                    0.0 => halted[axis],
+                    _ => moving[axis],
+                }))
+            }
+            JointGoal::Rest => self.halted(limits),
+        }
+    }
+
+    /// The target of a goal. An axis that shall move with a velocity goes to the end of its range: there, it comes to rest by
+    /// itself.
+    fn target(&self, goal: &JointGoal) -> [AxisState; MAX_AXES] {
+        match goal {
+            JointGoal::Position(to) => resting(to),
+            JointGoal::Moving { position, velocity } => core::array::from_fn(|axis| AxisState {
+                position: position[axis],
+                velocity: velocity[axis],
+                acceleration: 0.0,
+            }),
+            JointGoal::Velocity(velocity) => resting(&core::array::from_fn(|axis| {
+                let range = self.goals(axis);
+                match velocity[axis] > 0.0 {
+                    true => range.upper,
+                    false => range.lower,
+                }
+            })),
+            JointGoal::Rest => self.state,
+        }
+    }
+
+    /// The states one period later on the way to targets that move with their velocities: planned in coordinates that move
+    /// with the targets, so that the plan meets them.
+    fn followed(
+        &self,
+        target: &[AxisState; MAX_AXES],
+        limits: &[AxisLimits; MAX_AXES],
+        synchronization: Synchronization,
+    ) -> Option<[AxisState; MAX_AXES]> {
+        let options = MotionOptions {
+            synchronization,
+            minimum_duration: 0.0,
+        };
+        let relative = core::array::from_fn(|axis| AxisState {
+            position: self.state[axis].position - target[axis].position,
+            velocity: self.state[axis].velocity - target[axis].velocity,
+            acceleration: self.state[axis].acceleration,
+        });
+        let limits = core::array::from_fn(|axis| AxisLimits {
+            max_velocity: limits[axis].max_velocity - target[axis].velocity,
+            min_velocity: limits[axis].min_velocity - target[axis].velocity,
+            ..limits[axis]
+        });
+        let plan = OnlineMotion::to_position(&relative, &AT_REST, &limits, options).ok()?;
+        Some(core::array::from_fn(|axis| {
+            let state = plan.axes()[axis].state_at(self.period);
+            let target = target[axis].advanced(self.period, 0.0);
+            AxisState {
+                position: state.position + target.position,
+                velocity: state.velocity + target.velocity,
+                acceleration: state.acceleration,
+            }
+        }))
+    }
+
+    /// The states one period later if each axis comes to rest within limits.
+    fn halted(&self, limits: &[AxisLimits; MAX_AXES]) -> Option<[AxisState; MAX_AXES]> {
+        let options = MotionOptions {
+            synchronization: Synchronization::None,
+            minimum_duration: 0.0,
+        };
+        let halt = OnlineMotion::to_velocity(&self.state, &AT_REST, limits, options).ok()?;
+        Some(halt.state_at(self.period))
+    }
+
+    /// The stop of each axis on its own, with its limits.
+    fn stop_from(&self, state: &[AxisState; MAX_AXES]) -> Option<OnlineMotion<MAX_AXES>> {
+        let options = MotionOptions {
+            synchronization: Synchronization::None,
+            minimum_duration: 0.0,
+        };
+        OnlineMotion::to_velocity(state, &AT_REST, &self.stops, options).ok()
+    }
+
+    /// Whether each axis can stop from a state within its range and its limit of the velocity, which its acceleration still
+    /// changes.
+    ///
+    /// The next motion knows this state by the differences of the set-points only: its acceleration may differ by one
+    /// period of jerk. So the states that much to both sides are looked at. The distance of a stop grows with velocity and
+    /// acceleration; so if a state passes, those on the way of its stop pass, too.
+    fn can_stop_from(&self, state: &[AxisState; MAX_AXES]) -> [bool; MAX_AXES] {
+        let period = self.period;
+        let beside = |sense: f64| {
+            core::array::from_fn(|axis| AxisState {
+                velocity: state[axis].velocity
+                    + sense * self.stops[axis].max_jerk * period * period / 2.0,
+                acceleration: state[axis].acceleration + sense * self.stops[axis].max_jerk * period,
+                ..state[axis]
+            })
+        };
+        let stops = (self.stop_from(&beside(-1.0)), self.stop_from(&beside(1.0)));
+        let (Some(lower), Some(upper)) = stops else {
+            return [false; MAX_AXES];
+        };
+        core::array::from_fn(|axis| {
+            let (state, limits, range) = (state[axis], self.stops[axis], self.ranges[axis]);
+            let peak = |beside: &OnlineMotion<MAX_AXES>| {
+                let AxisState {
+                    velocity,
+                    acceleration,
+                    ..
+                } = beside.axes()[axis].start();
+                velocity + acceleration * acceleration.abs() / (2.0 * limits.max_jerk)
+            };
+            state.velocity.abs().max(peak(&upper)).max(-peak(&lower)) <= limits.max_velocity
+                && lower.axes()[axis].position_extrema().min >= range.lower - OUTSIDE
+                && upper.axes()[axis].position_extrema().max <= range.upper + OUTSIDE
+        })
+    }
+
+    fn is_at(&self, goal: &JointGoal) -> bool {
+        let target = self.target(goal);
+        (0..self.arm.axes()).all(|axis| {
+            let (state, target) = (self.state[axis], target[axis]);
+            let speed = match goal {
+                JointGoal::Velocity(velocity) => velocity[axis],
+                JointGoal::Rest => 0.0,
+                _ => target.velocity,
+            };
+            let place = match goal {
+                // The goal has moved on since the cycle began.
+                JointGoal::Position(_) | JointGoal::Moving { .. } => {
+                    (state.position - target.position - target.velocity * self.period).abs()
+                }
+                _ => 0.0,
+            };
+            place < SAME && (state.velocity - speed).abs() < SAME && state.acceleration.abs() < 1e-6
+        })
+    }
+
+    /// The axis that rests at the end of its range although its velocity leads beyond.
+    fn axis_at_end(&self, goal: &JointGoal) -> Option<usize> {
+        let JointGoal::Velocity(velocity) = goal else {
+            return None;
+        };
+        let target = self.target(goal);
+        (0..self.arm.axes()).find(|axis| {
+            let (state, target) = (self.state[*axis], target[*axis]);
+            velocity[*axis] != 0.0
+                && (state.position - target.position).abs() < SAME
+                && state.velocity.abs() < SAME
+        })
+    }
+
+    fn joint_state(&self, of: &[AxisState; MAX_AXES]) -> JointState {
+        JointState {
+            position: of.map(|axis| axis.position),
+            velocity: of.map(|axis| axis.velocity),
+            acceleration: of.map(|axis| axis.acceleration),
+        }
+    }
+}
+
+/// The states at rest at positions.
+fn resting(positions: &Joints) -> [AxisState; MAX_AXES] {
+    positions.map(|position| AxisState {
+        position,
+        ..AxisState::default()
+    })
+}
