@@ -53,8 +53,9 @@ pub struct JointMotion {
     bounds: [Bounds; MAX_AXES],
     stops: [AxisLimits; MAX_AXES],
     ranges: [Range; MAX_AXES],
-    /// State at the last set-point.
+    /// State at the last set-point, and at the one before.
     state: [AxisState; MAX_AXES],
+    previous: [AxisState; MAX_AXES],
 }
 
 /// Difference of positions (rad) and of velocities (rad/s) that counts as none.
@@ -98,7 +99,8 @@ impl JointMotion {
             period,
             bounds: [NO_AXIS; MAX_AXES],
             stops,
-            state: [AxisState::default(); MAX_AXES],
+            state: AT_REST,
+            previous: AT_REST,
         }
     }
 
@@ -133,6 +135,7 @@ impl JointMotion {
                 acceleration: state.acceleration[axis],
             };
         }
+        self.previous = self.state;
         Ok(())
     }
 
@@ -142,7 +145,7 @@ impl JointMotion {
         let goal = self.limited(goal, speed_share);
         let limits = self.limits(&goal, speed_share);
         let next = self.planned(&goal, &limits);
-        self.state = next;
+        self.previous = core::mem::replace(&mut self.state, next);
         JointSetPoint {
             state: self.joint_state(&next),
             at_goal: self.is_at(&goal),
@@ -155,11 +158,21 @@ impl JointMotion {
     #[must_use]
     pub fn stopping(&self, elapsed: f64) -> JointState {
         let stop = self.stop_from(&self.state);
-        let at = |axis: usize| match (elapsed < 0.0, &stop) {
-            (false, Some(stop)) => stop.axes()[axis].state_at(elapsed),
-            _ => self.state[axis].advanced(elapsed, 0.0),
+        let at = |axis: usize| match &stop {
+            Some(stop) if elapsed >= 0.0 => stop.axes()[axis].state_at(elapsed),
+            _ => {
+                let (before, now) = (self.previous[axis], self.state[axis]);
+                let jerk = (now.acceleration - before.acceleration) / self.period;
+                before.advanced((elapsed + self.period).min(self.period), jerk)
+            }
         };
         self.joint_state(&core::array::from_fn(at))
+    }
+
+    /// Returns the state at the last set-point: exactly, unlike the differences of the set-points.
+    #[must_use]
+    pub fn state(&self) -> JointState {
+        self.joint_state(&self.state)
     }
 
     /// The goal with positions within the ranges and velocities that the bounds allow.

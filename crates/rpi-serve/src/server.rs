@@ -316,7 +316,9 @@ mod tests {
     /// Starts a command on the server and waits until the arm moves.
     fn swing(shared: &SharedState) {
         let client = shared.lock().objects.client(Peer::Local);
-        let session = shared.lock().open_session("test", SessionPolicy::default(), (client, true));
+        let session = shared
+            .lock()
+            .open_session("test", SessionPolicy::default(), (client, true));
         let session = session.unwrap();
         let load = LoadRequest {
             session: &session,
@@ -369,7 +371,9 @@ mod tests {
         let shared = server.state.clone().unwrap();
         let mut state = shared.lock();
         let client = state.objects.client(Peer::Local);
-        let session = state.open_session("test", SessionPolicy::default(), (client, true)).unwrap();
+        let session = state
+            .open_session("test", SessionPolicy::default(), (client, true))
+            .unwrap();
         state.emergency.watch(Box::new(Disconnected));
         state.devices.watch(Box::new(Disconnected));
         state

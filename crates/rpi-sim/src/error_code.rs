@@ -82,6 +82,8 @@ impl ErrorCode {
     pub const REVERSAL: Self = Self(29);
     /// The tool turns too far between two points of a spline.
     pub const TURNING_DECIDES: Self = Self(30);
+    /// An axis has come to the end of its range.
+    pub const RANGE_END: Self = Self(31);
 
     /// True for a code whose report carries a place on the path of the tool and the length of the path, in m.
     #[must_use]
@@ -271,5 +273,10 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::TURNING_DECIDES,
         "turning-decides",
         "the tool turns by more than 4 rad per metre between two points of the spline; turn it on a longer way, or by a line",
+    ),
+    line(
+        ErrorCode::RANGE_END,
+        "range-end",
+        "an axis has come to the end of its range and stopped there; move it back",
     ),
 ];

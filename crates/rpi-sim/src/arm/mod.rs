@@ -4,6 +4,7 @@
 //! The model is kinematic: drives reach their commanded positions exactly, and measured positions follow with a
 //! first-order lag. Set-points of a command with a period of n ticks are interpolated linearly over these n ticks.
 
+mod axes_motion;
 mod axis;
 mod brake;
 mod faults;
@@ -11,6 +12,7 @@ mod kinematic_functions;
 mod kinematics;
 pub mod limits;
 mod motion;
+mod motion_call;
 mod motion_path;
 mod parameters;
 mod path_fault;

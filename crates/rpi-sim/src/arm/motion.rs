@@ -4,7 +4,9 @@
 //! caller passes it back in each of the next cycles. The set-point of the call is that of the end of the period.
 
 use super::Arm;
+use super::axes_motion::{AxesMotion, AxesMotionKind};
 use super::kinematics::PerAxis;
+use super::motion_call::{Request, put_error};
 use super::motion_path::path_from_stop;
 use super::path_fault::PathFault;
 use super::tool_path::ToolPathKind;
@@ -25,12 +27,14 @@ pub(super) enum PathKind {
     Joints,
 }
 
-/// Number of slots in the result of a motion function besides the joints and the pose: travelled way, progress, speed,
-/// whether the tool is on the path, whether the motion is done, error.
-pub(super) const STATUS_SLOTS: u32 = 6;
-
-/// Number of slots in the result of a motion function besides the joints: number of the motion, pose, status.
-pub(super) const RESULT_SLOTS: u32 = 1 + 7 + STATUS_SLOTS;
+/// Kind of a motion that a motion function makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MotionKind {
+    /// A motion along a path.
+    Path(PathKind),
+    /// A motion of the axes without a path.
+    Axes(AxesMotionKind),
+}
 
 /// Shortest way (m, or rad) of a motion along a path; a shorter one only holds its end.
 pub(super) const SHORTEST_WAY: f64 = 1e-7;
@@ -42,6 +46,8 @@ const PRESENT_PERIODS: f64 = 2.5;
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
     core: MotionCore,
+    /// The present motion, if it has no path.
+    axes: AxesMotion,
     arm: rpi_motion::Arm,
     /// Number of the present motion, from 1; 0 before the first one.
     number: i64,
@@ -76,36 +82,6 @@ struct PathBrake {
     rested: u32,
 }
 
-/// Arguments of a call of a motion function.
-struct Request<'a> {
-    motion: i64,
-    target: &'a [u64],
-    requested: Bounds,
-    controls: Controls,
-}
-
-impl<'a> Request<'a> {
-    /// Splits arguments: number of the motion, target, speed, acceleration, jerk, override, pause.
-    fn from_slots(slots: &'a [u64]) -> Option<Self> {
-        let (motion, rest) = slots.split_first()?;
-        let (target, rest) = rest.split_last_chunk::<5>()?;
-        let [speed, acceleration, jerk, share] = [0, 1, 2, 3].map(|k| f64::from_bits(rest[k]));
-        Some(Self {
-            motion: motion.cast_signed(),
-            target,
-            requested: Bounds {
-                speed,
-                acceleration,
-                jerk,
-            },
-            controls: Controls {
-                speed_share: if share >= 0.0 { share.min(1.0) } else { 0.0 },
-                paused: rest[4] != 0,
-            },
-        })
-    }
-}
-
 impl Motion {
     pub(super) fn new(
         model: &'static ArmModel,
@@ -117,6 +93,7 @@ impl Motion {
         let arm = rpi_motion::Arm::new(model, tool, limits);
         Self {
             core: MotionCore::new(arm, tick),
+            axes: AxesMotion::new(arm, tick),
             arm,
             number: 0,
             computed: f64::NEG_INFINITY,
@@ -182,7 +159,10 @@ impl Motion {
         brake.elapsed += tick;
         // The arm has left the set-points of the program, which may not go on with its motion.
         self.computed = f64::NEG_INFINITY;
-        let at = self.core.braking_set_point(brake.elapsed).ok()?;
+        let at = match self.axes.is_present() {
+            true => self.axes.braking_set_point(&self.arm, brake.elapsed),
+            false => self.core.braking_set_point(brake.elapsed).ok()?,
+        };
         brake.rested = if rests(&at) { brake.rested + 1 } else { 0 };
         Some(at.joints)
     }
@@ -201,7 +181,7 @@ impl Motion {
     /// reason.
     fn begin(
         &mut self,
-        kind: PathKind,
+        kind: MotionKind,
         request: &Request<'_>,
         state: &JointState,
         followed: bool,
@@ -218,7 +198,10 @@ impl Motion {
                 rested: 0,
             });
         }
-        let started = self.start_path(kind, request, state);
+        let started = match kind {
+            MotionKind::Path(kind) => self.start_path(kind, request, state),
+            MotionKind::Axes(kind) => self.start_axes(kind, request, state),
+        };
         if let Err(fault) = started {
             self.rejected = Some(fault.violation.code);
             // The arm goes on along the path that it is on, and comes to rest there.
@@ -227,6 +210,19 @@ impl Motion {
             }
         }
         started
+    }
+
+    fn start_axes(
+        &mut self,
+        kind: AxesMotionKind,
+        request: &Request<'_>,
+        state: &JointState,
+    ) -> Result<(), PathFault> {
+        let (target, requested) = (request.target, request.requested);
+        let axes = &mut self.axes;
+        axes.begin(&self.arm, kind, target, requested, state, self.period)?;
+        self.way = axes.way();
+        Ok(())
     }
 
     fn start_path(
@@ -249,6 +245,9 @@ impl Motion {
             Path::Joints(_) => request.requested,
         };
         let begun = self.core.begin_at(path, &from, state, requested);
+        if begun.is_ok() {
+            self.axes.end();
+        }
         begun.map_err(|error| match error {
             MotionError::Path(error) => {
                 // The core has forgotten the path that it was on.
@@ -271,7 +270,9 @@ impl Motion {
             }
         };
         let begun = self.core.begin_hold(&end, state);
-        begun.map_err(|_| ErrorCode::NOT_A_NUMBER.into())
+        begun.map_err(|_| PathFault::from(ErrorCode::NOT_A_NUMBER))?;
+        self.axes.end();
+        Ok(())
     }
 
     fn fault(&self, error: &PathError, path: &Path) -> PathFault {
@@ -287,34 +288,59 @@ impl Motion {
             at[axis] += above - below;
         }
         self.core.set_period(self.period);
+        self.axes.end();
         // A state that is not finite has no way to rest; the next set-point is then rejected.
         let _ = self.core.begin_hold(&at, state);
     }
 
-    fn next(&mut self, controls: Controls) -> Option<SetPoint> {
+    fn next(&mut self, request: &Request<'_>) -> Option<SetPoint> {
         let controls = Controls {
-            paused: controls.paused || self.rejected.is_some(),
-            ..controls
+            paused: request.controls.paused || self.rejected.is_some(),
+            ..request.controls
         };
-        let at = self.core.next_set_point(controls).ok()?;
+        let at = match self.axes.is_present() {
+            true => self.axes.next(&self.arm, request.target, controls)?,
+            false => self.core.next_set_point(controls).ok()?,
+        };
         self.last = [at.joints, self.last[0]];
         Some(at)
     }
 
-    /// Checks whether the path can be followed to its end. Returns an error that was not reported before.
-    fn check_path(&mut self) -> Option<PathFault> {
-        let error = self.core.path_error().filter(|_| self.rejected.is_none())?;
-        let fault = self.fault(&error, self.core.path());
+    /// Share of the way that has been covered, and speed along it.
+    fn progress(&self, at: &SetPoint) -> (f64, f64) {
+        let (length, speed) = match self.axes.is_present() {
+            true => (self.way, at.path.velocity),
+            false => {
+                let length = self.core.path().length();
+                (length, at.path.velocity * self.way / length)
+            }
+        };
+        match length > 0.0 {
+            true => ((at.path.s / length).min(1.0), speed),
+            false if self.axes.is_present() => (1.0, speed),
+            false => (1.0, 0.0),
+        }
+    }
+
+    /// Checks whether the motion can go on to its end. Returns an error that was not reported before.
+    fn check(&mut self) -> Option<PathFault> {
+        if self.rejected.is_some() {
+            return None;
+        }
+        let fault = match self.axes.is_present() {
+            true => self.axes.fault(&self.arm)?,
+            false => self.fault(&self.core.path_error()?, self.core.path()),
+        };
         self.rejected = Some(fault.violation.code);
         Some(fault)
     }
 }
 
 impl Arm {
-    /// Calls the function that moves the arm along a path of this kind. Returns false if the arguments do not fit.
+    /// Calls the function that makes a motion of this kind. Returns false if the arguments do not fit.
     pub(super) fn call_motion(
         &mut self,
-        kind: PathKind,
+        kind: MotionKind,
         arguments: &[u64],
         out: &mut SlotWriter<'_>,
     ) -> bool {
@@ -331,8 +357,8 @@ impl Arm {
         true
     }
 
-    fn begin_motion(&mut self, kind: PathKind, request: &Request<'_>) {
-        let state = JointState::from_differences(
+    fn begin_motion(&mut self, kind: MotionKind, request: &Request<'_>) {
+        let differences = JointState::from_differences(
             self.commanded(|state| state.position),
             self.commanded(|state| state.velocity),
             self.commanded(|state| state.acceleration),
@@ -341,7 +367,9 @@ impl Arm {
         let period = self.tick * f64::from(self.set_point_ticks);
         let followed = self.motion.period == period
             && self.motion.is_due(self.time)
-            && same_joints(&state.position, &self.motion.last[0]);
+            && same_joints(&differences.position, &self.motion.last[0]);
+        let exact = self.motion.axes.state().filter(|_| followed);
+        let state = exact.unwrap_or(differences);
         self.motion.period = period;
         if let Err(PathFault { axis, violation }) =
             self.motion.begin(kind, request, &state, followed)
@@ -354,11 +382,11 @@ impl Arm {
     fn put_motion(&mut self, request: &Request<'_>, out: &mut SlotWriter<'_>) {
         let number = self.motion.number;
         self.motion.computed = self.time;
-        let Some(at) = self.motion.next(request.controls) else {
+        let Some(at) = self.motion.next(request) else {
             self.motion.error = ErrorCode::NOT_A_NUMBER;
             return put_error(number, self.axes(), ErrorCode::NOT_A_NUMBER, out);
         };
-        if let Some(PathFault { axis, violation }) = self.motion.check_path() {
+        if let Some(PathFault { axis, violation }) = self.motion.check() {
             self.report(axis, violation);
         }
         let motion = &mut self.motion;
@@ -366,17 +394,7 @@ impl Arm {
             motion.error = code;
         }
         let done = core::mem::replace(&mut motion.at_end, at.done) && at.done;
-        let length = motion.core.path().length();
-        let progress = if length > 0.0 {
-            (at.path.s / length).min(1.0)
-        } else {
-            1.0
-        };
-        let speed = if length > 0.0 {
-            at.path.velocity * motion.way / length
-        } else {
-            0.0
-        };
+        let (progress, speed) = motion.progress(&at);
         let (way, error) = (motion.way, motion.error);
         out.put_bits(number.cast_unsigned());
         out.put_reals(at.joints.into_iter().take(self.axes()));
@@ -386,16 +404,6 @@ impl Arm {
         out.put_bits(u64::from(done && error == ErrorCode::OK));
         out.put_bits(error.0.cast_unsigned());
     }
-}
-
-/// Writes the result of a call of a motion function that gives no set-point.
-fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut SlotWriter<'_>) {
-    out.put_bits(number.cast_unsigned());
-    out.put_reals(core::iter::repeat_n(f64::NAN, axes + 7));
-    out.put_reals([0.0; 3]);
-    out.put_bits(0);
-    out.put_bits(0);
-    out.put_bits(error.0.cast_unsigned());
 }
 
 /// Returns the lower one of each of two bounds.

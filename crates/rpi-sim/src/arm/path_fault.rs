@@ -57,7 +57,7 @@ impl From<InverseKinematicsError> for PathFault {
 }
 
 /// Creates the error for a target that lies outside the range of an axis.
-fn out_of_range(axis: usize, value: f64, limits: &[AxisLimits]) -> PathFault {
+pub(super) fn out_of_range(axis: usize, value: f64, limits: &[AxisLimits]) -> PathFault {
     let range = limits.get(axis).map(|limits| limits.position);
     let limit = range.map_or(0.0, |range| {
         if value > range.upper {

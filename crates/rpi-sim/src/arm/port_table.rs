@@ -3,10 +3,12 @@
 //! The first part has the names used by the primitives of the reference system, the second part those of the device
 //! type `Arm` of `.rpi`.
 
+use super::axes_motion::AxesMotionKind;
 use super::kinematic_functions::{
     inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
 };
-use super::motion::{PathKind, RESULT_SLOTS};
+use super::motion::{MotionKind, PathKind};
+use super::motion_call::RESULT_SLOTS;
 use super::tool_path::ToolPathKind;
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{PortSpec, PortValue, SlotWriter};
@@ -29,8 +31,8 @@ pub(super) enum PortAction {
     Parameter(Parameter),
     /// The port is a function: it computes a result from arguments; false if there is no result.
     Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
-    /// The port is a function that plans a motion along a path, cycle by cycle.
-    Plan(PathKind),
+    /// The port is a function that plans a motion, cycle by cycle.
+    Plan(MotionKind),
 }
 
 /// What a set-point of an arm moves.
@@ -121,7 +123,7 @@ const fn function(
     }
 }
 
-const fn motion(name: &'static str, kind: PathKind) -> PortRow {
+const fn motion(name: &'static str, kind: MotionKind) -> PortRow {
     PortRow {
         spec: PortSpec {
             name,
@@ -134,7 +136,11 @@ const fn motion(name: &'static str, kind: PathKind) -> PortRow {
 }
 
 const fn tool_motion(name: &'static str, kind: ToolPathKind) -> PortRow {
-    motion(name, PathKind::Tool(kind))
+    motion(name, MotionKind::Path(PathKind::Tool(kind)))
+}
+
+const fn axes_motion(name: &'static str, kind: AxesMotionKind) -> PortRow {
+    motion(name, MotionKind::Axes(kind))
 }
 
 const REAL: PortValue = PortValue::One(Real);
@@ -262,7 +268,11 @@ pub(super) const PORTS: &[PortRow] = &[
     tool_motion("move_arc_by_angle", ToolPathKind::ArcByAngle),
     tool_motion("move_corner", ToolPathKind::Corner),
     tool_motion("move_spline", ToolPathKind::Spline),
-    motion("move_joints", PathKind::Joints),
+    motion("move_joints", MotionKind::Path(PathKind::Joints)),
+    axes_motion("move_axes", AxesMotionKind::ToPosition),
+    axes_motion("follow_joints", AxesMotionKind::Follow),
+    axes_motion("move_at_velocity", AxesMotionKind::AtVelocity),
+    axes_motion("hold", AxesMotionKind::Hold),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),

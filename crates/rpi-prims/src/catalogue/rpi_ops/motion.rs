@@ -16,6 +16,10 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     MOVE_CORNER,
     MOVE_SPLINE,
     MOVE_JOINTS,
+    MOVE_AXES,
+    FOLLOW_JOINTS,
+    MOVE_AT_VELOCITY,
+    HOLD,
 ];
 
 /// Declares a motion primitive. Its declared work bounds the planning that the motion core does in a cycle: about 200
@@ -24,7 +28,7 @@ macro_rules! motion {
     (
         $(#[doc = $doc:expr])+
         $id:ident = $name:literal, $port:literal;
-        in { $( $target:ident : $ty:ty );+ }
+        in { $( $target:ident : $ty:ty );* }
         $( param $axes:ident; )?
         shape $shape:expr
     ) => {
@@ -40,7 +44,7 @@ macro_rules! motion {
             $id = $name;
             in {
                 inMotion: i64;
-                $( $target: $ty; )+
+                $( $target: $ty; )*
                 inSpeed: f64 = Speed(Real(0.25));
                 inAcceleration: f64 = Acceleration(Real(0.5));
                 inJerk: f64 = Jerk(Real(5.0));
@@ -127,4 +131,39 @@ motion! {
     MOVE_JOINTS = "Rpi::MoveJoints", "move_joints";
     in { inTo: Array<f64> }
     shape ShapeRule::SameAsInput(1)
+}
+
+motion! {
+    /// Motion of the axes to `inTo`: each has a profile of its own, and all arrive at the same time (synchronised by time).
+    /// Speed, acceleration and jerk are those of each axis, in rad (m for a linear axis) and s.
+    MOVE_AXES = "Rpi::MoveAxes", "move_axes";
+    in { inTo: Array<f64> }
+    shape ShapeRule::SameAsInput(1)
+}
+
+motion! {
+    /// Motion of the axes to a goal that is at `inTo` and moves with `inVelocity`; both are read in each cycle. Each axis goes
+    /// there as fast as it can; `outDone` is true while all are at the goal. A goal beyond the range of an axis is followed
+    /// to the end of the range. Speed, acceleration and jerk are those of each axis, in rad (m for a linear axis) and s.
+    FOLLOW_JOINTS = "Rpi::FollowJoints", "follow_joints";
+    in { inTo: Array<f64>; inVelocity: Array<f64> }
+    shape ShapeRule::SameAsInput(1)
+}
+
+motion! {
+    /// Motion of the axes with the velocities `inVelocity`, which are read in each cycle; `outDone` is true while all have
+    /// them. The motion stops with an error where an axis comes to the end of its range. Acceleration and jerk are those of
+    /// each axis, in rad (m for a linear axis) and s.
+    MOVE_AT_VELOCITY = "Rpi::MoveAtVelocity", "move_at_velocity";
+    in { inVelocity: Array<f64> }
+    shape ShapeRule::SameAsInput(1)
+}
+
+motion! {
+    /// Brings all axes to rest, as fast as their limits allow, and holds them; `outDone` is true while they rest. `Axes` is
+    /// the number of axes of the arm.
+    HOLD = "Rpi::Hold", "hold";
+    in { }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
 }

@@ -1,0 +1,197 @@
+//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity` and `hold`.
+
+use super::kinematics::PerAxis;
+use super::limits::Violation;
+use super::path_fault::{PathFault, out_of_range};
+use crate::error_code::ErrorCode;
+use rpi_kin::MAX_AXES;
+use rpi_kin::state_to_rest::Bounds;
+use rpi_motion::time_law::PathState;
+use rpi_motion::{Arm, Controls, JointGoal, JointMotion, JointState, SetPoint};
+
+/// Kind of a motion of the axes without a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AxesMotionKind {
+    /// All axes go to a position, synchronised by time. Target: the position of each axis, read once.
+    ToPosition,
+    /// The axes follow a moving goal. Target: position and velocity of each axis, in each cycle.
+    Follow,
+    /// The axes move with velocities. Target: the velocity of each axis, in each cycle.
+    AtVelocity,
+    /// The axes come to rest, and stay there. Target: none.
+    Hold,
+}
+
+/// The present motion of the axes without a path, if that is the motion of the arm.
+#[derive(Clone, Debug)]
+pub(super) struct AxesMotion {
+    motion: JointMotion,
+    kind: Option<AxesMotionKind>,
+    /// Goal of a motion to a position, and the way of the axis that moves farthest, rad.
+    to: PerAxis,
+    way: f64,
+    at_range_end: Option<usize>,
+}
+
+/// Bounds above the limits of every axis.
+const UNBOUNDED: Bounds = Bounds {
+    speed: 1e6,
+    acceleration: 1e9,
+    jerk: 1e12,
+};
+
+impl AxesMotion {
+    pub(super) fn new(arm: rpi_motion::Arm, tick: f64) -> Self {
+        Self {
+            motion: JointMotion::new(arm, tick),
+            kind: None,
+            to: PerAxis::default(),
+            way: 0.0,
+            at_range_end: None,
+        }
+    }
+
+    /// Whether the motion of the arm is one of the axes without a path.
+    pub(super) fn is_present(&self) -> bool {
+        self.kind.is_some()
+    }
+
+    /// Called when another motion has begun.
+    pub(super) fn end(&mut self) {
+        self.kind = None;
+    }
+
+    /// State at the last set-point, if this motion gave it.
+    pub(super) fn state(&self) -> Option<JointState> {
+        self.kind.map(|_| self.motion.state())
+    }
+
+    /// Way of the axis that moves farthest, rad; 0 if it is not known.
+    pub(super) fn way(&self) -> f64 {
+        self.way
+    }
+
+    /// Begins a motion from a state of the arm. If it cannot be made, the present motion goes on.
+    pub(super) fn begin(
+        &mut self,
+        arm: &Arm,
+        kind: AxesMotionKind,
+        target: &[u64],
+        requested: Bounds,
+        state: &JointState,
+        period: f64,
+    ) -> Result<(), PathFault> {
+        let to = reals(target, 0, arm.axes());
+        if kind == AxesMotionKind::ToPosition {
+            check_ranges(arm, &to, &state.position)?;
+        }
+        let requested = match kind {
+            AxesMotionKind::Hold => UNBOUNDED,
+            _ if requested.are_positive() => requested,
+            _ => return Err(ErrorCode::NOT_POSITIVE.into()),
+        };
+        let begun = self.motion.begin(state, requested, period);
+        begun.map_err(|_| PathFault::from(ErrorCode::NOT_A_NUMBER))?;
+        self.kind = Some(kind);
+        self.at_range_end = None;
+        self.to = to;
+        self.way = match kind {
+            AxesMotionKind::ToPosition => farthest(&to, &state.position, arm.axes()),
+            _ => 0.0,
+        };
+        Ok(())
+    }
+
+    /// The next set-point. `done` means at the goal; the path parameter is the way of the axis that moves farthest.
+    pub(super) fn next(
+        &mut self,
+        arm: &Arm,
+        target: &[u64],
+        controls: Controls,
+    ) -> Option<SetPoint> {
+        let axes = arm.axes();
+        let goal = match self.kind? {
+            _ if controls.paused => JointGoal::Rest,
+            AxesMotionKind::ToPosition => JointGoal::Position(self.to),
+            AxesMotionKind::Follow => JointGoal::Moving {
+                position: reals(target, 0, axes),
+                velocity: reals(target, axes, axes),
+            },
+            AxesMotionKind::AtVelocity => JointGoal::Velocity(reals(target, 0, axes)),
+            AxesMotionKind::Hold => JointGoal::Rest,
+        };
+        let next = self.motion.next_set_point(&goal, controls.speed_share);
+        self.at_range_end = next.at_range_end;
+        let holds = self.kind == Some(AxesMotionKind::Hold);
+        let done = next.at_goal && (holds || goal != JointGoal::Rest);
+        Some(self.set_point(arm, &next.state, done))
+    }
+
+    /// The set-point `elapsed` seconds after the last one if the arm stops on its own.
+    pub(super) fn braking_set_point(&self, arm: &Arm, elapsed: f64) -> SetPoint {
+        self.set_point(arm, &self.motion.stopping(elapsed), false)
+    }
+
+    /// The axis that cannot go on, as an error.
+    pub(super) fn fault(&self, arm: &Arm) -> Option<PathFault> {
+        let axis = self.at_range_end.filter(|_| self.is_present())?;
+        let (range, value) = (
+            arm.limits()[axis].position,
+            self.motion.state().position[axis],
+        );
+        let is_upper = (range.upper - value).abs() < (range.lower - value).abs();
+        Some(PathFault {
+            axis: Some(axis),
+            violation: Violation {
+                code: ErrorCode::RANGE_END,
+                value,
+                limit: if is_upper { range.upper } else { range.lower },
+            },
+        })
+    }
+
+    fn set_point(&self, arm: &Arm, state: &JointState, done: bool) -> SetPoint {
+        let left = farthest(&self.to, &state.position, arm.axes());
+        SetPoint {
+            joints: state.position,
+            path: PathState {
+                s: (self.way - left).clamp(0.0, self.way),
+                velocity: farthest(&state.velocity, &PerAxis::default(), arm.axes()),
+                acceleration: farthest(&state.acceleration, &PerAxis::default(), arm.axes()),
+            },
+            on_path: true,
+            done,
+        }
+    }
+}
+
+/// Reads one real for each axis, from a slot on; NaN where there is none.
+fn reals(target: &[u64], from: usize, axes: usize) -> PerAxis {
+    let mut all = PerAxis::default();
+    for (axis, slot) in all.iter_mut().enumerate().take(axes) {
+        let bits = target.get(from + axis);
+        *slot = bits.map_or(f64::NAN, |bits| f64::from_bits(*bits));
+    }
+    all
+}
+
+/// Largest difference of an axis.
+fn farthest(one: &PerAxis, other: &PerAxis, axes: usize) -> f64 {
+    let both = one.iter().zip(other).take(axes.min(MAX_AXES));
+    both.map(|(one, other)| (one - other).abs())
+        .fold(0.0, f64::max)
+}
+
+/// Checks that all axes end within their ranges, or no farther out than they start.
+fn check_ranges(arm: &Arm, to: &PerAxis, from: &PerAxis) -> Result<(), PathFault> {
+    for (axis, limits) in arm.limits().iter().enumerate() {
+        let (range, from, to) = (limits.position, from[axis], to[axis]);
+        if !to.is_finite() {
+            return Err(ErrorCode::NOT_A_NUMBER.into());
+        }
+        if to < range.lower.min(from) || to > range.upper.max(from) {
+            return Err(out_of_range(axis, to, arm.limits()));
+        }
+    }
+    Ok(())
+}
