@@ -238,6 +238,13 @@ impl MotionCore {
         nodes.map(Node::speed_limit).fold(None, slower)
     }
 
+    /// Returns the path parameter at which the motion ends: that of the end of the path, or a little before the place where
+    /// it cannot be followed.
+    #[must_use]
+    pub fn goal(&self) -> f64 {
+        self.table.goal()
+    }
+
     /// Returns the time at which the arm is on the path, s since the start of the motion.
     #[must_use]
     pub fn residual_end(&self) -> f64 {

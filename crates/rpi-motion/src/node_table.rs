@@ -112,6 +112,18 @@ impl NodeTable {
         self.newest().s.min(self.path().length())
     }
 
+    /// Returns the place that a motion shall reach: the end of the path, or a little before the place where it cannot be
+    /// followed.
+    #[must_use]
+    pub fn goal(&self) -> f64 {
+        /// Distance before the known end, so that rounding does not lead beyond.
+        const BEFORE: f64 = 1e-9;
+        match self.error {
+            Some(_) => (self.known_end() - BEFORE).max(0.0),
+            None => self.path().length(),
+        }
+    }
+
     /// Returns why the path cannot be followed beyond its known end.
     #[must_use]
     pub fn error(&self) -> Option<PathError> {

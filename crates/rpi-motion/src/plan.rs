@@ -113,7 +113,7 @@ impl Ahead {
     /// Looks at the path up to a little more than the present brake needs (to `held_end`), so that a law from rest sees
     /// the next nodes, too.
     fn new(table: &NodeTable, from: f64, held_end: f64, demand: Demand) -> Self {
-        let length = held_end - from + 0.004f64.min(table.path().length() / 16.0);
+        let length = held_end - from + 0.004f64.min(table.goal() / 16.0);
         let near = allowed(table, from, 0.5 * length, demand);
         let mut far = allowed(table, from, length, demand);
         let curved = table.is_curved_between(from, from + length);
@@ -217,7 +217,7 @@ impl Planner {
             else {
                 continue;
             };
-            let profile = StateToRestProfile::new(now.into(), table.path().length(), bounds);
+            let profile = StateToRestProfile::new(now.into(), table.goal(), bounds);
             let brake = ahead.brake(&candidate, &bounds);
             let law = profile.and_then(|plan| HeldBrake::following(plan, time, behind, brake));
             let Some(law) = law else { continue };

@@ -11,6 +11,7 @@ pub mod line;
 pub mod orientation;
 pub mod polyline;
 pub mod spline;
+pub mod twist;
 
 use crate::Joints;
 pub use arc::{Arc, ArcError, ArcOrientation};
@@ -20,6 +21,7 @@ pub use line::Line;
 pub use polyline::ZoneError;
 use rpi_kin::Pose;
 pub use spline::SplineError;
+pub use twist::{TwistFrame, TwistPath};
 
 /// Maximum number of pieces of a path of the tool.
 pub const MAX_PIECES: usize = 16;
@@ -40,6 +42,8 @@ pub enum Piece {
     Corner(Corner),
     /// A piece of a spline.
     Spline(Corner),
+    /// A motion with a constant twist, without an end of its own.
+    Twist(TwistPath),
 }
 
 /// A path of the tool or of the joints, held by value like its pieces.
@@ -79,6 +83,7 @@ impl Piece {
             Piece::Line(line) => line.length(),
             Piece::Arc(arc) => arc.length(),
             Piece::Corner(curve) | Piece::Spline(curve) => curve.length(),
+            Piece::Twist(twist) => twist.length(),
         }
     }
 
@@ -89,6 +94,7 @@ impl Piece {
             Piece::Line(line) => line.way(),
             Piece::Arc(arc) => arc.way(),
             Piece::Corner(curve) | Piece::Spline(curve) => curve.length(),
+            Piece::Twist(twist) => twist.way(),
         }
     }
 
@@ -97,6 +103,7 @@ impl Piece {
             Piece::Line(line) => line.pose(s),
             Piece::Arc(arc) => arc.pose(s),
             Piece::Corner(curve) | Piece::Spline(curve) => curve.pose(s),
+            Piece::Twist(twist) => twist.pose(s),
         }
     }
 
@@ -105,6 +112,7 @@ impl Piece {
             Piece::Line(_) => Curvature::default(),
             Piece::Arc(arc) => arc.curvature(),
             Piece::Corner(curve) | Piece::Spline(curve) => curve.curvature(s),
+            Piece::Twist(twist) => twist.curvature(),
         }
     }
 }

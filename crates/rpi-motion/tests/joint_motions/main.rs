@@ -157,6 +157,9 @@ fn run(
             true => arrived.or(Some(cycle)),
             false => None,
         };
+        if arrived.is_some_and(|at| cycle - at > 200) {
+            break;
+        }
     }
     (watch, arrived, end)
 }

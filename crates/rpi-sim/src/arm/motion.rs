@@ -3,18 +3,21 @@
 //! A call with the motion number 0 begins a motion from the arm's state as commanded, and returns a new number; the
 //! caller passes it back in each of the next cycles. The set-point of the call is that of the end of the period.
 
-use super::Arm;
+mod call;
+
 use super::axes_motion::{AxesMotion, AxesMotionKind};
+use super::jog::Jog;
 use super::kinematics::PerAxis;
-use super::motion_call::{Request, put_error};
 use super::motion_path::path_from_stop;
 use super::path_fault::PathFault;
 use super::tool_path::ToolPathKind;
-use crate::device::SlotWriter;
 use crate::error_code::ErrorCode;
+pub(super) use call::RESULT_SLOTS;
+use call::Request;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use rpi_motion::PathError;
+use rpi_motion::path::TwistFrame;
 use rpi_motion::stop_margin::stopping_distances;
 use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint};
 
@@ -34,10 +37,16 @@ pub(super) enum MotionKind {
     Path(PathKind),
     /// A motion of the axes without a path.
     Axes(AxesMotionKind),
+    /// A motion of the tool with a velocity, in a frame.
+    Jog(TwistFrame),
 }
 
 /// Shortest way (m, or rad) of a motion along a path; a shorter one only holds its end.
 pub(super) const SHORTEST_WAY: f64 = 1e-7;
+
+/// Distance (m) from the place where a motion with a velocity cannot go on at which it has come there: candidate plans that end
+/// still nearer may all be refused.
+const NEAR_GOAL: f64 = 1e-3;
 
 /// Number of periods after its computation for which a set-point counts as the arm's present one.
 const PRESENT_PERIODS: f64 = 2.5;
@@ -48,6 +57,8 @@ pub(super) struct Motion {
     core: MotionCore,
     /// The present motion, if it has no path.
     axes: AxesMotion,
+    /// The present motion, if it is one of the tool with a velocity.
+    jog: Option<Jog>,
     arm: rpi_motion::Arm,
     /// Number of the present motion, from 1; 0 before the first one.
     number: i64,
@@ -94,6 +105,7 @@ impl Motion {
         Self {
             core: MotionCore::new(arm, tick),
             axes: AxesMotion::new(arm, tick),
+            jog: None,
             arm,
             number: 0,
             computed: f64::NEG_INFINITY,
@@ -185,8 +197,10 @@ impl Motion {
         request: &Request<'_>,
         state: &JointState,
         followed: bool,
+        time: f64,
     ) -> Result<(), PathFault> {
         self.number += 1;
+        let jog = self.jog.take();
         self.error = ErrorCode::OK;
         self.at_end = false;
         self.rejected = None;
@@ -201,12 +215,14 @@ impl Motion {
         let started = match kind {
             MotionKind::Path(kind) => self.start_path(kind, request, state),
             MotionKind::Axes(kind) => self.start_axes(kind, request, state),
+            MotionKind::Jog(frame) => self.start_jog(frame, request, state, time),
         };
         if let Err(fault) = started {
             self.rejected = Some(fault.violation.code);
             // The arm goes on along the path that it is on, and comes to rest there.
-            if !followed {
-                self.hold(state);
+            match followed {
+                true => self.jog = jog,
+                false => self.hold(state),
             }
         }
         started
@@ -225,6 +241,25 @@ impl Motion {
         Ok(())
     }
 
+    fn start_jog(
+        &mut self,
+        frame: TwistFrame,
+        request: &Request<'_>,
+        state: &JointState,
+        time: f64,
+    ) -> Result<(), PathFault> {
+        if !request.requested.are_positive() {
+            return Err(ErrorCode::NOT_POSITIVE.into());
+        }
+        let jog = Jog::new(frame, request.target, time);
+        match jog.path(&self.arm.forward(&state.position)) {
+            Some(path) => self.follow(path, &state.position, request, state)?,
+            None => self.hold(state),
+        }
+        self.jog = Some(jog);
+        Ok(())
+    }
+
     fn start_path(
         &mut self,
         kind: PathKind,
@@ -235,16 +270,28 @@ impl Motion {
         if !request.requested.are_positive() {
             return Err(ErrorCode::NOT_POSITIVE.into());
         }
-        self.core.set_period(self.period);
         if path.length() < SHORTEST_WAY {
+            self.core.set_period(self.period);
             return self.hold_end(&path, state);
         }
+        self.follow(path, &from, request, state)
+    }
+
+    /// Begins to follow a path whose start has the joints `from`.
+    fn follow(
+        &mut self,
+        path: Path,
+        from: &PerAxis,
+        request: &Request<'_>,
+        state: &JointState,
+    ) -> Result<(), PathFault> {
+        self.core.set_period(self.period);
         self.way = path.way();
         let requested = match &path {
             Path::Tool(_) => least(request.requested, self.tool_limits),
             Path::Joints(_) => request.requested,
         };
-        let begun = self.core.begin_at(path, &from, state, requested);
+        let begun = self.core.begin_at(path, from, state, requested);
         if begun.is_ok() {
             self.axes.end();
         }
@@ -298,6 +345,10 @@ impl Motion {
             paused: request.controls.paused || self.rejected.is_some(),
             ..request.controls
         };
+        let fastest = least(request.requested, self.tool_limits).speed;
+        let controls = self.jog.as_ref().map_or(controls, |jog| {
+            jog.controls(request.target, fastest, controls)
+        });
         let at = match self.axes.is_present() {
             true => self.axes.next(&self.arm, request.target, controls)?,
             false => self.core.next_set_point(controls).ok()?,
@@ -323,7 +374,7 @@ impl Motion {
     }
 
     /// Checks whether the motion can go on to its end. Returns an error that was not reported before.
-    fn check(&mut self) -> Option<PathFault> {
+    fn check(&mut self, at: &SetPoint) -> Option<PathFault> {
         if self.rejected.is_some() {
             return None;
         }
@@ -331,78 +382,12 @@ impl Motion {
             true => self.axes.fault(&self.arm)?,
             false => self.fault(&self.core.path_error()?, self.core.path()),
         };
+        // A motion with a velocity goes on to the place where it cannot go on.
+        if self.jog.is_some() && !(rests(at) && self.core.goal() - at.path.s < NEAR_GOAL) {
+            return None;
+        }
         self.rejected = Some(fault.violation.code);
         Some(fault)
-    }
-}
-
-impl Arm {
-    /// Calls the function that makes a motion of this kind. Returns false if the arguments do not fit.
-    pub(super) fn call_motion(
-        &mut self,
-        kind: MotionKind,
-        arguments: &[u64],
-        out: &mut SlotWriter<'_>,
-    ) -> bool {
-        let Some(request) = Request::from_slots(arguments) else {
-            return false;
-        };
-        if request.motion == 0 {
-            self.begin_motion(kind, &request);
-        } else if request.motion != self.motion.number || !self.motion.is_due(self.time) {
-            put_error(request.motion, self.axes(), ErrorCode::SUPERSEDED, out);
-            return true;
-        }
-        self.put_motion(&request, out);
-        true
-    }
-
-    fn begin_motion(&mut self, kind: MotionKind, request: &Request<'_>) {
-        let differences = JointState::from_differences(
-            self.commanded(|state| state.position),
-            self.commanded(|state| state.velocity),
-            self.commanded(|state| state.acceleration),
-            self.motion.accepted_period,
-        );
-        let period = self.tick * f64::from(self.set_point_ticks);
-        let followed = self.motion.period == period
-            && self.motion.is_due(self.time)
-            && same_joints(&differences.position, &self.motion.last[0]);
-        let exact = self.motion.axes.state().filter(|_| followed);
-        let state = exact.unwrap_or(differences);
-        self.motion.period = period;
-        if let Err(PathFault { axis, violation }) =
-            self.motion.begin(kind, request, &state, followed)
-        {
-            self.report(axis, violation);
-        }
-    }
-
-    /// Computes the next set-point and writes the result of the call.
-    fn put_motion(&mut self, request: &Request<'_>, out: &mut SlotWriter<'_>) {
-        let number = self.motion.number;
-        self.motion.computed = self.time;
-        let Some(at) = self.motion.next(request) else {
-            self.motion.error = ErrorCode::NOT_A_NUMBER;
-            return put_error(number, self.axes(), ErrorCode::NOT_A_NUMBER, out);
-        };
-        if let Some(PathFault { axis, violation }) = self.motion.check() {
-            self.report(axis, violation);
-        }
-        let motion = &mut self.motion;
-        if let Some(code) = motion.rejected.filter(|_| rests(&at)) {
-            motion.error = code;
-        }
-        let done = core::mem::replace(&mut motion.at_end, at.done) && at.done;
-        let (progress, speed) = motion.progress(&at);
-        let (way, error) = (motion.way, motion.error);
-        out.put_bits(number.cast_unsigned());
-        out.put_reals(at.joints.into_iter().take(self.axes()));
-        out.put_pose(&self.forward(&at.joints[..self.axes()]));
-        out.put_reals([progress * way, progress, speed]);
-        out.put_bits(u64::from(at.on_path && error == ErrorCode::OK));
-        out.put_bits(u64::from(done && error == ErrorCode::OK));
-        out.put_bits(error.0.cast_unsigned());
     }
 }
 

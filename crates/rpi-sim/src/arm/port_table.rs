@@ -7,13 +7,14 @@ use super::axes_motion::AxesMotionKind;
 use super::kinematic_functions::{
     inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
 };
+use super::motion::RESULT_SLOTS;
 use super::motion::{MotionKind, PathKind};
-use super::motion_call::RESULT_SLOTS;
 use super::tool_path::ToolPathKind;
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{PortSpec, PortValue, SlotWriter};
 use rpi_device::PortKind;
 use rpi_image::Scalar::{Bool, Int, Pose, Real, Twist};
+use rpi_motion::path::TwistFrame;
 
 /// Row of the port table of an arm: name, type and behaviour of a port.
 pub(super) struct PortRow {
@@ -273,6 +274,8 @@ pub(super) const PORTS: &[PortRow] = &[
     axes_motion("follow_joints", AxesMotionKind::Follow),
     axes_motion("move_at_velocity", AxesMotionKind::AtVelocity),
     axes_motion("hold", AxesMotionKind::Hold),
+    motion("move_tool_in_base", MotionKind::Jog(TwistFrame::Base)),
+    motion("move_tool_in_tool", MotionKind::Jog(TwistFrame::Tool)),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),

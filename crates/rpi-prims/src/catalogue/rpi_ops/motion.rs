@@ -20,6 +20,8 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     FOLLOW_JOINTS,
     MOVE_AT_VELOCITY,
     HOLD,
+    MOVE_TOOL_IN_BASE,
+    MOVE_TOOL_IN_TOOL,
 ];
 
 /// Declares a motion primitive. Its declared work bounds the planning that the motion core does in a cycle: about 200
@@ -164,6 +166,26 @@ motion! {
     /// the number of axes of the arm.
     HOLD = "Rpi::Hold", "hold";
     in { }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Motion of the tool with the velocities `inLinear` (m/s) and `inAngular` (rad/s) in the frame of the base, which are
+    /// read in each cycle; `inSpeed` bounds them. The motion stops with an error where the arm cannot go on: an axis at the
+    /// end of its range, a singularity, the end of the reach. `Axes` is the number of axes of the arm.
+    MOVE_TOOL_IN_BASE = "Rpi::MoveToolInBase", "move_tool_in_base";
+    in { inLinear: Vector; inAngular: Vector }
+    param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Motion of the tool with the velocities `inLinear` (m/s) and `inAngular` (rad/s) in the frame of the tool, which are
+    /// read in each cycle; `inSpeed` bounds them. The motion stops with an error where the arm cannot go on: an axis at the
+    /// end of its range, a singularity, the end of the reach. `Axes` is the number of axes of the arm.
+    MOVE_TOOL_IN_TOOL = "Rpi::MoveToolInTool", "move_tool_in_tool";
+    in { inLinear: Vector; inAngular: Vector }
     param Axes;
     shape ShapeRule::FromParam("Axes")
 }

@@ -1,0 +1,88 @@
+//! Motions of the tool with a velocity: the device functions `move_tool_in_base` and `move_tool_in_tool`.
+//!
+//! While the direction of the twist stays the same, the tool moves on one path, whose speed follows the size of the twist. Another
+//! direction is another path, which takes over in motion. A takeover needs a few cycles, so directions that change all the
+//! time are followed in steps.
+
+use nalgebra::Vector3;
+use rpi_kin::Pose;
+use rpi_motion::path::twist::twist_speed;
+use rpi_motion::path::{Piece, ToolPath, TwistFrame, TwistPath};
+use rpi_motion::{Controls, Path};
+
+/// Direction of the present motion with a velocity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jog {
+    frame: TwistFrame,
+    /// Twist of the path, with a speed of 1; `None` while the arm holds.
+    direction: Option<Direction>,
+    /// Time at which the direction was taken, s.
+    since: f64,
+}
+
+/// Linear and angular velocity.
+type Direction = [Vector3<f64>; 2];
+
+/// Time for which a direction is kept at least, s.
+const SHORTEST: f64 = 0.05;
+
+/// Difference of a direction from the present one (m/s, rad/s, at a speed of 1) that is none.
+const SAME: f64 = 1e-6;
+
+/// Speed below which a twist is none, m/s.
+const SLOWEST: f64 = 1e-9;
+
+impl Jog {
+    pub(super) fn new(frame: TwistFrame, target: &[u64], time: f64) -> Self {
+        Self {
+            frame,
+            direction: direction_of(target).map(|(_, direction)| direction),
+            since: time,
+        }
+    }
+
+    /// The path of this direction; `None` if the arm shall hold.
+    pub(super) fn path(&self, start: &Pose) -> Option<Path> {
+        let [linear, angular] = self.direction?;
+        let path = TwistPath::new(start, &linear, &angular, self.frame)?;
+        Some(Path::Tool(ToolPath::new(Piece::Twist(path))))
+    }
+
+    /// Whether a target asks for another path at a time, s.
+    pub(super) fn is_outdated(&self, target: &[u64], time: f64) -> bool {
+        let Some((_, asked)) = direction_of(target) else {
+            return false;
+        };
+        let is_same = |present: &Direction| {
+            let mut both = present.iter().zip(&asked);
+            both.all(|(one, other)| (one - other).norm_squared() < SAME * SAME)
+        };
+        !self.direction.as_ref().is_some_and(is_same) && time - self.since >= SHORTEST
+    }
+
+    /// Controls of the motion along the path: the speed is that of the target along the present direction, at most
+    /// `fastest` (m/s).
+    pub(super) fn controls(&self, target: &[u64], fastest: f64, controls: Controls) -> Controls {
+        let speed = match (direction_of(target), &self.direction) {
+            (Some((speed, asked)), Some(present)) => {
+                let along: f64 = asked.iter().zip(present).map(|(a, b)| a.dot(b)).sum();
+                let own: f64 = present.iter().map(Vector3::norm_squared).sum();
+                speed * (along / own).max(0.0)
+            }
+            _ => 0.0,
+        };
+        Controls {
+            speed_share: controls.speed_share * (speed / fastest).min(1.0),
+            paused: controls.paused || speed < SLOWEST,
+        }
+    }
+}
+
+/// Speed and direction of a target: linear and angular velocity. `None` if it is zero or not finite.
+fn direction_of(target: &[u64]) -> Option<(f64, Direction)> {
+    let real = |k: usize| target.get(k).map_or(f64::NAN, |bits| f64::from_bits(*bits));
+    let [linear, angular] = [0, 3].map(|from| Vector3::from_fn(|k, _| real(from + k)));
+    let speed = twist_speed(&linear, &angular);
+    let is_usable = speed >= SLOWEST && speed.is_finite();
+    is_usable.then(|| (speed, [linear / speed, angular / speed]))
+}
