@@ -209,6 +209,9 @@ impl ErrorContext<'_, '_> {
         let expects = |token| self.error.expected.contains(&token);
         let begins_operand = matches!(here, Some(Token::Ident | Token::Int | Token::Real));
         match () {
+            () if expects(Token::Colon) && expects(Token::RParen) && begins_operand => Some(
+                "write `,` between two arguments, `:` after the name of a port, or an operator between two operands",
+            ),
             () if expects(Token::Plus) && expects(Token::RParen) && begins_operand => {
                 Some("write `,` between two arguments, or an operator between two operands")
             }

@@ -17,9 +17,19 @@ pub(super) fn diagnostic(claim: &Claim, broken: &ClaimViolation, cycle: u64) -> 
     if let Some(before) = broken.before.as_ref().filter(|before| !before.is_empty()) {
         diagnostic = diagnostic.note(format!("in the previous cycle {before}"));
     }
-    match &claim.path[..] {
+    let diagnostic = match &claim.path[..] {
         "" => diagnostic,
         path => diagnostic.note(format!("in the call `{path}`")),
+    };
+    match (claim.kind, &claim.path[..]) {
+        (ClaimKind::Assume, "") => diagnostic.help(format!(
+            "the inputs of the run violate it: give `{}` other inputs, or weaken the assumption",
+            claim.subject
+        )),
+        (ClaimKind::Assume, path) => diagnostic.help(format!(
+            "the caller violates it: correct the arguments of the call `{path}`, or weaken the assumption"
+        )),
+        _ => diagnostic,
     }
 }
 
@@ -68,7 +78,7 @@ const fn kind_texts(
 const ROWS: &[KindTexts] = &[
     kind_texts(ClaimKind::Assert,    Code::RPI9012, "the assertion",  "does not hold", "this is false"),
     kind_texts(ClaimKind::Check,     Code::RPI9012, "the property",   "does not hold", "this is false"),
-    kind_texts(ClaimKind::Assume,    Code::RPI9013, "the assumption", "is broken by the caller", "assumed here"),
+    kind_texts(ClaimKind::Assume,    Code::RPI9013, "the assumption", "does not hold", "this is false for the inputs of the caller"),
     kind_texts(ClaimKind::Guarantee, Code::RPI9014, "the guarantee",  "is not kept", "guaranteed here"),
     kind_texts(ClaimKind::ModeCompleteness,     Code::RPI9015, "the contract",   "has no mode that applies", "at least one of these modes must apply"),
 ];

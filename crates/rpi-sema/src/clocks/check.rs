@@ -15,6 +15,8 @@ const CLOCK_MISMATCH: &str = "clock mismatch";
 
 const SAMPLE_OR_HOLD: &str =
     "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
+const HOLD: &str =
+    "hold it in the other cycles: `current (...)`; or use it only in the cycles of its clock";
 
 /// Checks the clocks of a unit and returns the errors.
 pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Diagnostic> {
@@ -59,7 +61,7 @@ impl<'u> Check<'_, 'u> {
             let clock = self.solver.flows[id.0 as usize].leaf(0);
             if flow.clock.is_some() && self.solver.chain(clock).is_none() {
                 let text = "the clock of this flow depends on the flow itself";
-                self.report(flow.span, text.to_owned());
+                self.report(flow.span, text.to_owned(), SAMPLE_OR_HOLD.to_owned());
             }
         }
     }
@@ -136,18 +138,42 @@ impl<'u> Check<'_, 'u> {
         };
         let mut pairs = (0..count).map(|k| (own.leaf(k), wanted.leaf(k)));
         match pairs.find(|(own, wanted)| own != wanted) {
-            Some((found, wanted)) => {
-                self.report_mismatch(found, wanted, self.solver.unit.expr(id).span)
-            }
+            Some((found, wanted)) => self.report_mismatch(found, wanted, id),
             None => true,
         }
     }
 
-    fn report_mismatch(&mut self, found: Clock, wanted: Clock, span: Span) -> bool {
+    fn report_mismatch(&mut self, found: Clock, wanted: Clock, id: ExprId) -> bool {
+        let help = match self.iterated_callee(id) {
+            Some(name) => format!(
+                "an iterator needs a value of each element in all cycles: let `{name}` return `current (...)`"
+            ),
+            None if wanted == Clock::BASE => HOLD.to_owned(),
+            None => SAMPLE_OR_HOLD.to_owned(),
+        };
         let [found, wanted] = [found, wanted].map(|clock| self.describe(clock));
         let text = format!("expected a value {wanted}, found one {found}");
-        self.report(span, text);
+        self.report(self.solver.unit.expr(id).span, text, help);
         false
+    }
+
+    /// Returns the name of the node that an iterator such as `map<<f, 3>>(a)` applies. The calls into which it is expanded
+    /// have its span.
+    fn iterated_callee(&self, id: ExprId) -> Option<String> {
+        let unit = self.solver.unit;
+        let TypedKind::Build(elements) = &unit.expr(id).kind else {
+            return None;
+        };
+        let mut element = *elements.first()?;
+        while let TypedKind::Part { base, .. } = unit.expr(element).kind {
+            element = base;
+        }
+        let TypedKind::Call(call) = &unit.expr(element).kind else {
+            return None;
+        };
+        let is_expanded = unit.expr(element).span == unit.expr(id).span;
+        let callee = &self.solver.units[call.unit.0 as usize];
+        is_expanded.then(|| callee.name.to_string())
     }
 
     /// Returns the last operand of `s - 1 when c` if only that operand is sampled.
@@ -257,7 +283,7 @@ impl<'u> Check<'_, 'u> {
             };
             let mut clocks = part.iter();
             if let Some(clock) = clocks.find(|clock| *clock != own && own != Clock::ANY) {
-                self.report_mismatch(clock, own, self.solver.unit.expr(equation.value).span);
+                self.report_mismatch(clock, own, equation.value);
                 return;
             }
         }
@@ -311,10 +337,10 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    fn report(&mut self, span: Span, text: String) {
+    fn report(&mut self, span: Span, text: String, help: String) {
         if self.reported.insert(span) {
             let diagnostic = Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, text);
-            self.diagnostics.push(diagnostic.help(SAMPLE_OR_HOLD));
+            self.diagnostics.push(diagnostic.help(help));
         }
     }
 

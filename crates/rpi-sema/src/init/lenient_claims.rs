@@ -50,7 +50,7 @@ pub(super) fn diagnostics(
             place,
             "RPI takes 0 or false there; other tools take an arbitrary value",
         )
-        .help("give a value for the first cycle: `true -> pre x >= 0`")
+        .help("give a value for the first cycle before `->`: `true -> pre x >= 0`")
     };
     places.into_iter().map(diagnostic).collect()
 }

@@ -310,7 +310,8 @@ fn uninitialised_error(
             }
         };
     }
-    let diagnostic = diagnostic.help("give a value for the first cycle, such as `0 -> pre x`");
+    let diagnostic =
+        diagnostic.help("give a value for the first cycle, before `->`: `first -> pre x`");
     diagnostic.fix(fix)
 }
 

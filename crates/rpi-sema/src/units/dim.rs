@@ -203,17 +203,36 @@ impl Dimension {
     /// Returns the factors of the dimension whose exponents are positive, or those whose exponents are negative, as
     /// text without the sign.
     fn vector_product(self, negative: bool) -> Vec<String> {
-        let signed = |e: Ratio| !e.is_zero() && e.is_negative() == negative;
-        let factor = |(unit, e): (&str, Ratio)| {
-            let e = if negative { e.negate() } else { e };
-            match e == Ratio::ONE {
-                true => unit.to_owned(),
-                false => format!("{unit}^{e}"),
-            }
-        };
         let all = BASE_UNITS.into_iter().zip(self.0);
-        all.filter(|(_, e)| signed(*e)).map(factor).collect()
+        all.filter_map(|(unit, e)| signed_factor(unit, e, negative))
+            .collect()
     }
+}
+
+/// Returns a power of a unit as a factor of the numerator, or of the denominator if `negative`; `None` if it belongs to
+/// the other one.
+fn signed_factor(unit: &str, e: Ratio, negative: bool) -> Option<String> {
+    let belongs = !e.is_zero() && e.is_negative() == negative;
+    let e = if negative { e.negate() } else { e };
+    belongs.then(|| match e == Ratio::ONE {
+        true => unit.to_owned(),
+        false => format!("{unit}^{e}"),
+    })
+}
+
+/// Returns the dimension of a force.
+fn force() -> Option<Dimension> {
+    Dimension::from_exponents([1, 1, -2, 0, 0, 0, 0, 0])
+}
+
+/// Splits off the power of the newton that removes mass and time from a dimension: `N/m` for `kg/s^2`. `None` for
+/// dimensions that are not a power of a force times other units, such as `kg/m^3`.
+fn split_force(dim: Dimension) -> Option<(Ratio, Dimension)> {
+    let exponent = dim.exponent(BaseDim::Mass);
+    let is_force = !exponent.is_zero()
+        && dim.exponent(BaseDim::Time) == exponent.times(Ratio::from_int(-2)?)?;
+    let rest = dim.divided_by(force()?.power(exponent)?)?;
+    is_force.then_some((exponent, rest))
 }
 
 /// Looks up a dimension in a table of names.
@@ -222,13 +241,22 @@ fn find_name(table: &[(&'static str, [i32; BASE_COUNT])], dim: Dimension) -> Opt
     table.iter().find(is).map(|row| row.0)
 }
 
-/// Formats the dimension as between brackets: `m/s^2`, `N`, `1/s`, `1`.
+/// Formats the dimension as between brackets: `m/s^2`, `N`, `1/s`, `1`. Products that contain a force are written with
+/// `N`, as in tables of the field: `N/m`, not `kg/s^2`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(name) = find_name(&NAMED_DIMS, *self) {
             return f.write_str(name);
         }
-        let (above, below) = (self.vector_product(false), self.vector_product(true));
+        let (force, rest) = split_force(*self).unwrap_or((Ratio::ZERO, *self));
+        let factors = |negative| {
+            let newtons = signed_factor("N", force, negative);
+            newtons
+                .into_iter()
+                .chain(rest.vector_product(negative))
+                .collect::<Vec<_>>()
+        };
+        let (above, below) = (factors(false), factors(true));
         let above = match above.is_empty() {
             true => "1".to_owned(),
             false => above.join("*"),
@@ -259,6 +287,11 @@ mod tests {
         assert_eq!(newton.to_string(), "N");
         let damping = newton.divided_by(speed()).unwrap();
         assert_eq!(damping.to_string(), "kg/s");
+        let stiffness = newton.divided_by(Dimension::LENGTH).unwrap();
+        assert_eq!(stiffness.to_string(), "N/m");
+        assert_eq!(stiffness.inverse().to_string(), "m/N");
+        let squared = newton.times(newton).unwrap();
+        assert_eq!(squared.to_string(), "N^2");
         let root = Dimension::LENGTH.power(Ratio::HALF).unwrap();
         assert_eq!(root.to_string(), "m^(1/2)");
     }

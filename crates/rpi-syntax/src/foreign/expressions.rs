@@ -373,7 +373,7 @@ pub(super) fn unless_expression(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     }
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
         .primary(found.token_span(at), "the condition must come first")
-        .help("`y = if c then pre y else x;` keeps the value of the previous cycle");
+        .help("to keep the value of the previous cycle while `c` is true: `y = first -> if c then pre y else x;`");
     Some(remove_phrase(diagnostic))
 }
 

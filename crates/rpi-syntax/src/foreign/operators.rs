@@ -62,7 +62,7 @@ pub(super) fn missing_else(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = Diagnostic::new(Code::RPI0001, "this `if` has no `else`")
         .primary(found.token_span(own), "a flow needs a value in every cycle")
         .secondary(super::imperative::end_of_span(end), "expected `else` here")
-        .help("add the other value: `if c then x else y`; to keep the value of the previous cycle: `else pre y`");
+        .help("add the other value: `if c then x else y`; to keep the value of the previous cycle: `y = first -> if c then x else pre y`");
     Some(ForeignSyntax {
         diagnostic,
         repair: Repair::RemoveErrorPhrase,
@@ -136,8 +136,7 @@ pub(super) fn has_own_operator(
 }
 
 /// Help for a conditional expression of another language whose extent among other operators is not clear.
-pub(super) const CONDITIONAL_EXTENT_HELP: &str =
-    "the operators beside it could belong to either: write `(if c then x else y)` in parentheses";
+pub(super) const CONDITIONAL_EXTENT_HELP: &str = "it is not clear which of the other operators belong to it: write `(if c then x else y)` in parentheses";
 
 /// Recognises the conditional operator of C: `c ? x : y`.
 pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {

@@ -139,6 +139,8 @@ pub(crate) struct Contracts<'a> {
     pub(crate) imports: Vec<ContractInstance<'a>>,
     /// Whether the body is that of a declared contract.
     pub(crate) is_contract: bool,
+    /// Sections of local declarations of the body, while a contract is checked that does not see them.
+    pub(crate) hidden_locals: &'a [rpi_syntax::ast::Locals],
     /// Whether names of callees are resolved as contracts instead of nodes.
     pub(crate) resolving_contract: bool,
     /// Modes of the contract being checked.

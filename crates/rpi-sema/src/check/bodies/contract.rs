@@ -64,6 +64,27 @@ fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
     }
 }
 
+/// Returns the diagnostic for a contract that reads a local flow of the body that it describes; `None` if `name` is no
+/// such flow.
+pub(crate) fn hidden_local_error(cx: &Body<'_, '_>, name: &Name, span: Span) -> Option<Diagnostic> {
+    let mut vars = cx
+        .contract
+        .hidden_locals
+        .iter()
+        .flat_map(|section| match section {
+            Locals::Var(vars) => &vars[..],
+            Locals::Const(_) => &[],
+        });
+    let local = vars.find_map(|var| var.names.iter().find(|local| local.name == *name))?;
+    let message = format!("a contract cannot read `{name}`, a local flow of the body");
+    let diagnostic = Diagnostic::new(Code::RPI1001, message)
+        .primary(span, "not visible in the contract")
+        .secondary(local.span, "declared in the body");
+    Some(diagnostic.help(format!(
+        "a contract reads the ports and global constants; define the value in it: `var {name}: int = ...;`"
+    )))
+}
+
 /// Returns the location of the flow around a contract that has this name. The in-ports of a declared contract do
 /// not count, as they belong to the importing node.
 fn port_span(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
@@ -207,7 +228,8 @@ fn check_claim_condition<'a>(cx: &mut Body<'_, 'a>, condition: &'a ast::Expr) ->
         report::report_diagnostic(
             cx,
             Diagnostic::new(Code::RPI1013, "this claim is not checked at run time")
-                .primary(span, "it ranges over more values than can be tested"),
+                .primary(span, "a cycle cannot try all values of its variables")
+                .help("compute the claim over the elements of the array with `red`; a model checker such as Kind 2 reads it as it is"),
         );
     }
     None

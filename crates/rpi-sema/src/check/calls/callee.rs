@@ -30,7 +30,7 @@ use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use rpi_diag::Span;
 use rpi_prims::{PrimId, registry};
 use rpi_syntax::Name;
-use rpi_syntax::ast::{self, NodeDef, StaticArg};
+use rpi_syntax::ast::{self, NodeDef, NodeKind, StaticArg};
 use std::rc::Rc;
 
 /// Meaning of the name that a call calls.
@@ -127,8 +127,26 @@ pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span)
     };
     match cx.checker.program.lookup_in(space, cx.module, name) {
         Lookup::Found(id) => resolve_callee_decl(cx, id, name, span),
+        Lookup::Missing if importing => {
+            report_undefined_contract(cx, name, span);
+            Callee::Nothing(std::marker::PhantomData)
+        }
         Lookup::Missing => resolve_builtin_callee(cx, name, span),
     }
+}
+
+/// Reports the import of an undefined contract, with the most similar contract. A node of the same name is not meant.
+fn report_undefined_contract(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
+    let is_contract = |id: DeclId| matches!(cx.checker.program.decl(id).kind, DeclKind::Node(node) if node.kind == NodeKind::Contract);
+    let visible = cx.checker.program.visible_names(cx.module, is_contract);
+    let near = cx.checker.suggest(name, visible);
+    let diagnostic = match near.is_none() {
+        true => report::undefined_name("contract", name, span, None).help(format!(
+            "declare `contract {name} (...) returns (...)`, with the ports of this node"
+        )),
+        false => report::undefined_name("contract", name, span, near),
+    };
+    report::report_diagnostic(cx, diagnostic);
 }
 
 /// Resolves a declaration as a callee; reports one that is not callable.

@@ -52,23 +52,10 @@ fn foreign_call_help(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, O
     let place = call.callee.name.span;
     match name {
         "prev" | "previous" | "old" => {
-            let fix = Fix::maybe("write `pre`").replace(place, "pre ");
-            let help =
-                "the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`";
-            Some((help.to_owned(), (call.args.len() == 1).then_some(fix)))
+            let help = "the value of the previous cycle is `first -> pre x`; `first` is the value in the first cycle";
+            Some((help.to_owned(), previous_value_fix(call, ty)))
         }
-        "len" | "length" | "numel" | "sizeof" => {
-            let help = match ty {
-                Ty::Array(_, n) => {
-                    format!("the size is part of the type of an array: here it is {n}")
-                }
-                _ => {
-                    "the size is part of the type of an array: `const n: int = 3;`, then `a: int^n`"
-                        .to_owned()
-                }
-            };
-            Some((help, None))
-        }
+        "len" | "length" | "numel" | "sizeof" => Some((size_help(call, ty), None)),
         "sum" | "prod" | "all" | "reduce" | "foldl" | "accumulate" => {
             Some(reduction_help(name, call, ty))
         }
@@ -79,7 +66,7 @@ fn foreign_call_help(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, O
             Some((help, (call.args.len() == 1).then_some(fix)))
         }
         "delay" => {
-            let help = "delay by one cycle: `0 -> pre x`; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
+            let help = "delay by one cycle: `first -> pre x`; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
             Some((help.to_owned(), None))
         }
         "wait" | "sleep" | "usleep" | "pause" | "waittime" | "waituntil" | "wait_sec" | "dwell" => {
@@ -93,6 +80,51 @@ fn foreign_call_help(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, O
         }
         _ => crate::check::diagnostics::foreign_idioms::call_help(name)
             .map(|help| (help.to_owned(), None)),
+    }
+}
+
+/// Returns the advice for a call that would return the size of an array. `ty` is the type of its argument.
+fn size_help(call: &ast::Call, ty: &Ty) -> String {
+    let name = argument_name(call);
+    match ty {
+        Ty::Array(_, n) => {
+            format!("the size is part of the type of an array: `{name}` has {n} elements")
+        }
+        Ty::Unknown => {
+            "the size is part of the type of an array: `const n: int = 3;`, then `a: int^n`"
+                .to_owned()
+        }
+        _ => format!(
+            "`{name}` is `{ty}`, not an array; the type of an array states its size: `int^3`"
+        ),
+    }
+}
+
+/// Returns the fix that replaces `prev(x)` by `(0 -> pre x)`, with a first value of the type of `x`.
+fn previous_value_fix(call: &ast::Call, ty: &Ty) -> Option<Fix> {
+    let first = match ty {
+        Ty::Bool => "false".to_owned(),
+        Ty::Int => "0".to_owned(),
+        Ty::Real(Dimension::ONE) => "0.0".to_owned(),
+        Ty::Real(dim) if !dim.has_free() => format!("0[{dim}]"),
+        _ => return None,
+    };
+    let [only] = &call.args[..] else { return None };
+    let fix = Fix::maybe("read the previous value").replace(call.callee.span, "");
+    let value = &only.value;
+    Some(match value.unparen().kind {
+        ast::ExprKind::Name(_) => fix.insert_before(value.span, format!("{first} -> pre ")),
+        _ => fix
+            .insert_before(value.span, format!("{first} -> pre ("))
+            .insert_after(value.span, ")"),
+    })
+}
+
+/// Returns the name of the flow that a call has as its first argument, else `a`.
+fn argument_name(call: &ast::Call) -> &str {
+    match call.args.first().map(|arg| &arg.value.kind) {
+        Some(ast::ExprKind::Name(name)) => name.as_str(),
+        _ => "a",
     }
 }
 
@@ -134,11 +166,10 @@ fn reduction_help(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>
         _ => false,
     };
     let callee = format!("red<<{op}, {n}>>");
-    let array = match call.args.first().map(|arg| &arg.value.kind) {
-        Some(ast::ExprKind::Name(name)) => name.as_str(),
-        _ => "a",
-    };
-    let help = format!("for this array use `{callee}({with}, {array})`");
+    let help = format!(
+        "for this array use `{callee}({with}, {})`",
+        argument_name(call)
+    );
     let fix = match &call.args[..] {
         [only] if is_plain => Some(
             Fix::maybe(format!("write `{callee}`"))

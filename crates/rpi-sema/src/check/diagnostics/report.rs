@@ -87,8 +87,7 @@ fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Diagnostic {
         type_text(expected),
         type_text(found)
     );
-    let diagnostic = Diagnostic::new(Code::RPI2001, message)
-        .primary(span, format!("this is {}", type_text(found)));
+    let diagnostic = Diagnostic::new(Code::RPI2001, message).primary(span, found_label(found));
     match (expected, found) {
         (Ty::Real(dim), Ty::Int) if is_number_literal(cx, id) && *dim != Dimension::ONE => {
             quantity::with_unit_fixes(diagnostic, *dim, span)
@@ -103,16 +102,20 @@ fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Diagnostic {
                     .insert_before(span, "time(")
                     .insert_after(span, ")"),
             ),
-        (Ty::Int, Ty::Duration) => {
-            diagnostic.help("divide by a time to get an integer: `x div 1[ms]`")
-        }
+        (Ty::Int, Ty::Duration) => diagnostic.help(format!(
+            "divide by a time to get an integer: `{} div 1[ms]`",
+            operand_name(cx, id)
+        )),
         (Ty::Real(_) | Ty::Int, _) if is_iterator_element(cx, id) => diagnostic,
         (Ty::Real(_), Ty::Int) => diagnostic.fix(to_real_fix(cx, id)),
         (Ty::Int, Ty::Real(Dimension::ONE)) if is_number_literal(cx, id) => {
             diagnostic.help("write an integer without a decimal point")
         }
         (Ty::Int, Ty::Real(_)) => diagnostic
-            .help("`int x` cuts off the fraction; `int round(x)` takes the nearest")
+            .help(format!(
+                "`int {0}` cuts off the fraction; `int round({0})` takes the nearest",
+                operand_name(cx, id)
+            ))
             .fix(conversion_fix(cx, id, "int")),
         (expected, Ty::Tuple(_)) => with_output_fixes(cx, diagnostic, id, expected),
         (Ty::Bool, Ty::Int | Ty::Real(_)) => {
@@ -122,17 +125,16 @@ fn kind_mismatch(cx: &Body<'_, '_>, id: ExprId, expected: &Ty) -> Diagnostic {
             .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
         (_, Ty::Array(element, _)) if **element == *expected => diagnostic
             .help("an element is read by its index: `x[0]`; a power is written `x ** 2.0`"),
-        _ => with_general_help(diagnostic, expected, found),
+        _ => with_general_help(diagnostic, expected, found, &operand_name(cx, id)),
     }
 }
 
 /// Adds to a diagnostic how a value of the expected type is obtained, for the pairs of types without a conversion.
-fn with_general_help(diagnostic: Diagnostic, expected: &Ty, found: &Ty) -> Diagnostic {
+fn with_general_help(diagnostic: Diagnostic, expected: &Ty, found: &Ty, name: &str) -> Diagnostic {
     let help = match (expected, found) {
         (Ty::Unknown, _) | (_, Ty::Unknown) => return diagnostic,
         (Ty::Spatial(Scalar::Vector, _), Ty::Real(_)) => {
-            "a vector has three components: `point(x, y, z)` for a position, else `vector(x, y, z)`"
-                .to_owned()
+            format!("a vector has three components: `vector({name}, y, z)`")
         }
         (Ty::Spatial(Scalar::Vector, _), Ty::Spatial(Scalar::Pose, _)) => {
             "the position of a pose is `p.position`".to_owned()
@@ -141,9 +143,9 @@ fn with_general_help(diagnostic: Diagnostic, expected: &Ty, found: &Ty) -> Diagn
             "the orientation of a pose is `p.rotation`".to_owned()
         }
         (Ty::Machine(to), Ty::Machine(_) | Ty::Int) => {
-            format!("convert it: `({} x)`", to.conversion_name())
+            format!("convert it: `({} {name})`", to.conversion_name())
         }
-        (Ty::Int, Ty::Machine(_)) => "convert it: `(int x)`".to_owned(),
+        (Ty::Int, Ty::Machine(_)) => format!("convert it: `(int {name})`"),
         (Ty::Int | Ty::Real(_), Ty::Bool) => {
             "a number for a condition is `if c then 1 else 0`".to_owned()
         }
@@ -156,7 +158,7 @@ fn with_general_help(diagnostic: Diagnostic, expected: &Ty, found: &Ty) -> Diagn
                 device.name
             )
         }
-        _ => format!("pass a value of the type `{expected}`, or change the declared type"),
+        _ => format!("write a value of the type `{expected}` here, or change the declared type"),
     };
     diagnostic.help(help)
 }
@@ -223,6 +225,14 @@ fn conversion_fix(cx: &Body<'_, '_>, id: ExprId, word: &str) -> Fix {
     }
 }
 
+/// Returns the name of an operand for an example in a help text: of the flow that it reads, else `x`.
+pub(crate) fn operand_name(cx: &Body<'_, '_>, operand: ExprId) -> String {
+    match &cx.unit.expr(operand).kind {
+        TypedKind::Flow(flow) => cx.unit.flow(*flow).name.to_string(),
+        _ => "x".to_owned(),
+    }
+}
+
 /// Reason why a type is expected.
 pub(crate) enum ExpectationReason {
     /// The type is expected for a reason that needs no explanation.
@@ -243,12 +253,26 @@ impl ExpectationReason {
     }
 }
 
-/// Returns the description of a type; the result of a call is described by its outputs.
+/// Returns the label of a value of a type that is not the expected one.
+fn found_label(ty: &Ty) -> String {
+    match ty {
+        Ty::Tuple(members) if members.iter().any(|m| m.name.is_some()) => {
+            format!("the call returns {}", with_noun(members.len(), "value"))
+        }
+        ty => format!("this is `{ty}`"),
+    }
+}
+
+/// Returns the description of a type; the result of a call is described by its outputs with their types.
 fn type_text(ty: &Ty) -> String {
     match ty {
         Ty::Tuple(members) if members.iter().any(|m| m.name.is_some()) => {
-            let names = members.iter().filter_map(|m| m.name.as_deref());
-            format!("several outputs, {}", join_names(names))
+            let outputs: Vec<String> = members
+                .iter()
+                .filter_map(|m| Some(format!("{}: {}", m.name.as_deref()?, m.ty)))
+                .collect();
+            let outputs = join_names(outputs.iter().map(String::as_str));
+            format!("several outputs, {outputs}")
         }
         ty => format!("`{ty}`"),
     }
@@ -303,6 +327,16 @@ pub(crate) fn wrong_kind_of_name(
     Diagnostic::new(Code::RPI1003, format!("`{name}` is {is}, not {wanted}"))
         .primary(span, format!("{wanted} is expected here"))
         .secondary(declared, "declared here")
+}
+
+/// Returns the sentence that lists what a value or block consists of; `noun` in the singular: "its fields are ...".
+pub(crate) fn members_help<'n>(noun: &str, names: impl IntoIterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    match names.len() {
+        0 => format!("it has no {noun}s"),
+        1 => format!("its only {noun} is {}", join_names(names)),
+        _ => format!("its {noun}s are {}", join_names(names)),
+    }
 }
 
 /// Joins names for a sentence: `a`, `b` and `c`.

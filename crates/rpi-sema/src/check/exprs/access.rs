@@ -6,6 +6,7 @@ use crate::check::bodies::locals;
 use crate::check::bodies::locals::Local;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::members_help;
 use crate::check::diagnostics::report::no_member;
 use crate::check::exprs::expr;
 use crate::check::exprs::indexing;
@@ -44,15 +45,15 @@ fn port_list(device: &DeviceTy, actuators: bool) -> String {
 pub(crate) fn unknown_member(ty: &Ty, of: &str, field: &Ident) -> Diagnostic {
     let near = rpi_diag::suggest(&field.name, member_names(ty.members()));
     let diagnostic = no_member(of, &field.name, field.span, near);
-    let what = match ty {
-        Ty::Tuple(_) => "outputs",
-        Ty::Struct(_) => "fields",
-        _ => return diagnostic,
-    };
-    let names: Vec<&str> = member_names(ty.members()).collect();
-    match names.is_empty() {
-        true => diagnostic,
-        false => diagnostic.help(format!("its {what} are {}", names.join(", "))),
+    match ty {
+        Ty::Tuple(_) if member_names(ty.members()).next().is_none() => {
+            diagnostic.help("its values have no names: assign it to a tuple, `(a, b) = ...`")
+        }
+        Ty::Tuple(_) => diagnostic.help(members_help("output", member_names(ty.members()))),
+        Ty::Struct(of) if !of.fields.is_empty() => {
+            diagnostic.help(members_help("field", member_names(ty.members())))
+        }
+        _ => diagnostic,
     }
 }
 
@@ -123,8 +124,10 @@ pub(crate) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span)
         return None;
     };
     if !ty.values.iter().any(|known| known == value) {
-        let near = rpi_diag::suggest(value, ty.values.iter().map(Name::as_str));
-        let diagnostic = no_member(&format!("the enum `{of}`"), value, span, near);
+        let values = || ty.values.iter().map(Name::as_str);
+        let near = rpi_diag::suggest(value, values());
+        let diagnostic = no_member(&format!("the enum `{of}`"), value, span, near)
+            .help(members_help("value", values()));
         return Some(cx.report_error_expr(diagnostic, span));
     }
     let diagnostic = Diagnostic::new(
@@ -167,14 +170,20 @@ pub(crate) fn block_member(
         }
         _ => {
             let near = cx.checker.suggest(&field.name, locals::names_in(cx, block));
-            let flows = join_names(locals::names_in(cx, block));
+            let flows = members_help("flow", locals::names_in(cx, block));
             let what = match automaton::is_state(cx, block) {
                 true => "state",
                 false => "fragment",
             };
             let of = format!("the {what} `{}`", cx.unit.block(block).name);
             let diagnostic = no_member(&of, &field.name, field.span, near);
-            cx.report_error_expr(diagnostic.help(format!("its flows are {flows}")), span)
+            cx.report_error_expr(
+                diagnostic.help(format!(
+                    "{flows}; define `{0}` in the {what}: `{0} = ...;`",
+                    field.name
+                )),
+                span,
+            )
         }
     }
 }
@@ -209,7 +218,9 @@ fn sensor_access(
             field.span,
             near,
         );
-        return cx.report_error_expr(diagnostic, span);
+        let sensors = device.ports.iter().filter(|port| !port.is_actuator);
+        let help = members_help("sensor port", sensors.map(|port| port.name.as_str()));
+        return cx.report_error_expr(diagnostic.help(help), span);
     };
     let port = &device.ports[index];
     if port.is_actuator {

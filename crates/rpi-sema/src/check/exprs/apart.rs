@@ -6,7 +6,7 @@ use crate::check::diagnostics::report::join_names;
 use crate::check::types::machine_int;
 use crate::check::types::quantity;
 use crate::ty::{MachineInt, Ty};
-use crate::typed::{ExprId, TypedKind};
+use crate::typed::ExprId;
 use crate::units::Dimension;
 use rpi_diag::Diagnostic;
 use rpi_image::Scalar::{Pose, Vector};
@@ -46,32 +46,46 @@ pub(crate) fn with_operand_hints(
         }
         (Ty::Machine(of), Ty::Int) => machine_int::with_conversion_fix(cx, diagnostic, *of, right),
         (Ty::Int, Ty::Machine(of)) => machine_int::with_conversion_fix(cx, diagnostic, *of, left),
-        (Ty::Machine(of), Ty::Machine(_)) if matches!(op, ShiftLeft | ShiftRight) => {
-            let to = MachineInt {
-                signed: false,
-                ..*of
-            }
-            .conversion_name();
-            let count = operand_name(cx, right);
-            diagnostic.help(format!(
-                "the shift count must be unsigned: `({to} {count})`"
-            ))
-        }
-        (Ty::Machine(of), Ty::Machine(_)) => diagnostic.help(format!(
-            "convert one of them: `({} {})`",
-            of.conversion_name(),
-            operand_name(cx, right)
+        (Ty::Machine(of), Ty::Machine(_)) => diagnostic.help(machine_operands_help(
+            op,
+            *of,
+            &report::operand_name(cx, right),
         )),
         (Ty::Bool, _) | (_, Ty::Bool) => {
             diagnostic.help("convert a Boolean to a number by `if c then 1 else 0`")
         }
-        (Ty::Array(..), _) | (_, Ty::Array(..)) => diagnostic.help(elementwise_help(op, a, b)),
+        (Ty::Array(..), _) | (_, Ty::Array(..)) => {
+            let [left, mut right] = [left, right].map(|id| report::operand_name(cx, id));
+            if right == "x" {
+                "y".clone_into(&mut right);
+            }
+            diagnostic.help(elementwise_help(op, (a, &left), (b, &right)))
+        }
         (Ty::Spatial(Pose, _), Ty::Spatial(Pose, _)) => {
             diagnostic.help("compose poses by `*`: `(b in a) * (c in b)` is the pose of `c` in `a`")
         }
         (Ty::Spatial(Vector, _), Ty::Real(_)) | (Ty::Real(_), Ty::Spatial(Vector, _)) => diagnostic
             .help("add a vector: `point(x, y, z)`; or scale the vector by a number with `*`"),
         _ => diagnostic,
+    }
+}
+
+/// Returns the help text for two machine integers of different types, given the type of the left operand and the name
+/// of the right one.
+fn machine_operands_help(op: BinaryOp, left: MachineInt, right: &str) -> String {
+    match op {
+        ShiftLeft | ShiftRight => {
+            let to = MachineInt {
+                signed: false,
+                ..left
+            };
+            let to = to.conversion_name();
+            format!("the shift count must be unsigned: `({to} {right})`")
+        }
+        _ => format!(
+            "convert one of them: `({} {right})`",
+            left.conversion_name()
+        ),
     }
 }
 
@@ -95,24 +109,28 @@ fn with_int_operand_fix(
     }
 }
 
-/// Returns the help text for applying a scalar operator to the elements of arrays.
-fn elementwise_help(op: BinaryOp, a: &Ty, b: &Ty) -> String {
+/// Returns the help text for applying a scalar operator to the elements of arrays, given the types and names of its
+/// operands.
+fn elementwise_help(op: BinaryOp, (a, left): (&Ty, &str), (b, right): (&Ty, &str)) -> String {
     let op = op.spelling();
+    let array = |scalar: &str, n| format!("`{scalar}^{n}` is an array of {n} times `{scalar}`");
     match (a, b) {
         (Ty::Array(_, n), Ty::Array(_, m)) if n == m => {
-            format!("apply it to each element: `map<<{op}, {n}>>(a, b)`")
+            format!("apply it to each element: `map<<{op}, {n}>>({left}, {right})`")
         }
-        (Ty::Array(_, n), _) | (_, Ty::Array(_, n)) => format!(
-            "apply it to each element: `map<<{op}, {n}>>(a, b)`; `x^{n}` is an array of {n} times `x`"
+        (Ty::Array(_, n), Ty::Array(_, m)) => {
+            format!(
+                "`{left}` has {n} elements and `{right}` has {m}; take the same number of elements of both"
+            )
+        }
+        (Ty::Array(_, n), _) => format!(
+            "apply it to each element: `map<<{op}, {n}>>({left}, {right}^{n})`; {}",
+            array(right, n)
+        ),
+        (_, Ty::Array(_, n)) => format!(
+            "apply it to each element: `map<<{op}, {n}>>({left}^{n}, {right})`; {}",
+            array(left, n)
         ),
         _ => String::new(),
-    }
-}
-
-/// Returns the name of an operand for an example in a help text: of the flow that it reads, else `x`.
-fn operand_name(cx: &Body<'_, '_>, operand: ExprId) -> String {
-    match &cx.unit.expr(operand).kind {
-        TypedKind::Flow(flow) => cx.unit.flow(*flow).name.to_string(),
-        _ => "x".to_owned(),
     }
 }

@@ -130,7 +130,7 @@ fn report_not_an_array(cx: &mut Body<'_, '_>, base: ExprId, span: Span) -> ExprI
     }
     let diagnostic = Diagnostic::new(Code::RPI2006, "only arrays can be indexed")
         .primary(cx.span_of(base), format!("this is `{ty}`"))
-        .help("the value of the previous cycle is `pre x`, with an initial value `0 -> pre x`");
+        .help("an array is declared as `a: int^3`; the value of the previous cycle is `first -> pre x`");
     cx.report_error_expr(diagnostic, span)
 }
 

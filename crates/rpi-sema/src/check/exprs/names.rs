@@ -9,7 +9,6 @@ use crate::check::bodies::type_inference;
 use crate::check::calls::prim;
 use crate::check::diagnostics::foreign;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::join_names;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::diagnostics::undefined_names;
@@ -208,6 +207,9 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if !cx.record_undefined(name) {
         return cx.error_expr(span);
     }
+    if let Some(diagnostic) = contract::hidden_local_error(cx, name, span) {
+        return cx.report_error_expr(diagnostic, span);
+    }
     let near = cx.checker.suggest(name, locals::local_names(cx));
     let is_value = |id: DeclId| {
         let kind = cx.checker.program.decl(id).kind;
@@ -279,10 +281,7 @@ pub(crate) fn command_result(
         let of = format!("the command `{name}`");
         let diagnostic =
             crate::check::diagnostics::report::no_member(&of, &field.name, field.span, near).help(
-                format!(
-                    "its results are {}",
-                    join_names(results.iter().map(|n| n.as_str()))
-                ),
+                report::members_help("result", results.iter().map(|n| n.as_str())),
             );
         return Some(cx.report_error_expr(diagnostic, span));
     }

@@ -243,7 +243,7 @@ fn unsupported_operand(cx: &Body<'_, '_>, op: UnaryOp, operand: ExprId, ty: &Ty)
     let message = format!("`{}` cannot take `{ty}`", op.spelling());
     let diagnostic = Diagnostic::new(Code::RPI2006, message)
         .primary(cx.span_of(operand), format!("this is `{ty}`"));
-    quantity::with_operand_hint(diagnostic, op, ty)
+    quantity::with_operand_hint(diagnostic, op, ty, &report::operand_name(cx, operand))
 }
 
 fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {

@@ -45,7 +45,7 @@ pub(crate) fn check_quantifier<'a>(
         None => not_executable(
             cx,
             "a quantifier",
-            "it ranges over more values than can be tested",
+            "a cycle cannot try all values of its variables",
             span,
         ),
     }

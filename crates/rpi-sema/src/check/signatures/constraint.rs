@@ -10,6 +10,7 @@ use crate::check::signatures::static_args::StaticBinding;
 use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
 use crate::check::signatures::static_params::StaticParamDecl;
+use crate::check::types::quantity;
 use crate::program::DeclId;
 use crate::ty::{StructTy, Ty};
 use crate::units::Dimension;
@@ -163,9 +164,9 @@ fn constraint_violation(of: &Name, name: &Ident, wanted: Constraint, ty: &Ty) ->
     let diagnostic = Diagnostic::new(Code::RPI2019, message);
     match (wanted, ty) {
         (Constraint::Real, Ty::Int) => diagnostic.help("convert the arguments: `real n`"),
-        (Constraint::Dimensionless, Ty::Real(dim)) => diagnostic.help(format!(
-            "divide by a quantity in `{dim}` to get a plain number"
-        )),
+        (Constraint::Dimensionless, Ty::Real(dim)) => {
+            diagnostic.help(quantity::plain_number_help(*dim))
+        }
         _ => diagnostic.help(format!(
             "pass values for which `{}` is {}",
             name.name,

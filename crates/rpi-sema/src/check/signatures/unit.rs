@@ -426,6 +426,7 @@ fn check_body_with<'a>(
     };
     let mut assumed = Vec::new();
     if let Some((block, contract)) = before {
+        cx.contract.hidden_locals = body.map_or(&[], |body| &body.locals);
         assumed.extend(assumptions::check_contract_assumptions(cx, block, contract));
     }
     match body {

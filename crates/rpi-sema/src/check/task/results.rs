@@ -61,7 +61,7 @@ fn check_branch(cx: &mut Body<'_, '_>, command: &CommandDecl, result: &Ident, na
         let near = cx.checker.suggest(&result.name, names());
         let of = format!("the command `{}`", command.name.name);
         let diagnostic = no_member(&of, &result.name, result.span, near)
-            .help(format!("its results are {}", join_names(names())));
+            .help(report::members_help("result", names()));
         report::report_diagnostic(cx, diagnostic);
     }
 }

@@ -102,6 +102,7 @@ pub(crate) fn frame_mismatch(
     let message = format!("expected `{expected}`, found `{is}`: `{found}` is not `{wanted}`");
     let diagnostic =
         Diagnostic::new(Code::RPI2005, message).primary(span, format!("this is `{is}`"));
+    let diagnostic = with_frames_note(diagnostic, expected);
     // Frames of the same name in two devices (`left.tcp`, `right.tcp`) are not a spelling mistake.
     let frame = |name: &Name| name.rsplit('.').next().map(str::to_owned);
     let are_alike = frame(found) == frame(wanted);
@@ -121,12 +122,34 @@ pub(crate) fn frame_mismatch(
     let same_of = meet(&expected.of, &is.of);
     match (same_in, same_of) {
         (true, _) => diagnostic.help(format!(
-            "multiply by the pose `y` of `{wanted}` in `{found}` from the right: `x * y`"
+            "multiply from the right by the pose `y` of `{wanted}` in `{found}`: `x * y`"
         )),
         (false, true) => diagnostic.help(format!(
-            "multiply by the pose `y` of `{found}` in `{wanted}` from the left: `y * x`"
+            "multiply from the left by the pose `y` of `{found}` in `{wanted}`: `y * x`"
         )),
         // No single pose corrects both frames.
         (false, false) => diagnostic,
+    }
+}
+
+/// Adds a note that states what the frames of a type mean: `Pose(tool in base)`, `Vector(base)`.
+fn with_frames_note(diagnostic: Diagnostic, ty: &Ty) -> Diagnostic {
+    let Ty::Spatial(scalar, frames) = ty else {
+        return diagnostic;
+    };
+    match (scalar, &frames.of, &frames.in_frame) {
+        (Scalar::Pose | Scalar::Rotation, Some(of), Some(seen)) => {
+            let what = match scalar {
+                Scalar::Pose => "position and orientation",
+                _ => "orientation",
+            };
+            diagnostic.note(format!(
+                "`{of} in {seen}`: the {what} of the frame `{of}`, as coordinates of the frame `{seen}`"
+            ))
+        }
+        (Scalar::Vector, _, Some(seen)) => diagnostic.note(format!(
+            "`Vector({seen})`: the components are along the axes of the frame `{seen}`"
+        )),
+        _ => diagnostic,
     }
 }

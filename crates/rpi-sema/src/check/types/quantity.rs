@@ -93,13 +93,10 @@ fn with_suggestion(diagnostic: Diagnostic, wanted: Dimension, found: MeasuredVal
         return with_unit_fixes(diagnostic, wanted, found.span);
     }
     if wanted.is_dimensionless() {
-        return diagnostic.help(format!(
-            "divide by a quantity in `{}` to get a plain number",
-            found.dim
-        ));
+        return diagnostic.help(plain_number_help(found.dim));
     }
     if found.dim.is_dimensionless() {
-        return diagnostic.help(format!("multiply by a quantity in `{wanted}`"));
+        return diagnostic.help(format!("multiply by {}", describe_dim(wanted)));
     }
     if found.dim.power(Ratio::HALF) == Some(wanted) {
         return diagnostic.help("its square root has the expected dimension: `sqrt(x)`");
@@ -109,22 +106,64 @@ fn with_suggestion(diagnostic: Diagnostic, wanted: Dimension, found: MeasuredVal
             "`C` is the coulomb; temperatures are in kelvin, 20 degrees Celsius are `293.15[K]`",
         );
     }
-    match wanted.divided_by(found.dim) {
-        Some(factor) => diagnostic.help(format!(
-            "{} to get the expected dimension",
-            factor_text(factor)
-        )),
-        None => diagnostic,
+    diagnostic.help(conversion_help(wanted, found.dim))
+}
+
+/// Returns the advice to get a plain number from a quantity.
+pub(crate) fn plain_number_help(found: Dimension) -> String {
+    format!("divide by {} to get a plain number", describe_dim(found))
+}
+
+/// Returns the advice to get a quantity of the dimension `wanted` from one of the dimension `found`. A factor is named
+/// only if it is a usual quantity: nobody multiplies a force by a quantity in `m/N` because a type asks for it.
+fn conversion_help(wanted: Dimension, found: Dimension) -> String {
+    let factor = wanted.divided_by(found);
+    if let Some(operation) = factor.and_then(|factor| usual_operation(factor, found)) {
+        return format!("{operation} to get {}", short_name(wanted, "a"));
+    }
+    if wanted == found.inverse() {
+        return "its reciprocal has the expected dimension: `1.0 / x`".to_owned();
+    }
+    if wanted.has_free() && found.has_free() {
+        return "a call may choose different units for type parameters; give both values the same type parameter".to_owned();
+    }
+    format!(
+        "check which value is meant: no usual factor turns {} into {}",
+        short_name(found, "a"),
+        short_name(wanted, "a")
+    )
+}
+
+/// Returns the operation with a factor as text, if the factor is a usual quantity or the square of one: "divide the length
+/// by a time in `s`", "multiply ...".
+fn usual_operation(factor: Dimension, found: Dimension) -> Option<String> {
+    let operation = |word: &str, dim: Dimension, often: &str| {
+        let by = dim.quantity_literal().map(|_| describe_dim(dim))?;
+        Some(format!(
+            "{word} {} {often}by {by}",
+            short_name(found, "the")
+        ))
+    };
+    let root = |dim: Dimension| dim.power(Ratio::HALF);
+    match factor.is_reciprocal() {
+        true => operation("divide", factor.inverse(), "")
+            .or_else(|| operation("divide", root(factor.inverse())?, "twice ")),
+        false => operation("multiply", factor, "")
+            .or_else(|| operation("multiply", root(factor)?, "twice ")),
     }
 }
 
-/// Returns the operation with a factor as text: "divide by a time in `s`", "multiply by ...".
-fn factor_text(factor: Dimension) -> String {
-    let (word, dim) = match factor.is_reciprocal() {
-        true => ("divide", factor.inverse()),
-        false => ("multiply", factor),
-    };
-    format!("{word} by {}", describe_dim(dim))
+/// Returns the name of a quantity after an article, without its unit: `the time`; for a quantity without a name, its
+/// unit: `the value in m*s`.
+fn short_name(dim: Dimension, article: &str) -> String {
+    match dim.quantity_literal() {
+        Some(name) if article == "a" => name.to_owned(),
+        Some(name) => {
+            let noun = name.split_once(' ').map_or(name, |(_, noun)| noun);
+            format!("{article} {noun}")
+        }
+        None => format!("{article} value in `{dim}`"),
+    }
 }
 
 fn is_charge_for_temperature(wanted: Dimension, found: Dimension) -> bool {
@@ -189,13 +228,19 @@ fn is_celsius(name: &str) -> bool {
 }
 
 /// Adds a suggestion for an operand that a unary operator does not accept.
-pub(crate) fn with_operand_hint(diagnostic: Diagnostic, op: UnaryOp, ty: &Ty) -> Diagnostic {
+pub(crate) fn with_operand_hint(
+    diagnostic: Diagnostic,
+    op: UnaryOp,
+    ty: &Ty,
+    name: &str,
+) -> Diagnostic {
     match ty {
-        Ty::Int | Ty::Real(_) => {
-            diagnostic.help("a condition is a comparison: `x = 0`, `x <= 0.0`")
-        }
+        Ty::Int | Ty::Real(_) => diagnostic.help(match ty {
+            Ty::Int => format!("a condition is a comparison: `{name} = 0`"),
+            _ => format!("a condition is a comparison: `{name} <= 0.0`"),
+        }),
         Ty::Array(_, n) => diagnostic.help(format!(
-            "apply it to each element: `map<<{}, {n}>>(a)`",
+            "apply it to each element: `map<<{}, {n}>>({name})`",
             op.spelling()
         )),
         _ => diagnostic,
