@@ -311,7 +311,7 @@ fn uninitialised_error(
         };
     }
     let diagnostic =
-        diagnostic.help("give a value for the first cycle, before `->`: `first -> pre x`");
+        diagnostic.help("give the value for the first cycle before `->`, such as `0 -> pre x`");
     diagnostic.fix(fix)
 }
 
