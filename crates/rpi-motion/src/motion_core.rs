@@ -45,6 +45,9 @@ pub struct MotionCore {
 /// Maximum number of nodes in the table of the path: 1 MB for each arm.
 const NODES: usize = 4096;
 
+/// Number of nodes made in a cycle that does other work, too.
+const NODES_ON_PATH: usize = 16;
+
 /// Cycle in which better entries are tried first: enough of the path is known then.
 const ENTRY_CYCLE: u64 = 4;
 
@@ -53,7 +56,7 @@ const SHARE_WITH_RESIDUAL: f64 = 1.0;
 
 impl MotionCore {
     /// Greatest number of nodes made in a cycle.
-    pub const NODES_PER_CYCLE: usize = 16;
+    pub const NODES_PER_CYCLE: usize = 48;
 
     /// Greatest number of samples that the verifications of a cycle take.
     pub const SAMPLES_PER_CYCLE: usize = SAMPLES_PER_CYCLE;
@@ -159,9 +162,11 @@ impl MotionCore {
     pub fn next_set_point(&mut self, controls: Controls) -> Result<SetPoint, MotionError> {
         let time = self.cycle as f64 * self.period;
         let now = self.course.held.state_at(time);
-        self.course
-            .table
-            .extend(&self.arm, Self::NODES_PER_CYCLE, now.s - 1e-3);
+        let nodes = match self.approach {
+            Some(_) if self.cycle < ENTRY_CYCLE => Self::NODES_PER_CYCLE,
+            _ => NODES_ON_PATH,
+        };
+        self.course.table.extend(&self.arm, nodes, now.s - 1e-3);
         if let Some(approach) = self.approach {
             self.prepare(approach, time, controls)?;
         } else if self.course.tool.is_some_and(|tool| time < tool.end()) {

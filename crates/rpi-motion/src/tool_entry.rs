@@ -21,15 +21,12 @@ use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::{MAX_AXES, Range};
 
 /// Greatest number of inverses of the verification in a cycle.
-pub(crate) const INVERSES_PER_CYCLE: usize = 64;
-
-/// Greatest number of periods between two samples.
-pub(crate) const WIDEST: usize = 3;
+pub(crate) const INVERSES_PER_CYCLE: usize = 80;
 
 /// Share of the bounds of the tool for the path parameter until the tool is on the path.
 const LAW: f64 = 0.5;
 
-/// Share of the limits of the axes that the samples may use: the rest covers what lies between them.
+/// Share of the limits of the axes that the set-points may use.
 const USED: f64 = 0.98;
 
 /// Greatest share of the bounds of the tool, and what rounding adds.
@@ -44,8 +41,8 @@ pub(crate) struct ToolEntry {
     pub residual: ToolResidual,
     pub law: HeldBrake,
     start_time: f64,
-    /// Time between two samples, s; number of samples, and of those that are done.
-    spacing: f64,
+    /// Period of the set-points, s; number of set-points until the tool is on the path, and of those that are verified.
+    period: f64,
     count: usize,
     done: usize,
     last: [Joints; 4],
@@ -71,15 +68,9 @@ pub(crate) struct Situation<'a> {
 }
 
 impl ToolEntry {
-    /// Plans the takeover at a time (s) from the set-points there; `earlier` gives the last four up to that time for a
-    /// spacing in periods. `budget` is the number of inverses until then.
-    pub(crate) fn plan(
-        of: &Situation<'_>,
-        time: f64,
-        budget: usize,
-        earlier: impl Fn(usize) -> [Joints; 4],
-    ) -> Option<Self> {
-        let state = state_of(&earlier(1), of.period);
+    /// Plans the takeover at a time (s) from the last set-points up to it.
+    pub(crate) fn plan(of: &Situation<'_>, time: f64, last: [Joints; 4]) -> Option<Self> {
+        let state = state_of(&last, of.period);
         let requested = of.table.requested();
         let most = allowed(of.table, 0.0, 0.0, of.demand);
         let mut start = along_path(
@@ -93,44 +84,49 @@ impl ToolEntry {
         start.velocity = start.velocity.min(0.95 * requested.speed);
         let most = LAW * requested.acceleration;
         start.acceleration = start.acceleration.clamp(-most, most);
+        let decay = 0.5 * start.acceleration * start.acceleration / (LAW * requested.jerk);
+        if start.acceleration < 0.0 && start.velocity < decay {
+            // The path parameter would go backwards.
+            start.acceleration = 0.0;
+        }
         let differences = differences(of, &state, start)?;
         let residual = ToolResidual::new(&differences, STEP, time, requested)?;
         let periods = libm::ceil((residual.end() - time) / of.period) as usize + 4;
-        let stride = periods.div_ceil(budget.max(1)).max(1);
-        if stride > WIDEST {
-            return None;
-        }
         let law = law(of, start, &residual, time)?;
-        let last = earlier(stride);
         Some(Self {
             residual,
             law,
             start_time: time,
-            spacing: stride as f64 * of.period,
-            count: periods.div_ceil(stride),
+            period: of.period,
+            count: periods,
             done: 0,
             places: last.map(|joints| of.arm.forward(&joints).translation.vector),
             last,
         })
     }
 
-    /// Verifies the next samples, at most [`INVERSES_PER_CYCLE`].
+    /// Returns the number of cycles that the verification takes.
+    pub(crate) fn cycles(&self) -> u64 {
+        self.count.div_ceil(INVERSES_PER_CYCLE) as u64
+    }
+
+    /// Verifies the next set-points, at most [`INVERSES_PER_CYCLE`].
     pub(crate) fn verify(&mut self, of: &Situation<'_>) -> Verification {
         for _ in 0..INVERSES_PER_CYCLE {
             if self.done == self.count {
                 return Verification::Accepted;
             }
             self.done += 1;
-            if self.next_sample(of).is_none() {
+            if self.next_set_point(of).is_none() {
                 return Verification::Rejected;
             }
         }
         Verification::Running
     }
 
-    /// Takes the next sample; `None` if it has no inverse or is not within the bounds.
-    fn next_sample(&mut self, of: &Situation<'_>) -> Option<()> {
-        let time = self.start_time + self.done as f64 * self.spacing;
+    /// Verifies the next set-point; `None` if it has no inverse or is not within the bounds.
+    fn next_set_point(&mut self, of: &Situation<'_>) -> Option<()> {
+        let time = self.start_time + self.done as f64 * self.period;
         let (joint_path, Path::Tool(path)) = (of.table.joint_path(), of.table.path()) else {
             return None;
         };
@@ -150,7 +146,7 @@ impl ToolEntry {
 
     fn axes_are_within(&self, of: &Situation<'_>) -> bool {
         let [a, b, c, d] = &self.last;
-        let width = self.spacing;
+        let width = self.period;
         let mut limits = of.arm.limits().iter().enumerate();
         limits.all(|(axis, limits)| {
             let velocity = (d[axis] - c[axis]) / width;
@@ -167,7 +163,7 @@ impl ToolEntry {
     }
 
     fn tool_is_within(&self, requested: Bounds) -> bool {
-        tool_shares(&self.places, self.spacing, requested)
+        tool_shares(&self.places, self.period, requested)
             .iter()
             .all(|share| *share <= TOOL)
     }
@@ -217,7 +213,8 @@ fn differences(
 }
 
 /// Law of the path parameter until the tool is on the path, and the stop behind it, which has been verified. What the
-/// displacement needs of the requested speed is left to it.
+/// displacement needs of the requested speed is left to it. The law ends at rest where the path is known now; it is planned
+/// anew as soon as the tool is on the path.
 fn law(
     of: &Situation<'_>,
     start: PathState,
@@ -247,7 +244,7 @@ fn law(
             acceleration: LAW * most.acceleration,
             jerk: LAW * most.jerk,
         };
-        let plan = StateToRestProfile::new(start.into(), of.table.path().length(), bounds)?;
+        let plan = StateToRestProfile::new(start.into(), of.table.known_end(), bounds)?;
         let law = HeldBrake::lasting(plan, time, duration, (bounds.acceleration, bounds.jerk))?;
         let stop = law.behind_piece()?;
         verifier.accepts(&stop, &mut samples).then_some(law)

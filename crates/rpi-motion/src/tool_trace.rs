@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rpi_kin::state_to_rest::Bounds;
 
 /// Number of set-points that are kept.
-const KEPT: usize = 12;
+const KEPT: usize = 4;
 
 /// The last set-points and places of the tool, the newest last, and the greatest shares of its bounds that it has used since the takeover.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,8 +32,9 @@ impl ToolTrace {
                 state.position[axis] + time * (state.velocity[axis] + half)
             })
         });
-        let [.., a, b, c, d] = &self.joints;
-        self.places = [a, b, c, d].map(|joints| arm.forward(joints).translation.vector);
+        self.places = self
+            .joints
+            .map(|joints| arm.forward(&joints).translation.vector);
     }
 
     /// Returns the set-point `back` periods before the last one; the oldest one if it is not kept.

@@ -6,26 +6,24 @@ use crate::entry::ATTEMPTS;
 use crate::path::Path;
 use crate::residual::Residual;
 use crate::set_point::{Controls, EntryPreference, MotionError};
-use crate::tool_entry::{INVERSES_PER_CYCLE, Situation, ToolEntry, Verification, WIDEST};
+use crate::tool_entry::{Situation, ToolEntry, Verification};
 use crate::verify::allowed_ranges;
 use crate::{JointState, Joints};
-use rpi_kin::MAX_AXES;
 
 /// Difference of the joints below which two set-points are the same, rad.
 const SAME_JOINTS: f64 = 1e-9;
 
-/// Cycle in which a takeover within the bounds of the tool begins: the arm follows its previous motion until then, and no
-/// longer than that has been planned.
-const SWITCH_CYCLE: u64 = 12;
-
-/// Number of set-points before a takeover that its plan looks at.
-const AHEAD: usize = 3 * WIDEST + 1;
+/// Latest cycle in which a takeover within the bounds of the tool begins: the arm follows the brake of its previous motion
+/// until then.
+const LATEST_SWITCH: u64 = 48;
 
 /// Preparation of a takeover within the bounds of the tool.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach {
     /// Time of the previous motion at the start of the present one, s.
     pub(super) previous_time: f64,
+    /// Cycle in which the takeover begins.
+    switch: u64,
     /// The takeover; `None` until it is planned.
     pub(super) entry: Option<ToolEntry>,
 }
@@ -50,6 +48,7 @@ impl MotionCore {
             && self.cycle > 0;
         (is_wanted && self.continues(state)).then_some(Approach {
             previous_time,
+            switch: LATEST_SWITCH,
             entry: None,
         })
     }
@@ -65,7 +64,6 @@ impl MotionCore {
         if self.cycle < ENTRY_CYCLE {
             return Ok(());
         }
-        let switch = SWITCH_CYCLE as f64 * self.period;
         let situation = Situation {
             arm: &self.arm,
             table: &self.course.table,
@@ -74,13 +72,11 @@ impl MotionCore {
             period: self.period,
         };
         if approach.entry.is_none() {
-            let budget = (SWITCH_CYCLE - ENTRY_CYCLE) as usize * INVERSES_PER_CYCLE;
-            let ahead = self.set_points_ahead(approach.previous_time);
-            approach.entry = ahead.and_then(|ahead| {
-                ToolEntry::plan(&situation, switch, budget, |stride| {
-                    core::array::from_fn(|k| ahead[ahead.len() - 1 - (3 - k) * stride])
-                })
-            });
+            self.plan_switch(&mut approach, &situation);
+            if approach.entry.is_some() {
+                self.approach = Some(approach);
+                return Ok(());
+            }
         }
         let verified = approach
             .entry
@@ -90,12 +86,12 @@ impl MotionCore {
         match (verified, approach.entry) {
             (Some(Verification::Accepted), Some(entry)) if !is_stopped => {
                 self.approach = Some(approach);
-                if self.cycle >= SWITCH_CYCLE {
+                if self.cycle >= approach.switch {
                     self.begin_tool_entry(&entry);
                 }
                 Ok(())
             }
-            (Some(Verification::Running), _) if !is_stopped && self.cycle < SWITCH_CYCLE => {
+            (Some(Verification::Running), _) if !is_stopped && self.cycle < approach.switch => {
                 self.approach = Some(approach);
                 Ok(())
             }
@@ -109,20 +105,42 @@ impl MotionCore {
         }
     }
 
-    /// Returns the set-points up to the takeover, those that are still to come included; `None` if one has no inverse.
-    fn set_points_ahead(&self, previous_time: f64) -> Option<[Joints; AHEAD]> {
-        let to_come = SWITCH_CYCLE.saturating_sub(self.cycle) as usize;
-        let mut joints = [[0.0; MAX_AXES]; AHEAD];
-        let mut hint = self.previous.hint;
-        for (k, slot) in joints.iter_mut().enumerate() {
-            let left = AHEAD - 1 - k;
-            if left >= to_come {
-                *slot = *self.trace.joints(left - to_come);
-                continue;
+    /// Plans the takeover for the first cycle in which its verification can be done.
+    fn plan_switch(&self, approach: &mut Approach, situation: &Situation<'_>) {
+        /// Number of cycles until the takeover of the first plan, and number of plans: each one shows how long its
+        /// verification takes.
+        const FIRST_GUESS: u64 = 16;
+        const PLANS: usize = 2;
+        approach.switch = self.cycle + FIRST_GUESS;
+        for _ in 0..PLANS {
+            let time = approach.switch as f64 * self.period;
+            let last = self.set_points_ahead(approach);
+            let Some(entry) = last.and_then(|last| ToolEntry::plan(situation, time, last)) else {
+                return;
+            };
+            let needed = self.cycle + entry.cycles() + 1;
+            if needed <= approach.switch {
+                approach.entry = Some(entry);
+                return;
             }
-            let cycle = SWITCH_CYCLE as f64 - left as f64;
-            let time = previous_time + cycle * self.period;
-            (*slot, hint) = self.previous.joints_at(&self.arm, time, &hint).ok()?;
+            if needed > LATEST_SWITCH {
+                return;
+            }
+            approach.switch = (needed + 2).min(LATEST_SWITCH);
+        }
+    }
+
+    /// Returns the last set-points up to the takeover, those that are still to come included; `None` if one has no inverse.
+    fn set_points_ahead(&self, approach: &Approach) -> Option<[Joints; 4]> {
+        let to_come = approach.switch.saturating_sub(self.cycle) as usize;
+        let mut joints = [*self.trace.joints(0); 4];
+        let mut hint = self.previous.hint;
+        for ahead in 1..=to_come {
+            let time = (self.cycle as f64 + ahead as f64) * self.period;
+            let at = approach.previous_time + time;
+            let next = self.previous.joints_at(&self.arm, at, &hint).ok()?;
+            joints.rotate_left(1);
+            (joints[3], hint) = next;
         }
         Some(joints)
     }

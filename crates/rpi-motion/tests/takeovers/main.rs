@@ -3,6 +3,7 @@
 //! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
 
 mod controls;
+mod duration;
 mod places;
 mod random;
 mod refusals;
@@ -213,5 +214,5 @@ fn takeovers_at_random_moments_keep_every_limit() {
 
 #[test]
 fn takeovers_in_quick_succession_keep_every_limit() {
-    run_chains(number("RPI_TAKEOVERS", 50) / 10, QUICK_CHAIN, few);
+    run_chains(number("RPI_TAKEOVERS", 50) / 25, QUICK_CHAIN, few);
 }
