@@ -42,7 +42,7 @@ pub struct MotionCore {
     trace: ToolTrace,
 }
 
-/// Maximum number of nodes in the table of the path: 1 MB for each arm.
+/// Maximum number of nodes in the table of a path: 1 MB, twice for each arm (present and previous motion).
 const NODES: usize = 4096;
 
 /// Number of nodes made in a cycle that does other work, too.
