@@ -14,11 +14,11 @@ pub enum PartKind {
 /// Part of a Rust source text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Part<'a> {
-    /// Kind.
+    /// Whether the part is code, a comment or a string.
     pub kind: PartKind,
     /// Line number of the first character of the part, from 1.
     pub line: usize,
-    /// Text.
+    /// Source text of the part, with its delimiters.
     pub text: &'a str,
 }
 

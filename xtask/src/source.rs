@@ -36,7 +36,7 @@ pub struct SourceFile {
     pub path: PathBuf,
     /// Name of its crate.
     pub owner: String,
-    /// Text.
+    /// Content of the file.
     pub text: String,
 }
 
@@ -81,7 +81,7 @@ fn without_tests(text: &str) -> &str {
 /// Function in a Rust source text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Function<'a> {
-    /// Name.
+    /// Name of the declared item.
     pub name: &'a str,
     /// Line number of its `fn`, from 1.
     pub line: usize,

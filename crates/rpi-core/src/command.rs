@@ -57,13 +57,13 @@ pub enum Cause {
     Terminate,
     /// A fault in a cycle.
     Fault(Fault),
-    /// An abort, with its reason.
+    /// Abort: the command was ended from outside, for this reason.
     Aborted(AbortReason),
     /// A stop by a rule.
     Stopped(RuleId),
 }
 
-/// Reason for an abort.
+/// Why a command was ended from outside, by the owner or by the core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum AbortReason {
     /// A request by the owner or on the owner's behalf.

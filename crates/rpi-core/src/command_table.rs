@@ -206,7 +206,7 @@ impl CommandTable {
         self.entries.iter().enumerate().filter_map(holds)
     }
 
-    /// Checks that all resources of a command are free.
+    /// Checks that no command holds a resource that the command in slot `place` needs. The error names a holder.
     pub(crate) fn check_resources_free(&self, place: usize) -> Result<(), CommandError> {
         let mut needs = self.entry(place)?.command.resources();
         needs.try_for_each(|resource| match self.holders(resource).next() {

@@ -202,7 +202,7 @@ impl Core {
         self.schedule.notices.lost
     }
 
-    /// The command with this id.
+    /// Returns a loaded command; `None` if the id is unknown or the command was unloaded.
     #[must_use]
     pub fn command(&self, id: CommandId) -> Option<&Command> {
         let commands = &self.schedule.commands;

@@ -14,7 +14,7 @@ pub enum CommandError {
     InvalidState(CommandState),
     /// A needed resource is held by another command, or needed by another command that the same rule starts.
     ResourceHeld {
-        /// The resource.
+        /// Number of the needed resource (actuator), as in the device bank.
         resource: u32,
         /// The command that holds or needs the resource.
         by: CommandId,

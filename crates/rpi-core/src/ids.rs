@@ -73,7 +73,7 @@ impl IdAllocator {
         self.free.push(id.slot);
     }
 
-    /// Allocates an id for a new rule.
+    /// Reserves the next rule id. Ids are never used twice, so that a late reference cannot meet another rule.
     pub fn allocate_rule(&mut self) -> RuleId {
         self.rules += 1;
         RuleId(self.rules)

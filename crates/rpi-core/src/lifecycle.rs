@@ -73,7 +73,7 @@ pub enum Transition {
 }
 
 impl CommandState {
-    /// All states.
+    /// All states of a command, in the order of its life.
     pub const ALL: [CommandState; 7] = [
         CommandState::Loading,
         CommandState::Rejected,

@@ -14,24 +14,24 @@ use alloc::vec;
 pub enum Notice {
     /// A ready command was scheduled by a new rule.
     Scheduled {
-        /// The command.
+        /// Command that now waits for the rule.
         command: CommandId,
     },
     /// A command was cancelled.
     Cancelling {
-        /// The command.
+        /// Command whose input `cancel` is true from now on.
         command: CommandId,
     },
     /// A command was started.
     Started {
-        /// The command.
+        /// Command that runs from now on.
         command: CommandId,
         /// Tick of its first cycle.
         tick: u64,
     },
     /// A command has ended.
     Ended {
-        /// The command.
+        /// Command that has ended.
         command: CommandId,
         /// Tick of its last cycle, or the next tick if it ended between two ticks.
         tick: u64,
@@ -41,7 +41,7 @@ pub enum Notice {
     /// Nothing can start a scheduled command any more. It is ready again if it was to be kept; otherwise it can be
     /// taken out with [`crate::Core::take_orphan`].
     Orphaned {
-        /// The command.
+        /// Scheduled command that lost its last rule.
         command: CommandId,
         /// The command is ready again.
         kept: bool,
@@ -64,14 +64,14 @@ pub enum Notice {
     },
     /// A rule was removed from the table because it fired, failed, was withdrawn or can no longer fire.
     Rule {
-        /// The rule.
+        /// Rule that was removed.
         rule: RuleId,
         /// The reason for the removal.
         outcome: RuleOutcome,
     },
 }
 
-/// Outcome of a rule.
+/// Why a rule was removed from the table.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RuleOutcome {
     /// The rule has fired: its actions have been carried out.

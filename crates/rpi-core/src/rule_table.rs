@@ -42,7 +42,7 @@ impl RuleTable {
         }
     }
 
-    /// A new id for a rule.
+    /// Reserves the next rule id, which no rule has had before.
     pub(crate) fn new_id(&mut self) -> RuleId {
         self.last_id += 1;
         RuleId(self.last_id)

@@ -88,7 +88,7 @@ impl Rejection {
     pub const NONE: Rejection = Rejection(0);
     /// Another writer has set this port in the same cycle.
     pub const CONCURRENT_ACCESS: Rejection = Rejection(1);
-    /// The device has failed.
+    /// Rejection of a set-point because the device itself has failed, whatever the set-point.
     pub const DEVICE_FAILED: Rejection = Rejection(2);
     /// The value is unreachable, outside its limits or not a number.
     pub const ILLEGAL_VALUE: Rejection = Rejection(4);

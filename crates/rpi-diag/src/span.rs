@@ -66,7 +66,7 @@ impl Span {
 /// Line and column, both counted from 1; the column counts Unicode scalar values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, PartialOrd, Ord)]
 pub struct LineCol {
-    /// Line, from 1.
+    /// Line in the source file, counted from 1.
     pub line: u32,
     /// Column, from 1, in Unicode scalar values.
     pub col: u32,

@@ -62,7 +62,7 @@ impl RequestedReports {
     }
 }
 
-/// Records the summary of a task.
+/// Adds the result lines of a task's checks to the summary that `rpic check --explain-analysis` prints.
 pub(crate) fn record_task_summary(front: &AnalysedProgram<'_>, unit: UnitId) {
     front.reports.add_summary(|| AnalysisSummary {
         name: front.checked.unit(unit).name.to_string(),

@@ -12,7 +12,7 @@ use rpi_sema::elab::LazyOperand;
 pub struct FaultLocation {
     /// Location of the operation.
     pub span: Span,
-    /// Kind of the fault.
+    /// Cause of the fault, such as an overflow or an index outside of its array.
     pub kind: FaultKind,
     /// Whether the operation is in a branch that is evaluated only in the cycles in which its result is needed.
     pub guarded: bool,

@@ -168,12 +168,12 @@ pub struct Signal {
     pub start: u32,
     /// Boolean slot of the presence.
     pub present: u32,
-    /// Type of the value.
+    /// Type of the flow's values, which decides the number of slots.
     pub ty: Type,
 }
 
 impl Signal {
-    /// Returns the slots of the value.
+    /// Returns the consecutive slots that hold the value, without the slot of its presence.
     #[must_use]
     pub const fn slots(self) -> SlotRange {
         SlotRange {
@@ -277,7 +277,7 @@ pub struct Export {
 /// Flow provided by the core.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CoreFlow {
-    /// Kind of the flow.
+    /// Which flow it is, such as `time`, `cancel` or `takeover`.
     pub kind: CommandFlow,
     /// Destination of the value.
     pub value: Signal,

@@ -12,7 +12,7 @@ pub type SlotBits = SmallVec<[u64; 2]>;
 pub enum Value {
     /// Value of a flow type. `cells.len()` equals `ty.cells()`.
     Slots {
-        /// Type of the value.
+        /// Flow type that says how the slots are read.
         ty: Type,
         /// Content of the slots, in the layout of [`Scalar`].
         cells: SlotBits,
@@ -34,7 +34,7 @@ impl Value {
         Self::from_scalar(Scalar::Int, smallvec![v.cast_unsigned()])
     }
 
-    /// Creates a real.
+    /// Creates a constant of type real in one slot.
     #[must_use]
     pub fn real(v: f64) -> Self {
         Self::from_scalar(Scalar::Real, smallvec![v.to_bits()])

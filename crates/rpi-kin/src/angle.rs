@@ -59,7 +59,7 @@ impl SinCos {
         Self { sin, cos }
     }
 
-    /// Returns the angle, in [-π, π].
+    /// Returns the angle in rad, from -π to π.
     #[must_use]
     pub fn angle(self) -> f64 {
         libm::atan2(self.sin, self.cos)

@@ -39,7 +39,7 @@ impl LinkTwist {
     }
 }
 
-/// Type of a joint.
+/// Way in which a joint moves: about its axis or along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointType {
     /// Revolute joint: `theta = sense * q + offset`.
@@ -61,7 +61,7 @@ pub struct Link {
     pub offset: f64,
     /// +1, or -1 if the vendor defines the opposite sense of rotation.
     pub sense: f64,
-    /// Type of the joint.
+    /// Whether the joint is revolute (values in rad) or prismatic (values in m).
     pub joint: JointType,
 }
 
@@ -191,7 +191,7 @@ pub struct JointAxis {
     pub point: Vector3<f64>,
     /// Direction of the axis: a unit vector.
     pub direction: Vector3<f64>,
-    /// Type of the joint.
+    /// Whether the joint is revolute (values in rad) or prismatic (values in m).
     pub joint: JointType,
 }
 

@@ -3,7 +3,7 @@
 use rpi_net::PortRef;
 use rpi_prims::CycleTime;
 
-/// Options of the lowering.
+/// Choices of the caller for the lowering of a net to an image.
 #[derive(Clone, Copy)]
 pub struct LowerOptions<'a> {
     /// Period of the command in nanoseconds.

@@ -82,7 +82,7 @@ impl Registers {
         slot
     }
 
-    /// Adds a register with this initial content.
+    /// Adds a register of a region that has these slot values when the image is loaded. Returns it.
     pub(crate) fn add_with_initial(&mut self, region: Region, content: &[u64]) -> Register {
         let cells = u32::try_from(content.len()).expect("fewer than 2^32 cells");
         let slot = self.add(region, cells);
@@ -90,7 +90,7 @@ impl Registers {
         slot
     }
 
-    /// Sets the initial content of a register.
+    /// Sets the slot values that a register has when the image is loaded.
     pub(crate) fn set_initial(&mut self, slot: Register, content: &[u64]) {
         if let [bits] = content {
             self.initial_bits[slot.index()] = *bits;

@@ -100,7 +100,7 @@ pub(crate) fn to_json(message: impl Into<Message>) -> Value {
     value
 }
 
-/// Creates the response to a request, with its result or error.
+/// Returns the JSON-RPC response to a request of the editor: the result, or an error with code and message.
 pub(crate) fn response(id: RequestId, result: Result<Value, (ErrorCode, String)>) -> Value {
     to_json(match result {
         Ok(value) => Response::new_ok(id, value),

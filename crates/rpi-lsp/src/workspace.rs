@@ -173,7 +173,8 @@ impl Workspace {
         self.documents.get(&uri::to_path(uri))
     }
 
-    /// Returns the URIs of the open documents.
+    /// Returns the URIs of the documents that the editor has open, whose text comes from the editor and not from the
+    /// file.
     pub(crate) fn open_documents(&self) -> Vec<Uri> {
         let documents = self.documents.values();
         documents.map(|document| document.uri.clone()).collect()

@@ -27,7 +27,7 @@ const FARTHER: [f64; 4] = [0.3, 0.15, 0.05, 0.01];
 /// A path, and the arm angle along it.
 #[derive(Clone, Copy, Debug)]
 pub struct JointPath {
-    /// The path.
+    /// Path of the tool in space.
     pub path: Path,
     arm_angle: ArmAngle,
     is_redundant: bool,

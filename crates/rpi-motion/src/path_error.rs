@@ -11,7 +11,7 @@ pub struct PathError {
     pub kind: PathErrorKind,
 }
 
-/// Kind of a [`PathError`].
+/// Reason why an arm cannot follow a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathErrorKind {
     /// The inverse kinematics has no solution.

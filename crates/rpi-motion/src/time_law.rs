@@ -55,7 +55,7 @@ impl From<PathState> for AxisState {
 pub struct HeldBrake {
     /// Time of the motion at which it starts, s.
     pub start_time: f64,
-    /// State at the start.
+    /// Position, speed and acceleration along the path at `start_time`.
     pub start: PathState,
     /// Plan that is followed first; `None` if the stop begins at once.
     pub piece: Option<StateToRestProfile>,

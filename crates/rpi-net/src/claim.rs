@@ -34,7 +34,7 @@ impl ClaimKind {
 pub struct Claim {
     /// Key of the Boolean export of the claim. A claim that always holds has no such export.
     pub key: String,
-    /// Kind of the claim.
+    /// Whether the claim is an assertion, a property, an assumption, a guarantee or the completeness of modes.
     pub kind: ClaimKind,
     /// Path of the call that contains the claim; empty for the unit that is run.
     pub path: String,

@@ -18,7 +18,7 @@ pub enum ColumnError {
     InvalidLiteral {
         /// Text of the field.
         text: String,
-        /// Name of the type.
+        /// Name of the type of the column, as in programs.
         type_name: &'static str,
         /// Error message of the parser of literals.
         reason: String,

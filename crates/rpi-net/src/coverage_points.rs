@@ -27,7 +27,7 @@ pub struct Decision {
     pub span: Span,
 }
 
-/// One branch of a decision.
+/// One side of an `if`: the side for a true or for a false condition.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DecisionBranch {
     /// Index of the decision in [`CoveragePoints::decisions`].

@@ -146,7 +146,7 @@ pub enum ResultKind {
 pub struct ResultPort {
     /// Name of the result.
     pub name: String,
-    /// Kind of the result.
+    /// Whether the result is a `finish`, a `yield` or a `fail`.
     pub kind: ResultKind,
     /// Boolean that ends the command with this result.
     pub condition: Input,

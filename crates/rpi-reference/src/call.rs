@@ -7,7 +7,7 @@ use crate::instance::{EvalContext, Instance, InstanceId};
 use crate::value::{EvalError, Leaf};
 use crate::{flow, leaf};
 
-/// Returns one leaf of the result of a call.
+/// Evaluates a call in this cycle and returns leaf number `k` of its outputs.
 pub(crate) fn result<'p>(
     interpreter: &mut Interpreter<'p>,
     here: EvalContext,

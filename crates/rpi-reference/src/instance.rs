@@ -20,7 +20,7 @@ pub(crate) struct Instance<'p> {
     pub(crate) caller: Option<(EvalContext, &'p [Option<ExprId>])>,
     /// Memory of the delays outside of the body. The condition of a named fragment reads them.
     pub(crate) around: Memory,
-    /// Memory of each block.
+    /// State of the delays of each block (body, fragment or state of an automaton), by block index.
     pub(crate) blocks: Vec<Memory>,
     /// Values of the flows that have been computed in the current cycle.
     pub(crate) current: CycleValues,

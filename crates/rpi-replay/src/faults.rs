@@ -9,7 +9,7 @@ use rpi_runtime::run::{CommandEnd, FaultOrigin, Outcome, RunEnd, fault_message};
 /// A fault in a cycle: its cause and the diagnostic that reports it.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct ReportedFault {
-    /// Code of the fault.
+    /// Cause of the fault, as the core reports it.
     cause: FaultCode,
     /// Cycle of the fault and name of the faulty command: the start of the message.
     place: String,

@@ -25,7 +25,7 @@ pub fn summary(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Returns the summary of a task.
+/// Returns the lines about a task for `rpic check --explain-analysis`: the name of each check and its result.
 fn task_summary(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
     let run = task.steps.iter().map(|step| &units[step.unit.0 as usize]);
     let commands: Vec<&Unit> = run.filter(|unit| unit.kind == UnitKind::Command).collect();

@@ -79,7 +79,7 @@ pub(crate) fn split_resource(resource: u32) -> (usize, u32) {
     ((resource >> 16) as usize, resource & 0xffff)
 }
 
-/// Status of a device.
+/// What a report of a cell says about one device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceStatus<'a> {
     /// Index of the device in the bank.
@@ -170,7 +170,8 @@ impl SimBank {
         lost
     }
 
-    /// The device and its port with this number.
+    /// Splits the number of a port in the bank into the device and the index of the port in it; `None` if it is out of
+    /// range.
     fn at(&self, number: PortId) -> Option<(&dyn Device, PortIndex)> {
         let (place, slot) = decode_port(number);
         let part = self.devices.get(place)?.as_ref()?;

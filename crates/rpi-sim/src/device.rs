@@ -15,7 +15,7 @@ pub(crate) struct PortIndex {
 
 /// The part of [`rpi_device::DeviceBank`] for one device. Resources are numbered from 0 within the device.
 pub(crate) trait Device: Send {
-    /// Resolves a port name.
+    /// Finds a port by name, type and index. Fails if the device has no such port, or has it with another type.
     fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError>;
     /// True if the port exists. The methods below are only called with existing ports.
     fn has_port(&self, slot: PortIndex) -> bool;
@@ -77,7 +77,7 @@ pub struct Report {
     pub time: f64,
     /// Axis, from 0; `None` if the report concerns the whole device.
     pub axis: Option<usize>,
-    /// Error code.
+    /// Code of the reported error.
     pub code: ErrorCode,
     /// The rejected value, in SI units; 0 if not applicable.
     pub value: f64,

@@ -9,7 +9,7 @@ pub struct ErrorCode(pub i64);
 /// A row of the table of error codes.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorCodeInfo {
-    /// The error code.
+    /// Number by which ports and programs see the error.
     pub code: ErrorCode,
     /// Short name of the code for display.
     pub name: &'static str,
@@ -36,7 +36,7 @@ impl ErrorCode {
     pub const OUT_OF_REACH: Self = Self(7);
     /// The pose requires a joint outside its range.
     pub const JOINTS_OUT_OF_RANGE: Self = Self(8);
-    /// The joint has failed.
+    /// Code 9: a joint of the arm has failed; it rejects all set-points and the arm brakes.
     pub const JOINT_FAILED: Self = Self(9);
     /// The arm was moving and received no set-point.
     pub const SET_POINT_MISSING: Self = Self(10);

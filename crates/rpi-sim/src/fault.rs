@@ -9,7 +9,7 @@ pub struct ScheduledFault {
     pub from: f64,
     /// End time, in s of the cell's time; infinity for a permanent fault.
     pub until: f64,
-    /// Kind of the fault.
+    /// What fails, such as a joint or the transmission of samples.
     pub kind: FaultKind,
 }
 

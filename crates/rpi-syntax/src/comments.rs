@@ -3,7 +3,7 @@
 use crate::ast::Doc;
 use rpi_diag::Span;
 
-/// Kind of a comment.
+/// Syntax of a comment, which decides whether it ends with its line and whether it is documentation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommentKind {
     /// `-- remark`
@@ -23,7 +23,7 @@ pub enum CommentKind {
 /// Comment with its source range.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Comment {
-    /// Kind of the comment.
+    /// Syntax in which the comment is written.
     pub kind: CommentKind,
     /// Source range, comment markers included.
     pub span: Span,

@@ -21,7 +21,7 @@ enum OpenConstruct {
     FrameHead,
     /// A `match` expression.
     Match,
-    /// A bracket.
+    /// Bracket, which closes with its counterpart and not with a keyword.
     Bracket,
 }
 

@@ -217,7 +217,7 @@ pub(crate) fn begins_operand(token: Token) -> bool {
     value || word
 }
 
-/// Returns whether the token ends a value.
+/// Returns whether an operand can end with this token, so that an operator may follow: a name, a number, `)`.
 pub(crate) fn ends_value(token: Token) -> bool {
     use Token::{
         False, Ident, Int, Path, Percent, RBrace, RBracket, RParen, RStatic, Real, Str, True,

@@ -33,7 +33,7 @@ pub struct BinaryOpInfo {
     pub spelling: &'static str,
     /// Precedence level.
     pub precedence: Precedence,
-    /// Associativity.
+    /// How operators of one precedence group without parentheses.
     pub associativity: Associativity,
     /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,

@@ -16,18 +16,18 @@ pub struct SourceToken {
     pub range: Range<usize>,
 }
 
-/// Kind of a [`SourceToken`].
+/// Class of a token in the source, as editors colour it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SourceTokenKind {
     /// Plain or qualified name.
     Name,
-    /// Keyword or symbol.
+    /// Reserved word, operator or punctuation mark.
     KeywordOrSymbol,
     /// Number literal.
     Number,
     /// String literal.
     String,
-    /// Comment.
+    /// Comment, by its syntax.
     Comment(CommentKind),
 }
 

@@ -210,7 +210,7 @@ fn is_block(token: Token) -> bool {
     matches!(token, Token::Let | Token::Automaton | Token::Con)
 }
 
-/// Returns the closing token of an opening token.
+/// Returns the token that closes a bracket or block, such as `)` for `(`; `None` for a token that opens nothing.
 pub(crate) fn closing_token(open: Token) -> Option<Token> {
     use Token::*;
     Some(match open {

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Body inside a declaration, such as that of a state, whose `tel` is missing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnclosedBody {
-    /// Index of its `let`.
+    /// Index of the `let` that opens the body, among the tokens of the file.
     let_index: usize,
     /// Index of the token before which `tel` is expected.
     pub(crate) next_index: usize,

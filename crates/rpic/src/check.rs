@@ -139,7 +139,7 @@ fn analysis_summary(compiled: &Compiled) -> String {
     out
 }
 
-/// Returns whether one of the diagnostics is an error.
+/// Returns whether a list has an error, and not only warnings and notes. The exit status depends on it.
 pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|f| f.severity() == Severity::Error)
 }

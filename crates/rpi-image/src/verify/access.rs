@@ -81,7 +81,7 @@ impl<'a> Verifier<'a> {
         });
     }
 
-    /// Checks that slots are constants.
+    /// Checks that a range of slots is in the constant region, which no step writes.
     pub(super) fn check_constant(&mut self, c: SlotRange) {
         let is_constant = c.end() <= self.image.layout.constants;
         self.require(is_constant, || {

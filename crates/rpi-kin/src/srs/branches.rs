@@ -22,7 +22,7 @@ impl Branch {
         Self(7),
     ];
 
-    /// Returns the index in [`ALL`](Self::ALL).
+    /// Returns the index of the configuration in [`ALL`](Self::ALL), from 0 to 7.
     #[must_use]
     pub const fn index(self) -> usize {
         self.0 as usize

@@ -109,7 +109,7 @@ impl<'a> Builder<'a> {
         self.net.node(id).desc()
     }
 
-    /// The scope of a node.
+    /// Returns the scope of the fragment that contains a node.
     fn scope_of(&self, id: NodeId) -> ScopeId {
         self.fragments.scope(self.net.node(id).fragment)
     }

@@ -141,7 +141,7 @@ fn prune_tables(flat: &mut FlatNet, alive: &[bool]) {
     }
 }
 
-/// Removes empty scopes.
+/// Removes scopes that contain neither steps nor latches from the scopes around them.
 fn remove_empty_scopes(flat: &mut FlatNet) {
     for k in (0..flat.scopes.len()).rev() {
         let keep: Vec<bool> = flat.scopes[k]

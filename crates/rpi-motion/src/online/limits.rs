@@ -20,13 +20,13 @@ pub struct AxisLimits {
 /// Error of a request for a motion, with the axis, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OnlineError {
-    /// The axis, from 0.
+    /// Axis whose request is invalid, counted from 0.
     pub axis: usize,
     /// The reason.
     pub kind: OnlineErrorKind,
 }
 
-/// Kind of an [`OnlineError`].
+/// Reason why a request for a motion is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnlineErrorKind {
     /// A number of the start, the target or the options is infinite or not a number, or so large that its square is.

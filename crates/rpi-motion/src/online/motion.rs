@@ -21,7 +21,7 @@ pub enum Synchronization {
     Phase,
 }
 
-/// Options of a motion.
+/// Choices for a motion of several axes: synchronisation and minimum duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionOptions {
     /// Synchronisation of the axes.

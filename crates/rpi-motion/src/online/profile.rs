@@ -92,7 +92,7 @@ impl AxisProfile {
         self.duration
     }
 
-    /// State at the start.
+    /// Returns position, velocity and acceleration of the axis at time 0 of the profile.
     #[must_use]
     pub fn start(&self) -> AxisState {
         self.start

@@ -144,7 +144,7 @@ impl VelocityChange {
         self.level
     }
 
-    /// Duration.
+    /// Returns the duration of all phases together, in the scale of the phases, in which the jerk is 1.
     pub(super) fn duration(&self) -> f64 {
         (self.level - self.from).abs() + self.hold + (self.to - self.level).abs()
     }
@@ -160,7 +160,7 @@ impl VelocityChange {
         .into_iter()
     }
 
-    /// Travel from a velocity and an acceleration.
+    /// Returns the distance that the axis travels in all phases if it begins with a velocity and an acceleration.
     pub(super) fn travel(&self, velocity: f64, acceleration: f64) -> f64 {
         let (mut travel, mut v, mut a) = (0.0, velocity, acceleration);
         for (time, jerk) in self.phases() {

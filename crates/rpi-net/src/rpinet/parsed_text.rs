@@ -12,7 +12,7 @@ pub(super) struct ParsedText<'t> {
     pub(super) file: FileId,
     /// Whole text.
     pub(super) text: &'t str,
-    /// All definitions.
+    /// Definitions of all nodes of the text, in text order. Other items refer to ranges of this list.
     pub(super) definitions: Vec<Definition>,
     /// All arguments. The arguments of one definition are adjacent.
     pub(super) arguments: Vec<Argument>,
@@ -63,7 +63,7 @@ pub(super) struct Definition {
     /// Name of the definition; `None` if it is written in the arguments of another one.
     pub(super) name: Option<Word>,
     pub(super) kind: DefinitionKind,
-    /// Range in [`Text::arguments`].
+    /// Range of its arguments in [`Text::arguments`], which holds the arguments of all definitions.
     pub(super) arguments: TextRange,
     /// Location from the type or `{` to the last `)`.
     pub(super) place: TextRange,
@@ -103,7 +103,7 @@ pub(super) struct Argument {
     pub(super) value: ArgumentValue,
 }
 
-/// Value of an argument.
+/// What an argument of a node is: a link to an out-port, or a text in quotes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ArgumentValue {
     Link(Source),
@@ -146,12 +146,12 @@ impl<'t> ParsedText<'t> {
         (0..).take(self.fragments.len())
     }
 
-    /// Returns the arguments of a definition.
+    /// Returns the slice of [`Text::arguments`] that belongs to a definition.
     pub(super) fn arguments(&self, definition: &Definition) -> &[Argument] {
         &self.arguments[definition.arguments.range()]
     }
 
-    /// Returns the text in a range.
+    /// Returns the part of the source text in a range of byte offsets.
     pub(super) fn str(&self, place: TextRange) -> &'t str {
         &self.text[place.range()]
     }

@@ -95,7 +95,7 @@ fn differential(
     planar_twist(if backwards { -speed } else { speed }, 0.0, 0.0)
 }
 
-/// Returns the angle normalised to -π to π.
+/// Returns the equal angle in the range -π to π, rad.
 fn normalise_angle(angle: f64) -> f64 {
     libm::atan2(libm::sin(angle), libm::cos(angle))
 }

@@ -113,9 +113,9 @@ pub struct DifferenceCase<'a> {
     pub origins: &'a [&'a [u64]],
     /// Values of the parameters, in the order of the declaration.
     pub params: &'a [Value],
-    /// Computed value.
+    /// Slots of the value that this project computes in the cycle; `None` if the flow is absent.
     pub computed: Option<&'a [u64]>,
-    /// Recorded value.
+    /// Value that the reference system recorded in the same cycle.
     pub recorded: Recorded<'a>,
     /// Whether the enclosing fragment was inactive in the previous cycle.
     pub after_pause: bool,

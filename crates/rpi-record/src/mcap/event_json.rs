@@ -60,7 +60,7 @@ pub(super) fn encode_event(event: &Event, tick: u64, names: &NameTable) -> Value
     }
 }
 
-/// Returns the tick of an event, if the event has one.
+/// Returns the tick in which an event occurred; `None` for events that are not bound to a tick.
 pub(super) fn event_tick(event: &Event) -> Option<u64> {
     match event {
         Event::Answer { tick, .. }

@@ -18,7 +18,7 @@ pub(super) struct FlowName {
     pub(super) owner: String,
     /// Name of the port or flow within its device or command.
     pub(super) name: String,
-    /// Type of its values.
+    /// Type of the values of the port or flow.
     pub(super) ty: Type,
 }
 

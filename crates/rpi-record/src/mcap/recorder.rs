@@ -28,7 +28,7 @@ pub struct RunSources {
     pub cell: String,
 }
 
-/// Options of a new recording.
+/// Destination and origin of a new recording.
 pub struct RecordingOptions {
     /// Destination of the recording.
     pub out: Box<dyn Output>,

@@ -35,7 +35,7 @@ pub struct Difference {
     pub of: String,
     /// Name of the flow, port or event that differs.
     pub what: String,
-    /// Recorded value.
+    /// Value in the recording, as text in the syntax of literals.
     pub recorded: String,
     /// Value in the replay.
     pub now: String,

@@ -12,7 +12,7 @@ pub(super) const HEADING: TextStyle = TextStyle {
     anchor: Anchor::Start,
 };
 
-/// Text style of tick labels.
+/// Font and colour of the numbers at the ticks of an axis.
 pub(super) const TICK_LABEL: TextStyle = TextStyle {
     size: 11.0,
     color: SECONDARY_TEXT,

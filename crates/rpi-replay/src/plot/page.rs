@@ -18,7 +18,7 @@ const CHART_HEIGHT: f64 = 170.0;
 /// Space above and below a plot area for its heading and tick labels.
 const AREA_MARGIN: f64 = 62.0;
 
-/// Renders a plot as SVG.
+/// Returns the text of an SVG file that shows a plot.
 #[must_use]
 pub fn render_svg(picture: &Plot) -> String {
     let mut svg = Svg::new(WIDTH, page_height(picture), &picture.title, BACKGROUND);

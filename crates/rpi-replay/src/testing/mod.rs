@@ -24,7 +24,7 @@ pub struct TestCase<'a> {
     pub net: &'a Net,
     /// Image of the net, lowered with observable ports.
     pub image: Image,
-    /// Conditions of the test.
+    /// Assertions of the test, in text order.
     pub conditions: &'a [TestCondition],
     /// Claims of the units that the test calls.
     pub claims: &'a [Claim],
@@ -54,7 +54,7 @@ pub struct TestCondition {
 pub struct TestReport {
     /// Number of executed cycles.
     pub cycles: u64,
-    /// Verdict on each condition.
+    /// For each assertion of the test, whether it held, failed or was never active.
     pub verdicts: Vec<ConditionVerdict>,
     /// Diagnostics of violated claims.
     pub violations: Vec<Diagnostic>,

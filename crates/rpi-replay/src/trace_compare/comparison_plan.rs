@@ -189,7 +189,7 @@ fn recorded_in_ports(in_ports: &BTreeMap<String, (Type, &Input)>, names: &PortNa
         .collect()
 }
 
-/// Returns the names of all ports of the net.
+/// Returns the names of all ports that a trace can contain for a net: its nodes' out-ports and its in-ports.
 fn all_port_names(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTreeSet<String> {
     let outs = net.nodes.iter().flat_map(|node| {
         let path = net.path(node.fragment, &node.name);

@@ -25,7 +25,7 @@ impl ReportBuilder {
         tally
     }
 
-    /// Counts a compared value.
+    /// Counts one value of a trace that was compared, as present or absent.
     pub(super) fn count_compared(&mut self, recorded: &RecordedValue) {
         let compared = &mut self.report.compared;
         match recorded {

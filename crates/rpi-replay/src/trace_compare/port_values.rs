@@ -31,7 +31,7 @@ impl Replay<'_> {
         format!("{} in the previous cycle", text.unwrap_or("null"))
     }
 
-    /// Returns the value at an input.
+    /// Returns the slots of the value that an input reads in this cycle; `None` if it is absent.
     pub(super) fn input_value<'s>(&'s self, input: &'s Input) -> Option<&'s [u64]> {
         match input {
             Input::Unconnected => None,

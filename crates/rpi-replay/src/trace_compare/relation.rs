@@ -37,7 +37,7 @@ pub(super) struct Tolerance {
     pub(super) near_gimbal_lock: f64,
 }
 
-/// Compares a computed value with the recorded one.
+/// Returns whether a computed value agrees with the recorded one within a tolerance, differs, or cannot be compared.
 pub(super) fn compare(
     ty: Type,
     nature: ComparisonKind,

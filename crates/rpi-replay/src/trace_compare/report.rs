@@ -61,22 +61,22 @@ pub struct ExplainedDifference {
 /// The largest deviation within the tolerance.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LargestDeviation {
-    /// Cycle, from 1.
+    /// Cycle of the replay with this deviation, counted from 1.
     pub cycle: u64,
     /// Path of the port.
     pub port: String,
     /// Absolute difference of the computed and the recorded value, in the unit of the port.
     pub deviation: f64,
-    /// Computed value.
+    /// Value that the replay computed, as a literal.
     pub computed: String,
-    /// Recorded value.
+    /// Value in the trace, as a literal.
     pub recorded: String,
 }
 
 /// First deviating value of a replay.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Divergence {
-    /// Cycle, from 1.
+    /// Cycle of the first deviating value, counted from 1.
     pub cycle: u64,
     /// Path from the deviating port backwards: each link is an input of the previous one. The last link is the port at
     /// which the deviation begins.
@@ -120,7 +120,7 @@ pub struct PortDeviations {
 /// Fault that ended a net during a replay.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct ReplayFault {
-    /// Cycle, from 1.
+    /// Cycle of the fault, counted from 1.
     pub cycle: u64,
     /// Name of the fault code.
     pub code: String,

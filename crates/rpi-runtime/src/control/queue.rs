@@ -70,7 +70,7 @@ pub struct InputValue {
 pub enum Request<T> {
     /// Inserts a loaded command, with the snapshot for its exports, if any.
     Insert(CommandId, Box<Command>, Option<Arc<ExportSnapshot>>),
-    /// Starts a command.
+    /// Request to start a loaded command.
     Start(CommandId),
     /// Takes a command off the schedule: removes it from all rules that would start it.
     Unschedule(CommandId),

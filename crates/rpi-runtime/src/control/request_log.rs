@@ -15,7 +15,7 @@ use super::queue::{InputValue, Request};
 pub enum RequestRecord {
     /// Loads a command from an image, with its policies for discontinuities and overruns.
     Load(CommandId, Arc<Image>, Continuity, CommandOverrunPolicy),
-    /// Starts a command.
+    /// Starts a loaded command.
     Start(CommandId),
     /// Takes a command off the schedule.
     Unschedule(CommandId),
@@ -23,13 +23,13 @@ pub enum RequestRecord {
     Cancel(CommandId),
     /// Ends a command immediately.
     Abort(CommandId, AbortReason),
-    /// Unloads a command.
+    /// Removes a command that does not run and frees its memory.
     Unload(CommandId),
     /// Adds a rule.
     Schedule(RuleId, Rule),
     /// Removes a rule.
     Withdraw(RuleId),
-    /// Sets inputs.
+    /// Sets parameters and values of commands before they start.
     Set(Vec<InputValue>),
     /// Subscribes to exported flows (by index), with a period in cycles.
     Subscribe(CommandId, Vec<u32>, u64),

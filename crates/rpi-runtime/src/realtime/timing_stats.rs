@@ -70,7 +70,7 @@ impl TimingHistograms {
 }
 
 impl Percentiles {
-    /// Returns the percentiles of a histogram.
+    /// Returns median, 99th percentile and maximum of the values in a histogram, in its unit.
     pub(crate) fn from_histogram(histogram: &Histogram<u64>) -> Percentiles {
         Percentiles {
             p50: histogram.value_at_quantile(0.5),

@@ -104,7 +104,7 @@ pub(super) fn refusal_text(why: CommandError, cell: &Cell) -> String {
     }
 }
 
-/// Returns the text for the reason of an abort.
+/// Returns, for the report of a run, why a command was ended from outside: a phrase such as "too many overruns".
 #[must_use]
 pub fn abort_text(why: AbortReason) -> &'static str {
     match why {

@@ -80,7 +80,8 @@ impl std::error::Error for InputSettingError {}
 /// Index of an input and its value.
 pub(super) type IndexedValue = (usize, Vec<u64>);
 
-/// Resolves the settings to input values for each image.
+/// Returns for each image the inputs that the settings name, as index and value. Fails on an unknown name or a value of
+/// another type.
 pub(super) fn resolve(
     settings: &[InputSetting],
     images: &[&Image],

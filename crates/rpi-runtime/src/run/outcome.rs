@@ -148,7 +148,7 @@ pub enum RunEnd {
 /// Cycle and node in which a fault was raised.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FaultOrigin {
-    /// Code of the fault.
+    /// Cause of the fault.
     pub code: FaultCode,
     /// Values that caused the fault.
     pub values: FaultValues,

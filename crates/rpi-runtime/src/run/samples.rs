@@ -8,7 +8,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 pub struct Channel {
     /// Name: `device.port[index]`, `Command.key`, or the path of a port.
     pub name: String,
-    /// Type of the values.
+    /// Type of the sampled values.
     pub ty: Type,
     /// Device port or command from which the values come.
     pub source: Source,

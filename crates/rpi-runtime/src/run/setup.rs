@@ -150,7 +150,7 @@ fn check_commands(job: &RunOptions<'_>, names: &mut SimBank) -> Result<(), RunEr
     share.map_or(Ok(()), |share| share.check(&mut commands, job.plans))
 }
 
-/// Adds a channel for each sampled flow and returns the flows of each image.
+/// Adds a channel for each flow that a run samples. Returns, for each image, the indices of its flows.
 fn add_flow_channels(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[SampledFlows]> {
     let mut of = |image: &Arc<Image>| {
         let mut flows = Vec::new();

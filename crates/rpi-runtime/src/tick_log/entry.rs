@@ -68,7 +68,7 @@ impl EntryKind {
 /// An entry of a tick log.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LogEntry<'a> {
-    /// Kind of the entry.
+    /// What the entry records, such as a sensor sample or a set-point.
     pub kind: EntryKind,
     /// Key; its meaning depends on the kind.
     pub key: u32,

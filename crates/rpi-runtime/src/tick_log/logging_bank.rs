@@ -29,7 +29,7 @@ impl<P> LoggingBank<P> {
         LoggingBank { plant, stage: None }
     }
 
-    /// Starts logging.
+    /// Begins to write sensor samples and set-points to the log. Nothing is logged before.
     pub fn start_logging(&mut self) {
         self.stage = Some(RefCell::new(EntryBuffer::with_capacity(CAPACITY)));
     }

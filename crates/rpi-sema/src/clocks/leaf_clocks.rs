@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-/// Clock of each leaf of a value.
+/// Clocks of the scalar parts of a value: one for all, or one for each.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum LeafClocks<C> {
     /// Clock shared by all leaves.

@@ -23,7 +23,7 @@ impl SpanSet {
         SpanSet { spans }
     }
 
-    /// Returns whether one of the spans contains `place`.
+    /// Returns whether `place` lies within one of the spans.
     pub(super) fn contains(&self, place: Span) -> bool {
         let starts = |span: &Span| (span.file, span.start) <= (place.file, place.start);
         let before = self.spans.partition_point(starts);

@@ -37,7 +37,7 @@ fn make_unique(name: &mut String, inside: FragmentId, known: &mut UsedNames) {
     known.entry((inside, name.clone())).or_insert(0);
 }
 
-/// Records that a unit is called.
+/// Adds a called unit to the coverage points of the net, if coverage is recorded.
 pub(super) fn record_call(elab: &mut Elaborator<'_>, unit: &Unit) {
     if elab.records_coverage {
         elab.net.coverage_points.called_units.push(unit.span);

@@ -170,7 +170,7 @@ struct Aliases {
 /// Ports and fragments that are created once and used again.
 #[derive(Default)]
 struct Cache {
-    /// Port of `first` in each fragment.
+    /// Out-port with the flow `first` (true in the first cycle) of each fragment that reads it.
     firsts: FastMap<FragmentId, PortRef>,
     /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
     cycle_inputs: FastMap<(FragmentId, PrimId), signal::Wire>,

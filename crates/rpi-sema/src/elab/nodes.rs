@@ -131,7 +131,7 @@ pub(super) fn add_copy(
     Signal::Port(PortRef { node, port: 0 })
 }
 
-/// Adds a node.
+/// Adds a node of a primitive to a fragment of the net and returns its id.
 pub(super) fn add_node(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -293,7 +293,7 @@ pub(super) fn new_alias(elab: &mut Elaborator<'_>, scalar: Scalar) -> PortRef {
     resolve_alias(elab.aliases.signals.len() - 1)
 }
 
-/// Returns the signal `first` of a fragment.
+/// Returns the signal that is true in the first cycle of a fragment. Its node is created at the first use.
 pub(super) fn first_port(elab: &mut Elaborator<'_>, fragment: FragmentId, span: Span) -> Signal {
     if let Some(port) = elab.cache.firsts.get(&fragment) {
         return Signal::Port(*port);

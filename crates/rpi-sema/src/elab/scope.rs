@@ -15,7 +15,7 @@ pub(super) struct Scope<'u> {
     pub(super) unit: &'u Unit,
     /// Index of the unit; none for a constant expression outside any unit.
     pub(super) id: Option<UnitId>,
-    /// State of each flow.
+    /// For each flow, whether it has been elaborated, is in progress, or is still to do.
     flows: IndexMap<FlowState>,
     /// Signals of the expressions elaborated so far. An expression that is used more than once is elaborated once.
     memo: IndexMap<Option<Wire>>,

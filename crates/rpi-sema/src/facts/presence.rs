@@ -40,7 +40,8 @@ impl Facts {
     }
 }
 
-/// Analyses the units that are `sound` and returns the facts of all units and the diagnostics.
+/// Infers which flows may be absent in the units that are `sound` (without type errors). Returns the facts of all
+/// units, and diagnostics.
 #[must_use]
 pub fn analyse(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Diagnostic>) {
     let mut all: Vec<Vec<Diagnostic>> = vec![Vec::new(); units.len()];

@@ -9,7 +9,7 @@ pub(super) const PHASES: usize = 5;
 /// Index of the last phase, which covers all later cycles.
 pub(super) const LAST_PHASE: usize = PHASES - 1;
 
-/// One value for each phase.
+/// One value for each of the first cycles that the analysis distinguishes, and one for all later cycles.
 pub(super) type PerPhase<T> = [T; PHASES];
 
 /// Set of phases, one bit each.
@@ -29,7 +29,7 @@ impl PhaseSet {
         PhaseSet(self.0 & other.0)
     }
 
-    /// Returns the complement of the set.
+    /// Returns the set of all other phases.
     pub(super) fn complement(self) -> PhaseSet {
         PhaseSet(!self.0 & ((1 << PHASES) - 1))
     }

@@ -226,7 +226,7 @@ impl<'n> Solution<'n> {
         self.rules[id.index()]
     }
 
-    /// Strips the negations from a condition.
+    /// Follows a condition through `not` to the port that it negates. Returns that port with the value it must have.
     pub(super) fn strip_negations(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);
         while self.rules[port.node.index()] == TransferRule::Not {

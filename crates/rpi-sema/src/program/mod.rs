@@ -64,9 +64,9 @@ pub struct Decl<'a> {
 pub enum DeclKind<'a> {
     /// Constant.
     Const(&'a ConstDef),
-    /// Type.
+    /// Declaration of a type: `type Speed = real[m/s];`.
     Type(&'a TypeDef),
-    /// Value of an enum.
+    /// One of the named values of an enum, which is a constant of its type.
     EnumValue {
         /// Declaration of the enum.
         ty: DeclId,
@@ -82,7 +82,7 @@ pub enum DeclKind<'a> {
     },
     /// Node or function.
     Node(&'a NodeDecl),
-    /// Fragment.
+    /// Declaration of a fragment, a net that may be inactive.
     Fragment(&'a FragmentDecl),
     /// Signature of a registered primitive, with units and frames.
     Primitive(&'a PrimitiveDecl),
@@ -90,9 +90,9 @@ pub enum DeclKind<'a> {
     Device(&'a DeviceDecl),
     /// Coordinate frame.
     Frame(&'a FrameDecl),
-    /// Command.
+    /// Declaration of a command, which the control core runs.
     Command(&'a CommandDecl),
-    /// Task.
+    /// Declaration of a task, a program of commands.
     Task(&'a TaskDecl),
     /// Test. Its title is not a name that can be looked up.
     Test(&'a TestDecl),
@@ -264,7 +264,7 @@ impl<'a> Program<'a> {
         lengths.map(|span| (span.end - span.start) as usize).sum()
     }
 
-    /// Returns the root module.
+    /// Returns the module of the file that was compiled; the others are the modules that it uses.
     #[must_use]
     pub fn root(&self) -> &Module {
         &self.modules[0]

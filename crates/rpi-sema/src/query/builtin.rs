@@ -7,7 +7,7 @@ use rpi_prims::PrimId;
 /// Predeclared name of the language, with its documentation for editors.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Builtin {
-    /// Name.
+    /// Name by which programs refer to the predeclared item.
     pub name: &'static str,
     /// Syntax of a use: `time: real[s]`, `hold(x, init)`.
     pub usage: String,

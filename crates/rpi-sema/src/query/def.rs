@@ -11,7 +11,7 @@ pub struct DefId(pub u32);
 /// Definition of a name.
 #[derive(Clone, Debug)]
 pub struct Def {
-    /// Name.
+    /// Name as the declaration writes it.
     pub name: Name,
     /// Kind of the definition.
     pub kind: DefKind,
@@ -38,7 +38,7 @@ pub enum DefKind {
     Const,
     /// Type, declared by `type`.
     Type,
-    /// Value of an enum.
+    /// One of the named values of an enum.
     EnumValue,
     /// Field of a struct.
     Field,

@@ -147,7 +147,7 @@ impl Index {
         order.filter(|id| self.is_member(owner, *id)).collect()
     }
 
-    /// Returns the member with this name.
+    /// Returns the port, field or local definition with this name inside a definition; `None` if it has none.
     #[must_use]
     pub fn member(&self, def: DefId, name: &str) -> Option<DefId> {
         let owner = self.member_owner(def)?;

@@ -22,9 +22,9 @@ pub enum TypeMismatchError {
     Kind,
     /// The types are reals of different dimensions.
     Dimension {
-        /// Expected dimension.
+        /// Dimension that the context requires.
         expected: Dimension,
-        /// Dimension found.
+        /// Dimension that the value has.
         found: Dimension,
     },
     /// The types are spatial values in different frames.

@@ -154,7 +154,7 @@ pub struct DevicePortTy {
 }
 
 impl DeviceTy {
-    /// Returns the port with this name.
+    /// Returns the actuator, sensor or status port of a device type with this name.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<&DevicePortTy> {
         self.ports.iter().find(|port| port.name == name)

@@ -46,7 +46,7 @@ pub struct Flow {
     pub ty: Ty,
     /// Whether the flow may be absent.
     pub optional: FlowPresence,
-    /// Role of the flow.
+    /// How the flow gets its value: as an input, an output, a local flow, a parameter or a value from the predecessor.
     pub role: FlowRole,
     /// Block that contains the flow.
     pub block: BlockId,

@@ -46,7 +46,7 @@ impl BlockId {
     pub const ROOT: BlockId = BlockId(0);
 }
 
-/// Kind of a unit.
+/// Kind of a callable, which decides how a call is compiled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum UnitKind {
     /// Function: has no state and is inlined. Absent arguments make its results absent.
@@ -78,7 +78,7 @@ impl UnitKind {
 pub struct Unit {
     /// Name, with the chosen static arguments.
     pub name: Name,
-    /// Kind of the unit.
+    /// Whether it is a function, node, fragment, command, task or test.
     pub kind: UnitKind,
     /// Span of the name in the declaration.
     pub span: Span,
@@ -86,7 +86,7 @@ pub struct Unit {
     pub flows: Vec<Flow>,
     /// Values from the caller, in order: those fixed at load time, then inputs, then those taken over.
     pub inputs: Vec<FlowId>,
-    /// Outputs.
+    /// Flows of the out-ports, in the order of the declaration.
     pub outputs: Vec<FlowId>,
     /// Expressions. Operands precede the expressions that use them.
     pub exprs: Vec<Expr>,
@@ -199,7 +199,7 @@ pub struct Claim {
 /// Statement that ends a command, such as `finish result when condition`.
 #[derive(Clone, Debug)]
 pub struct End {
-    /// Kind of the end.
+    /// Whether the statement is a `finish`, a `yield` or a `fail`.
     pub kind: rpi_syntax::ast::CommandEndKind,
     /// Name of the result with which the command ends.
     pub result: Name,

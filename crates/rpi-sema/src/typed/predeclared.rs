@@ -12,7 +12,7 @@ pub(crate) struct PredeclaredFlow {
     pub(crate) only_in_commands: bool,
 }
 
-/// All predeclared flows.
+/// Flows that exist without a declaration, such as `time` and `cancel`, each with the primitive that provides it.
 pub(crate) const PREDECLARED_FLOWS: &[PredeclaredFlow] = &[
     predeclared_flow("cancel", prim!("Cancel"), Ty::Bool, true),
     predeclared_flow("takeover", prim!("Takeover"), Ty::Bool, true),

@@ -8,13 +8,13 @@ use rpi_syntax::ast::{Unit, UnitFactor};
 /// Meaning of a unit in the source: its dimension and its factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ResolvedUnit {
-    /// Dimension.
+    /// Product of base dimensions that the unit measures.
     pub dim: Dimension,
     /// Factor from this unit to the coherent SI unit.
     pub factor: Factor,
 }
 
-/// Error in a unit.
+/// Reason why the text of a unit has no meaning.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UnitError {
     /// The unit is undefined.
@@ -76,7 +76,7 @@ fn factor(
     })
 }
 
-/// Returns whether a unit has this name.
+/// Returns whether a name is a unit of the table, with or without a prefix: `mm`, `N`.
 #[must_use]
 pub fn is_unit(name: &str) -> bool {
     find_unit(name).is_some()

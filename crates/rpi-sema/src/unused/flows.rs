@@ -80,7 +80,7 @@ fn read(unit: &Unit) -> Vec<bool> {
     read
 }
 
-/// Returns the flows that an equation defines, each with the equation.
+/// Returns, for the check of unused flows, each flow that an equation defines, paired with the equation.
 fn defined<'u>(
     unit: &'u Unit,
     equation: &'u Equation,

@@ -33,7 +33,7 @@ pub(crate) enum Arg {
 }
 
 impl Message {
-    /// Creates a message.
+    /// Creates a message of the DirectIO protocol: tag of the request, name of the message, arguments.
     pub(crate) fn new(tag: &str, name: &str, args: Vec<Arg>) -> Message {
         Message {
             tag: tag.to_owned(),

@@ -9,7 +9,7 @@ use super::params::{literal, object_type};
 use super::subscriber;
 use crate::state::{ApiError, NewDevice, PARAMETERS};
 
-/// Method that returns all devices.
+/// Method `device.list`: returns name, type and state of each device of the cell.
 pub(super) fn list_devices(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let devices: Value = state.devices.all().map(subscriber::device).collect();

@@ -31,12 +31,12 @@ impl Commands {
         self.records.insert(number, record);
     }
 
-    /// Returns the command with this number.
+    /// Returns the command that clients address by this number; `None` if it is unknown or was removed.
     pub(super) fn get(&self, number: u64) -> Option<&CommandRecord> {
         self.records.get(&number)
     }
 
-    /// Returns the command with this number.
+    /// As [`Self::get`], to change the record.
     pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut CommandRecord> {
         self.records.get_mut(&number)
     }

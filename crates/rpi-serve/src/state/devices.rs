@@ -83,7 +83,7 @@ impl Devices {
         Command::load(Arc::clone(image), &mut self.lock_replica().bank)
     }
 
-    /// Returns all devices.
+    /// Returns the devices of the cell, in the order of their slots.
     pub(crate) fn all(&self) -> impl Iterator<Item = &DeviceInfo> {
         self.slots.iter().flatten()
     }

@@ -178,7 +178,7 @@ impl CommandRecord {
     }
 }
 
-/// Returns a name with its title for display.
+/// Returns the text by which messages refer to something: `name (title)`, or the name alone if the title is empty.
 pub(super) fn display_name(name: &str, title: &str) -> String {
     match title {
         "" => name.to_owned(),

@@ -117,7 +117,8 @@ impl Rules {
         idle.for_each(|(id, _)| core.defer_withdrawal(*id));
     }
 
-    /// Returns a rule and its id by name.
+    /// Finds a rule by the name that its client gave it. Returns the core's id and the record; an error if there is
+    /// none.
     pub(super) fn find(&self, name: &str) -> Result<(RuleId, &RuleRecord), ApiError> {
         let found = parse_number(name, 'r').map(RuleId);
         let found = found.and_then(|id| Some((id, self.records.get(&id)?)));

@@ -28,7 +28,7 @@ impl SourceLocation {
         }
     }
 
-    /// Creates the location of a fragment.
+    /// Returns the location of a fragment in the program, from its path in the net.
     pub(super) fn from_fragment(path: &str) -> SourceLocation {
         SourceLocation {
             path: path.to_owned(),

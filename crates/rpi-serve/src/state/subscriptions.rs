@@ -66,7 +66,7 @@ impl Subscription {
     }
 }
 
-/// Error of a client with too many subscriptions.
+/// Error that a client receives when it has as many subscriptions as the quota allows and requests one more.
 pub(crate) const TOO_MANY_SUBSCRIPTIONS: ApiError = ApiError::Limit("subscriptions of one client");
 
 /// Maximum time for which values of a command started by a rule are withheld until the firing of the rule was reported.

@@ -18,7 +18,7 @@ pub(crate) enum TaskPhase {
     Running,
     /// The task was cancelled and has not ended yet.
     Cancelling,
-    /// The task has ended.
+    /// The task runs no command any more. The value says with which outcome it ended.
     Ended(TaskEnd),
     /// The task was unloaded.
     Unloaded,

@@ -91,12 +91,12 @@ impl Tasks {
         self.records.insert(number, record);
     }
 
-    /// Returns the task with this number.
+    /// Returns the task that clients address by this number; `None` if it is unknown or was removed.
     pub(super) fn get(&self, number: u64) -> Option<&TaskRecord> {
         self.records.get(&number)
     }
 
-    /// Returns the task with this number.
+    /// As [`Self::get`], to change the record.
     pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut TaskRecord> {
         self.records.get_mut(&number)
     }

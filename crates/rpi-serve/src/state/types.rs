@@ -54,7 +54,7 @@ impl Status {
     }
 }
 
-/// State of a rule.
+/// Progress of a rule, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum RuleState {
     /// The rule may still fire.
@@ -90,7 +90,7 @@ pub(crate) enum Update<'a> {
     Discontinuity(&'a str),
     /// Changed exports of the command: key and value.
     Values(&'a [(String, String)]),
-    /// State of the rule.
+    /// New state of a rule.
     Rule(RuleState),
     /// Whether the session is open.
     Session(bool),
@@ -152,7 +152,7 @@ pub(crate) enum ApiError {
 pub(super) const MEMORY_LIMIT: &str = "memory";
 
 impl ApiError {
-    /// Creates the error for a limit on `what`.
+    /// Returns the error that a client receives when a quota is used up; `what` names the limited things.
     pub(super) fn limit(full: QuotaError, what: &'static str) -> ApiError {
         match full {
             QuotaError::Exhausted => ApiError::Limit(what),

@@ -14,7 +14,7 @@ use rpi_kin::{ArmModel, AxisLimits, models};
 /// Description of an arm in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmSpec {
-    /// Model of the arm.
+    /// Kinematics and limits of the arm, by the key `model`.
     pub model: &'static ArmModel,
     /// Initial joint positions, in rad (m for a linear unit).
     pub joints: Vec<f64>,
@@ -37,7 +37,7 @@ pub struct ArmSpec {
     pub noise: f64,
     /// An elastic surface under the tool, if any.
     pub surface: Option<Surface>,
-    /// Scheduled faults.
+    /// Faults that the simulation injects, each with its time.
     pub faults: Vec<ScheduledFault>,
 }
 

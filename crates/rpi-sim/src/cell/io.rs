@@ -25,7 +25,7 @@ pub struct TerminalSpec<T> {
     pub repeat: f64,
 }
 
-/// One change of an input.
+/// Change of a simulated input at a time of the script.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputChange<T> {
     /// Time of the change in s, since the start of the cell or of the repeated script.

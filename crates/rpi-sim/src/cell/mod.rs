@@ -132,7 +132,7 @@ impl Cell {
         KINDS.iter().map(keys).collect()
     }
 
-    /// The device with this name.
+    /// Returns the description of the device that the cell has under this name.
     #[must_use]
     pub fn device(&self, name: &str) -> Option<&DeviceSpec> {
         self.devices.iter().find(|device| device.name == name)

@@ -93,7 +93,7 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
         .ok_or_else(|| units_of(dimension))
 }
 
-/// The SI unit of a dimension.
+/// Returns the text of the SI unit in which a key of this dimension is read: `m`, `rad/s`.
 pub(super) fn si_unit(dimension: Dimension) -> &'static str {
     let own = UNITS.iter().find(|(of, _, _)| *of == dimension);
     own.map_or("", |(_, name, _)| name)

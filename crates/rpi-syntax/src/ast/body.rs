@@ -16,7 +16,7 @@ pub struct VarDecl {
     pub ty: Type,
     /// Clock of the variables.
     pub clock: Option<Clock>,
-    /// Default value.
+    /// Value where nothing else defines the flow, such as an omitted argument.
     pub default: Option<Expr>,
     /// Source range.
     pub span: Span,
@@ -61,13 +61,13 @@ pub enum Locals {
 pub struct Statement {
     /// Doc comment before the statement.
     pub doc: Option<Doc>,
-    /// Kind of the statement.
+    /// Form of the statement, with its parts.
     pub kind: StatementKind,
     /// Source range, `;` included.
     pub span: Span,
 }
 
-/// Kind of a [`Statement`].
+/// Forms of statements in a body, each with its syntax tree.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StatementKind {
     /// Equation: `x, y = e;`
@@ -143,7 +143,7 @@ pub struct FrameBlock {
 pub struct Desugared {
     /// Equations with their source ranges.
     pub equations: Vec<(Equation, Span)>,
-    /// Errors in the block.
+    /// Errors found while the block was translated to equations.
     pub errors: Vec<BlockError>,
 }
 
@@ -183,7 +183,7 @@ pub struct Target {
 /// Condition that is claimed to hold in every cycle: assertion, property, or clause of a contract.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Claim {
-    /// Kind of the claim.
+    /// Keyword that introduces the claim.
     pub kind: ClaimKind,
     /// Label: `assume "sensor range" x < 5.0`.
     pub label: Option<Ident>,
@@ -193,7 +193,7 @@ pub struct Claim {
     pub provided: Option<Expr>,
 }
 
-/// Kind of a [`Claim`].
+/// Keywords that introduce a claim: `assert`, `check`, `assume`, `guarantee`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ClaimKind {
     /// `assert` in a body: assumed to hold.

@@ -142,7 +142,7 @@ impl Expr {
         .into()
     }
 
-    /// Creates the call `callee(args)`.
+    /// Returns the syntax tree of the call `callee(args)`, for code that the compiler generates.
     pub fn call(callee: Callee, args: Vec<Arg>) -> Expr {
         ExprKind::Call(Box::new(Call {
             callee,
@@ -154,7 +154,7 @@ impl Expr {
 }
 
 impl Callee {
-    /// Creates `name<<statics>>`.
+    /// Returns the syntax tree of a callee `name<<statics>>` that does not occur in the source, so that it has no span.
     pub fn synthetic(name: impl Into<Name>, statics: Vec<StaticArg>) -> Callee {
         Callee {
             name: Ident::synthetic(name),
@@ -200,7 +200,7 @@ impl From<TypeKind> for Type {
 }
 
 impl Type {
-    /// Creates the named type `name`.
+    /// Returns the syntax tree of a type that is referred to by its name.
     pub fn named(name: impl Into<Name>) -> Type {
         TypeKind::Named(Box::new(NamedType {
             name: Ident::synthetic(name),
@@ -210,7 +210,7 @@ impl Type {
         .into()
     }
 
-    /// Creates the array type `self^size`.
+    /// Returns the syntax tree of an array type `T^size` whose elements have this type.
     #[must_use]
     pub fn array(self, size: Expr) -> Type {
         TypeKind::Array(Box::new(ArrayType {
@@ -220,7 +220,7 @@ impl Type {
         .into()
     }
 
-    /// Creates the optional type `self?`.
+    /// Returns the syntax tree of the type `T?` of flows that may be absent.
     #[must_use]
     pub fn optional(self) -> Type {
         TypeKind::Optional(Box::new(self)).into()
@@ -243,7 +243,7 @@ impl VarDecl {
 }
 
 impl Target {
-    /// Creates the target `name`.
+    /// Returns the left side of an equation for a flow that does not occur in the source, so that it has no span.
     pub fn synthetic(name: impl Into<Name>) -> Target {
         Target {
             name: Ident::synthetic(name),
@@ -252,7 +252,7 @@ impl Target {
         }
     }
 
-    /// Creates the target `self.field`.
+    /// Returns the left side of an equation for one field of this target.
     #[must_use]
     pub fn field(mut self, field: impl Into<Name>) -> Target {
         self.path.push(Access::Field(Ident::synthetic(field)));
@@ -271,7 +271,7 @@ impl From<StatementKind> for Statement {
 }
 
 impl Statement {
-    /// Creates the equation `target = value;`.
+    /// Returns the syntax tree of the equation `target = value;`, for code that the compiler generates.
     pub fn equation(target: Target, value: Expr) -> Statement {
         let targets = vec![target];
         StatementKind::Equation(Box::new(Equation { targets, value })).into()

@@ -16,7 +16,7 @@ pub struct Item {
     pub span: Span,
 }
 
-/// Kind of an [`Item`].
+/// Forms of declarations in a file, each with its syntax tree.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ItemKind {
     /// `use motion, logic;`
@@ -29,17 +29,17 @@ pub enum ItemKind {
     Type(Vec<TypeDef>),
     /// `node`, `function`
     Node(Box<NodeDecl>),
-    /// `fragment`
+    /// Declaration of a `fragment`, a net that may be inactive.
     Fragment(Box<FragmentDecl>),
-    /// `primitive`
+    /// Declaration that adds units and frames to a `primitive` of the core.
     Primitive(Box<PrimitiveDecl>),
-    /// `device`
+    /// Declaration of a `device` type.
     Device(Box<DeviceDecl>),
     /// `frame a, b in c = pose;`
     Frame(Box<FrameDecl>),
-    /// `command`
+    /// Declaration of a `command`, which the control core runs.
     Command(Box<CommandDecl>),
-    /// `task`
+    /// Declaration of a `task`, a program of commands.
     Task(Box<TaskDecl>),
     /// `test "name" let ... tel`
     Test(Box<TestDecl>),
@@ -59,19 +59,19 @@ pub struct DeclaredName {
 /// Kind of a [`DeclaredName`] name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DeclaredKind {
-    /// `const`
+    /// A constant, declared by `const`.
     Const,
-    /// `type`
+    /// A type, declared by `type`.
     Type,
     /// `node`, `function`, `fragment`, `primitive`
     Callable,
-    /// `device`
+    /// A device type, declared by `device`.
     Device,
-    /// `frame`
+    /// A coordinate frame, declared by `frame`.
     Frame,
-    /// `command`
+    /// A command, declared by `command`.
     Command,
-    /// `task`
+    /// A task, declared by `task`.
     Task,
 }
 
@@ -114,7 +114,7 @@ pub struct StaticParam {
     pub span: Span,
 }
 
-/// Kind of a [`StaticParam`].
+/// What a static parameter stands for: a type, a value or a node.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StaticParamKind {
     /// `type t`, `type T: number`
@@ -215,7 +215,7 @@ pub struct Contract {
     pub claims: Vec<Claim>,
     /// Modes (Kind 2).
     pub modes: Vec<ContractMode>,
-    /// Imported contracts.
+    /// Contracts that this contract imports, each with the flows that it is about.
     pub imports: Vec<ContractImport>,
     /// Source range.
     pub span: Span,
@@ -299,7 +299,7 @@ pub struct DeviceDecl {
 /// Port section of a device type, after `actuator`, `sensor` or `status`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeviceSection {
-    /// Kind of the ports.
+    /// Whether the ports are actuators, sensors or status ports.
     pub kind: PortKind,
     /// Ports, at least one.
     pub ports: Vec<DevicePort>,

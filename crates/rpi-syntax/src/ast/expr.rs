@@ -175,7 +175,7 @@ pub struct IfExpr {
     /// Whether the expression is written `with` instead of `if`: the condition is evaluated at compile time, and the
     /// other branch is not elaborated.
     pub is_static: bool,
-    /// Condition.
+    /// Boolean expression that chooses between the alternatives.
     pub condition: Expr,
     /// Value if the condition is true.
     pub then_value: Expr,

@@ -130,7 +130,7 @@ impl Unit {
     }
 }
 
-/// Factor of a [`Unit`].
+/// One factor of a unit: a name with its exponent, such as `s^-2` in `m*s^-2`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct UnitFactor {
     /// Name of the base unit: `m`, `deg`, `%`.

@@ -53,7 +53,7 @@ pub struct File {
 /// Name with its source range. A reference may be qualified (`Core::DoubleAdd`).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ident {
-    /// Name.
+    /// Text of the name, without the place.
     pub name: Name,
     /// Source range.
     pub span: Span,

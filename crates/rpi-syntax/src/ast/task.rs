@@ -21,13 +21,13 @@ pub struct TaskDecl {
 pub struct Step {
     /// Doc comment before the step.
     pub doc: Option<Doc>,
-    /// Kind of the step.
+    /// Form of the step, with its parts.
     pub kind: StepKind,
     /// Source range, `;` included.
     pub span: Span,
 }
 
-/// Kind of a [`Step`].
+/// Forms of steps in a task: a call, a repetition or parallel branches.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StepKind {
     /// `search: Search(arm, hole) on found then push;`

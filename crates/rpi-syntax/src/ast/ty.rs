@@ -6,18 +6,18 @@ use rpi_diag::Span;
 /// Type expression.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Type {
-    /// Kind of the type.
+    /// Form of the type, with its parts.
     pub kind: TypeKind,
     /// Source range.
     pub span: Span,
 }
 
-/// Kind of a [`Type`].
+/// Forms in which a program writes a type.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TypeKind {
-    /// `bool`
+    /// The type `bool` of true and false.
     Bool,
-    /// `int`
+    /// The type `int` of integers with 64 bits.
     Int,
     /// `real`, `real[m/s]`
     Real(Option<Unit>),
@@ -66,7 +66,7 @@ pub struct FramePair {
 /// Array type: `element^size`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ArrayType {
-    /// Element type.
+    /// Type of each element.
     pub element: Type,
     /// Number of elements, a constant.
     pub size: Expr,
@@ -86,7 +86,7 @@ pub struct Subrange {
 pub struct RefinementType {
     /// Name of the value in the condition.
     pub name: Ident,
-    /// Base type.
+    /// Type whose values the condition or range restricts.
     pub base: Type,
     /// Condition that the values satisfy.
     pub condition: Expr,
@@ -101,11 +101,11 @@ pub struct Constructor {
     pub fields: Vec<VarDecl>,
 }
 
-/// Value of an enum.
+/// Named value in the declaration of an enum.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EnumValue {
     /// Doc comment before the value.
     pub doc: Option<super::Doc>,
-    /// Name of the value.
+    /// Name of the value, with its place in the source.
     pub name: Ident,
 }

@@ -95,7 +95,7 @@ pub(crate) fn find_operator(written: &str) -> Option<&'static ForeignOperator> {
         .find(|sign| sign.spelling == written)
 }
 
-/// Creates the diagnostic of a foreign operator at `span`.
+/// Returns the diagnostic for an operator of another language, with the operator to write instead.
 pub(crate) fn operator_diagnostic(span: Span, text: &str, sign: &ForeignOperator) -> Diagnostic {
     let meant = sign.token.spelling().unwrap_or_default();
     let title = format!("write `{meant}`");

@@ -49,7 +49,7 @@ pub(crate) fn convert_iec(text: &str) -> ForeignLiteral {
     }
 }
 
-/// Returns the value of digits in a base from 2 to 36.
+/// Returns the integer that digits denote in a base from 2 to 36; `None` for an invalid digit or an overflow.
 fn value(base: u32, digits: &str) -> Option<u64> {
     let digits = digits.replace('_', "");
     let is_base = (2..=36).contains(&base);

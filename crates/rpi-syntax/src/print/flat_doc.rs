@@ -41,7 +41,7 @@ impl DocPiece {
     }
 }
 
-/// Returns whether a token is a separator.
+/// Returns whether a token separates elements of a list, so that a line may break after it.
 pub(super) fn is_separator(token: &str) -> bool {
     matches!(token, "," | ";")
 }

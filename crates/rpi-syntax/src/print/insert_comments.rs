@@ -244,7 +244,8 @@ impl CommentInserter<'_> {
         self.insert_before(end, vec![DocPiece::Close(frame)]);
     }
 
-    /// Inserts comments on lines of their own.
+    /// Writes the comments of a gap between two tokens that stand on lines of their own, with the blank lines around
+    /// them.
     fn insert_own_lines(&mut self, between: &GapPieces, gap: &GapComments<'_>, first: bool) {
         let GapPieces {
             range,

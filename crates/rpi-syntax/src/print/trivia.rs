@@ -23,7 +23,7 @@ pub(super) struct GapComments<'a> {
     pub(super) trailing: Vec<&'a Comment>,
     /// Comment before a separator or closing bracket, on the line of both tokens.
     pub(super) before_separator: Vec<&'a Comment>,
-    /// Comments on lines of their own.
+    /// Comments that share their line with no code.
     pub(super) own_line: Vec<&'a Comment>,
     /// Comments on the line of the next token, before it.
     pub(super) leading: Vec<&'a Comment>,

@@ -17,7 +17,7 @@ impl ValueSet {
     pub(crate) const FALSE: ValueSet = ValueSet(2);
     pub(crate) const ABSENT: ValueSet = ValueSet(4);
     pub(crate) const EMPTY: ValueSet = ValueSet(0);
-    /// The set of all present values.
+    /// Set of the values true and false, without absence.
     pub(crate) const PRESENT: ValueSet = ValueSet(3);
 
     pub(crate) const fn intersection(self, other: ValueSet) -> ValueSet {
@@ -32,7 +32,7 @@ impl ValueSet {
         self.0 & other.0 != 0
     }
 
-    /// Whether the set is a subset of `other`.
+    /// Returns whether `other` contains every value of this set.
     pub(crate) const fn is_subset(self, other: ValueSet) -> bool {
         self.0 & !other.0 == 0
     }
@@ -118,7 +118,7 @@ pub(crate) fn is_boolean(ty: Type) -> bool {
     ty == Type::Scalar(Scalar::Bool)
 }
 
-/// Set with the value of a constant.
+/// Returns the set that contains only the value of a Boolean constant.
 pub(crate) fn constant(value: &Value) -> ValueSet {
     value.as_bool().map_or(ValueSet::TRUE, ValueSet::from_bool)
 }

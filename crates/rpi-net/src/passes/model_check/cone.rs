@@ -28,7 +28,7 @@ pub(super) struct Register {
     pub(super) owner: FragmentId,
     pub(super) ty: Type,
     pub(super) initial: Option<Value>,
-    /// Whether the value may be absent.
+    /// Whether the stored value may be absent, so that the model also needs a Boolean for its presence.
     pub(super) may_be_absent: bool,
 }
 

@@ -70,7 +70,7 @@ impl Reals {
         self.insert(RealTerm::FromInt(int), 0)
     }
 
-    /// Creates an unconstrained real.
+    /// Adds a real variable that may have any value.
     pub(super) fn unconstrained(&mut self, solver: &mut Solver) -> RealId {
         let nan = solver.new_bool();
         let variable = solver.integer(-max_position(), max_position());

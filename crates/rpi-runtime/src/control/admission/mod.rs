@@ -285,7 +285,8 @@ impl Budget {
     /// active at a time, fits a tick with this value, but not with twice as much.
     pub const NS_PER_OPERATION: f64 = 2.5;
 
-    /// Returns the budget for a share of a tick, from 0 to 1.
+    /// Returns the budget of the commands in one tick: a share of the tick (0 to 1). `ns_per_operation` is the time of
+    /// one operation.
     #[must_use]
     pub fn from_share(tick_ns: u64, share: f64, ns_per_operation: f64) -> Budget {
         Budget {

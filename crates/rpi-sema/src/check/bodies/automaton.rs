@@ -344,7 +344,8 @@ fn names_defined_by_equations(state: &ast::State) -> Vec<&Ident> {
         .collect()
 }
 
-/// Returns the names that a state declares.
+/// Returns the names of the flows and constants that a state declares for itself, which shadow those around the
+/// automaton.
 fn declared_names(state: &ast::State) -> FastMap<&Name, ()> {
     let mut declared: FastMap<&Name, ()> = FastMap::default();
     for section in &state.body.locals {

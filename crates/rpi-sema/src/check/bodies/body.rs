@@ -267,7 +267,7 @@ impl<'c, 'a> Body<'c, 'a> {
         result
     }
 
-    /// Returns the current block.
+    /// Returns the block whose statements are being checked: a body, an inline fragment, a state or a contract.
     pub(crate) fn current_block(&mut self) -> &mut Block {
         &mut self.unit.blocks[self.block.0 as usize]
     }

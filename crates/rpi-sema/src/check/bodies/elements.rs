@@ -265,7 +265,7 @@ fn report_variable_offset(cx: &mut Body<'_, '_>, equation: &Equation, span: Span
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Reports a dependency cycle of elements.
+/// Reports equations of single array elements that depend on one another in one cycle.
 fn report_element_cycle<'a>(
     cx: &mut Body<'_, 'a>,
     equations: &[&'a Equation],

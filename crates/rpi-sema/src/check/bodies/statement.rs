@@ -43,7 +43,7 @@ pub(crate) enum DeferredCheck<'a> {
     Claim(&'a ast::Claim, Span),
     /// Contract, in its own block.
     Contract(&'a ast::Contract),
-    /// End of the command.
+    /// Statement that ends a command, `finish r when c`, and its span.
     End(&'a ast::CommandEnd, Span),
     /// Exported flow.
     Export(&'a ast::Dotted),

@@ -51,7 +51,7 @@ pub(crate) struct MatchedCall {
     subst: Substitution,
 }
 
-/// Checks a call.
+/// Checks a call `f(x, y)` of a node, an operator or a primitive, and returns its typed expression.
 pub(crate) fn check_call<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> ExprId {
     let activation = resolve_activation(cx, &call.activation);
     call_with_activation(cx, call, activation, span)

@@ -94,7 +94,8 @@ fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &StaticBindings
     }
 }
 
-/// Resolves the name of a callee.
+/// Finds what a name calls: a static parameter, a declaration, an operator or a primitive. Reports a name that has no
+/// meaning.
 pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
     let importing = std::mem::take(&mut cx.contract.resolving_contract);
     if let Some(StaticBinding::Callable(callable, misfit)) = cx.statics.get(name).cloned() {

@@ -29,7 +29,7 @@ pub(crate) const ITERATORS: &[&str] = &[
     "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
 ];
 
-/// Kind of an iterator.
+/// Pattern by which an iterator applies its callee along arrays.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum IteratorKind {
     /// Applies the callee to each element.

@@ -195,7 +195,7 @@ impl<'u> NegativeSearch<'u> {
         }
     }
 
-    /// Whether a divisor is 1 or -1.
+    /// Returns whether a divisor is the constant 1 or -1, for which all compilers compute the same quotient.
     fn is_unit_divisor(&self, divisor: ExprId) -> bool {
         matches!(self.constant(divisor), Some(1 | -1))
     }

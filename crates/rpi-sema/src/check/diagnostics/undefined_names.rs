@@ -94,7 +94,7 @@ fn name_of_unused_module(what: &str, name: &str, module: &'static str, span: Spa
         .fix(fix)
 }
 
-/// Reports an undefined type.
+/// Reports the name of a type that is not declared, with its equivalent if it is a type of another language.
 pub(crate) fn report_undefined_type(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     if let Some(here) = foreign::type_equivalent(name) {
         return report_foreign_name(cx, "type", name, span, here);

@@ -57,7 +57,7 @@ pub(crate) fn unknown_member(ty: &Ty, of: &str, field: &Ident) -> Diagnostic {
     }
 }
 
-/// Returns the names of the named members.
+/// Returns the names of the members of a struct or of outputs, without the members that have no name.
 pub(crate) fn member_names(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }

@@ -317,7 +317,7 @@ fn is_name_or_field(operand: &ast::Expr) -> bool {
     }
 }
 
-/// Returns the diagnostic for a duplicate case.
+/// Returns the diagnostic for a `merge` that has two cases for one value.
 pub(crate) fn duplicate_case(name: &Ident, first: rpi_diag::Span) -> Diagnostic {
     Diagnostic::new(
         Code::RPI2011,

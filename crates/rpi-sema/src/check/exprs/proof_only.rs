@@ -216,7 +216,7 @@ pub(crate) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
 pub(crate) const WHY_NO_SETS: &str =
     "its size is unbounded, and a control core does not allocate memory at run time";
 
-/// Returns the type of the sets of an element type.
+/// Returns the type `set<T>` of Kind 2 for an element type `T`. Values of it cannot be computed.
 pub(crate) fn set_type(element: &Ty) -> Ty {
     opaque_type(format!("set<{element}>"))
 }

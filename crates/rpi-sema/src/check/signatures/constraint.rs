@@ -94,7 +94,7 @@ impl Constraint {
     }
 }
 
-/// Returns an opaque type with this name.
+/// Returns a type that equals only itself, to check a generic body for an unknown type of this name.
 pub(crate) fn opaque_type(name: &Name) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.clone(),

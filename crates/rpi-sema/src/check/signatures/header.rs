@@ -189,7 +189,7 @@ fn node_param_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> P
     }
 }
 
-/// Returns the port of a flow.
+/// Returns the port of a unit's interface that a flow of its body represents: name, type and presence.
 fn port_of_flow(unit: &Unit, id: FlowId) -> Port {
     let flow = unit.flow(id);
     Port {
@@ -375,7 +375,7 @@ fn declare_inputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl], role: FlowRol
     }
 }
 
-/// Checks the default value of a port.
+/// Checks that the default value of an in-port is a constant of the port's type.
 fn check_port_default<'a>(cx: &mut Body<'_, 'a>, flow: FlowId, default: &'a rpi_syntax::ast::Expr) {
     let value = expr::check_expr(cx, default);
     let ty = cx.unit.flow(flow).ty.clone();

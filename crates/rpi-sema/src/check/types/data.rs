@@ -391,7 +391,7 @@ pub(crate) fn tag_test(
     ops::binary_prim(cx, rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
 }
 
-/// Reports an unknown alternative.
+/// Reports a name in a `match` or a test that is not an alternative of the datatype, with the most similar one.
 pub(crate) fn report_unknown_alternative(cx: &mut Body<'_, '_>, all: &EnumTy, name: &Ident) {
     let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
     let diagnostic = undefined_name("alternative", &name.name, name.span, near);

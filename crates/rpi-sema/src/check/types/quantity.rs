@@ -199,7 +199,7 @@ pub(crate) fn with_unit_fixes(
     diagnostic
 }
 
-/// Returns the diagnostic for an invalid unit.
+/// Returns the diagnostic for a unit in brackets that is unknown or has an exponent out of range.
 pub(crate) fn invalid_unit(fault: &UnitError) -> Diagnostic {
     match fault {
         UnitError::Unknown { name, span, near } => {

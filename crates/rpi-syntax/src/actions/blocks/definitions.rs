@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) struct Definitions {
     /// Keys in text order.
     pub(super) key_order: Vec<String>,
-    /// Definitions by key.
+    /// Equation of each key. A key names the target of the equation.
     pub(super) by_key: BTreeMap<String, Definition>,
     /// Index of each key in `order`.
     pub(super) positions: BTreeMap<String, usize>,

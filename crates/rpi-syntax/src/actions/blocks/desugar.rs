@@ -269,7 +269,7 @@ fn if_expr(condition: Expr, yes: Expr, no: Expr) -> Expr {
     Expr { kind, span }
 }
 
-/// Returns `lhs -> rhs`.
+/// Returns the syntax tree of `lhs -> rhs` with the span of both.
 pub(super) fn arrow_expr(lhs: Expr, rhs: Expr) -> Expr {
     let span = lhs.span;
     let (op, op_span) = (BinaryOp::Arrow, lhs.span);
