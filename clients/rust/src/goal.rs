@@ -55,7 +55,7 @@ impl Language {
 /// Source text of a command or task, with load options.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
-    /// Source text.
+    /// Text in the language that `language` names.
     pub text: String,
     /// Language of the text.
     pub language: Language,

@@ -59,7 +59,7 @@ pub enum Cause {
     Fault(Fault),
     /// Abort: the command was ended from outside, for this reason.
     Aborted(AbortReason),
-    /// A stop by a rule.
+    /// The stop set of this rule contained the command.
     Stopped(RuleId),
 }
 

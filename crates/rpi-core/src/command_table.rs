@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 pub(crate) struct Entry {
     pub(crate) serial: u32,
     pub(crate) command: Box<Command>,
-    /// Period of the command, in ticks.
+    /// Number of ticks from one cycle of the command to the next.
     pub(crate) period_ticks: u64,
     /// Tick in which the next cycle of the command runs.
     pub(crate) due: u64,

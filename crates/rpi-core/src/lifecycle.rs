@@ -16,7 +16,7 @@
 //!
 //! Every other pair is rejected and changes nothing.
 
-/// Lifecycle state of a command.
+/// State of a command between loading and removal, as in rules L1 to L6 of the book.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandState {
     /// Memory and devices are being prepared outside the cycle.

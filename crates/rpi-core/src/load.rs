@@ -52,7 +52,7 @@ pub fn prim_desc(name: &str) -> Option<&'static PrimDesc> {
     PrimId::from_name(name).map(PrimId::desc)
 }
 
-/// Verifies an image and returns all verification errors.
+/// Verifies an image, which is untrusted input, before it is loaded. Returns all verification errors.
 pub(crate) fn verify_image(image: &Image) -> Result<(), Vec<LoadError>> {
     verify(image, &prim_desc).map_err(|e| e.into_iter().map(LoadError::InvalidImage).collect())
 }

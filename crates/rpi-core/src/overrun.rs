@@ -123,7 +123,7 @@ impl fmt::Display for CommandOverrunPolicy {
 /// An overrun: a tick that ended after the next one was due, blamed on the command that took the longest.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Overrun {
-    /// Tick of the overrun.
+    /// Tick whose computation took too long.
     pub tick: u64,
     /// Computing time of the command, nanoseconds.
     pub took_ns: u64,
@@ -136,7 +136,7 @@ pub struct Overrun {
 /// Overrun statistics of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct OverrunStats {
-    /// Number of overruns.
+    /// Number of cycles of the command that caused an overrun.
     pub count: u64,
     /// The overrun with the longest computing time.
     pub worst: Option<Overrun>,
@@ -170,7 +170,7 @@ impl Command {
         self.overrun_policy
     }
 
-    /// Overrun statistics.
+    /// Returns the count and the worst case of the command's overruns.
     #[must_use]
     pub fn overrun_stats(&self) -> &OverrunStats {
         &self.overruns

@@ -9,7 +9,7 @@ use crate::rule::Rule;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// A rule in the table.
+/// A rule that may still fire, as the table stores it.
 pub(crate) struct PendingRule {
     pub(crate) id: RuleId,
     pub(crate) rule: Box<Rule>,

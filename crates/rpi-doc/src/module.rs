@@ -128,7 +128,7 @@ fn overview(seen: &Inspection, title: &str, found: &[(DefId, &Item)]) -> String 
     out
 }
 
-/// Returns the list of the tests of the module.
+/// Returns the HTML list of the tests that a module declares.
 fn tests(shown: &PageContext<'_>) -> String {
     let tests = shown
         .inspected

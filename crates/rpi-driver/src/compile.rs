@@ -53,7 +53,7 @@ pub struct UnboundCommand {
     pub params: Vec<String>,
 }
 
-/// Options of the compiler.
+/// Choices for the compilation of a program: contracts, reports and limits.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct CompileOptions {
     /// Treatment of assertions and contracts in the compiled nets.

@@ -140,7 +140,7 @@ pub enum Fallback {
 /// Default of a parameter, in a form that is allowed in a `const`.
 #[derive(Clone, Copy, Debug)]
 pub enum ParamDefault {
-    /// Neutral value of the type ([`Value::neutral`]).
+    /// The value 0, false or empty of the parameter's type, see [`Value::neutral`].
     Neutral,
     /// Boolean default.
     Bool(bool),
@@ -174,13 +174,13 @@ impl ParamDefault {
 pub struct Param {
     /// Registered name, for example `Duration`.
     pub name: &'static str,
-    /// Type of the parameter.
+    /// Type that an argument for the parameter must have.
     pub ty: ParamType,
-    /// Default of the parameter.
+    /// Value of the parameter in nets that do not set it.
     pub default: ParamDefault,
 }
 
-/// Type of a parameter.
+/// Type of a parameter of a primitive, whose value is fixed when the net is loaded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ParamType {
     /// Single value.

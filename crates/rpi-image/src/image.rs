@@ -201,7 +201,7 @@ pub struct Fragment {
 pub struct DevicePort {
     /// Name of the device in the cell description.
     pub device: String,
-    /// Name of the port.
+    /// Name of the port within the device, such as `joint.position`.
     pub port: String,
     /// Index among several equal ports; 0 if there is only one.
     pub index: u32,
@@ -221,7 +221,7 @@ pub struct SensorPort {
 /// Actuator port, set by [`Step::Actuate`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ActuatorPort {
-    /// Port that is set.
+    /// Port of the device that the set-point drives.
     pub port: DevicePort,
     /// Set-point: the concatenation of these slots.
     pub inputs: Vec<SlotRange>,

@@ -29,7 +29,7 @@ pub struct Operand {
 }
 
 impl Operand {
-    /// Returns the number of words of the operand.
+    /// Returns the number of consecutive 32-bit words that encode the operand.
     #[must_use]
     pub const fn words(self) -> usize {
         1 + self.size_words + self.has_presence as usize

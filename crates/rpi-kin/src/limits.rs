@@ -3,9 +3,9 @@
 /// Closed interval of joint positions, in rad (m for a prismatic joint).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Lower limit.
+    /// Least joint position, in rad (m for a prismatic joint).
     pub lower: f64,
-    /// Upper limit.
+    /// Greatest joint position, in rad (m for a prismatic joint).
     pub upper: f64,
 }
 

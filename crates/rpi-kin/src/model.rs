@@ -20,7 +20,7 @@ pub enum InverseKinematics {
     NoClosedForm,
 }
 
-/// Model of a type of arm.
+/// Kinematics, ranges and limits of one type of arm, as its vendor states them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmModel {
     /// Name in `cell.toml`.

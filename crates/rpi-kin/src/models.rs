@@ -21,7 +21,7 @@ pub const ALL: &[&ArmModel] = &[
     &universal_robots::UR5E,
 ];
 
-/// Returns the arm model with this name.
+/// Returns the arm model that a cell description names, such as `ur5e`; `None` if there is no such model.
 #[must_use]
 pub fn by_id(id: &str) -> Option<&'static ArmModel> {
     ALL.iter().copied().find(|model| model.id == id)

@@ -66,7 +66,7 @@ fn accesses(prim: PrimId, form: Form) -> Vec<Access> {
 /// Accesses of all operand words of an operation.
 #[derive(Clone, Copy)]
 pub(crate) enum OpAccesses<'a> {
-    /// One access per operand word: a call of a primitive.
+    /// One access for each operand word, as in a call of a primitive.
     Each(&'a [Access]),
     /// The first words, this many, are read and the others are written: a copy or a device access.
     Split(usize),

@@ -16,7 +16,7 @@ pub(crate) struct Description {
 }
 
 impl Description {
-    /// Returns the description as Markdown.
+    /// Returns the text of a hover window: declaration and documentation, in Markdown.
     pub(crate) fn markdown(&self) -> String {
         let mut out = format!("```rpi\n{}\n```\n", self.code);
         if !self.kind.is_empty() {

@@ -69,7 +69,7 @@ impl Document {
     }
 }
 
-/// Diagnostics of a file to be published.
+/// All diagnostics of one file, as the editor receives them. An empty list clears the earlier ones.
 pub(crate) struct FileDiagnostics {
     pub(crate) uri: Uri,
     pub(crate) version: Option<i32>,

@@ -31,7 +31,7 @@ impl<T: FlowType> Array<T> {
         }
     }
 
-    /// Returns the number of values.
+    /// Returns the number of elements of the array, from its type.
     #[must_use]
     pub const fn len(self) -> usize {
         self.len

@@ -87,7 +87,7 @@ impl<T: Summand> Window<T> {
         self.capacity
     }
 
-    /// Returns the number of values.
+    /// Returns the number of values in the window so far; at most its capacity.
     pub(crate) fn len(self, cells: &[u64]) -> usize {
         cells[self.at + 1] as usize
     }

@@ -10,7 +10,7 @@ use rpi_image::{ParamType, PortType};
 
 /// Value that is read and written through operand words: a port, or a tuple of ports.
 pub trait Operand: Sized {
-    /// Number of operand words.
+    /// Number of 32-bit words that encode an operand of this type in an image.
     const WORDS: usize;
     /// Reads the value; `words` starts at its first word.
     fn read(cells: &[u64], words: &[u32]) -> Self;
@@ -155,7 +155,7 @@ pub trait PrimState: Sized {
 
 /// Component of a state, stored at fixed slots.
 pub trait StateField: Sized {
-    /// Number of slots.
+    /// Number of 64-bit slots that a value of this type takes in memory.
     const SLOTS: usize;
     /// Reads the component from `cells[at..]`.
     fn load_state(cells: &[u64], at: usize) -> Self;

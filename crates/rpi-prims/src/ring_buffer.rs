@@ -40,7 +40,7 @@ impl<T: FlowType> RingBuffer<T> {
         self.capacity
     }
 
-    /// Returns the number of entries.
+    /// Returns the number of stored entries; at most the capacity.
     pub(crate) fn len(self, cells: &[u64]) -> usize {
         usize::try_from(cells[self.at + 1])
             .unwrap_or(usize::MAX)

@@ -5,9 +5,9 @@ use rpi_image::Scalar;
 
 /// Rust type of a value type of the language.
 pub trait FlowType: Copy {
-    /// Value type.
+    /// Flow type that this Rust type represents.
     const SCALAR: Scalar;
-    /// Number of slots.
+    /// Number of 64-bit slots that a value of the type takes in memory.
     const SLOTS: usize = Self::SCALAR.slots() as usize;
     /// Reads a value from `cells[at..]`.
     fn load(cells: &[u64], at: usize) -> Self;

@@ -23,10 +23,10 @@ pub struct Interpreter<'p> {
     pub(crate) clocks: Vec<Rc<Clocks>>,
     /// All instances ever created; instances dropped by a reset remain here unused.
     pub(crate) instances: Vec<Instance<'p>>,
-    /// Number of the current cycle, from 1.
+    /// Number of the cycle that is evaluated, counted from 1.
     pub(crate) cycle: u64,
     pub(crate) period: Period,
-    /// Inputs of the current cycle, by leaf.
+    /// Values of the inputs in the evaluated cycle, one for each scalar part.
     pub(crate) inputs: Vec<Leaf>,
     /// Updates of the memory for the next cycle.
     pub(crate) updates: Vec<(EvalContext, MemoryUpdate)>,

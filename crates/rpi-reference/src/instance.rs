@@ -35,7 +35,7 @@ pub(crate) struct Memory {
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
     /// Leaves of `a -> b` and `first` that have had their first cycle (M5.1).
     pub(crate) started: BTreeSet<LeafId>,
-    /// Instance of the callee of each call.
+    /// For each call in the body, the instance of the callee that holds its state.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,
     /// Inner blocks that were active in the previous cycle of this block.
     pub(crate) was_active: BTreeSet<BlockId>,

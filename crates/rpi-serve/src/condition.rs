@@ -110,7 +110,7 @@ pub(crate) fn parse(text: &str) -> Result<Expr, ConditionError> {
 struct Parser<'a> {
     text: &'a str,
     at: usize,
-    /// Number of facts that may still follow.
+    /// Number of further facts that the condition may have before it exceeds the limit.
     facts_left: usize,
 }
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// that.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Limits {
-    /// Number of open connections.
+    /// Maximum number of connections that may be open at the same time.
     pub connections: usize,
     /// Number of open sessions.
     pub sessions: usize,

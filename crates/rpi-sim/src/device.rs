@@ -59,7 +59,7 @@ pub(crate) trait Device: Send {
         let _ = fault;
         false
     }
-    /// Present error code of the device.
+    /// Returns the error code that the device has now; 0 for no error.
     fn code(&self) -> ErrorCode {
         ErrorCode::OK
     }

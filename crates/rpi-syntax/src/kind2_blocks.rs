@@ -15,7 +15,7 @@ enum OpenConstruct {
     Body,
     /// The condition of a block. `waiting` counts the `if` of expressions in it that still need their `then`.
     Condition { opener: Token, waiting: u32 },
-    /// The branches of a block.
+    /// The branches of a block, which began with this keyword.
     Branches(Token),
     /// The header of a `frame`, up to its `let`.
     FrameHead,

@@ -83,7 +83,7 @@ impl Keyword {
 macro_rules! tokens {
     (words { $($word:ident $text:tt $mode:ident $place:ident $doc:literal;)* }
      signs { $($sign:ident $sign_text:tt;)* }) => {
-        /// Kind of a token.
+        /// Class of a lexeme: a keyword, a symbol, a literal or a name.
         #[derive(Logos, Clone, Copy, PartialEq, Eq, Debug)]
         #[logos(skip r"[ \t\r\n\f\u{feff}]+")]
         pub(crate) enum Token {

@@ -20,7 +20,7 @@ pub(crate) const PERIOD: u64 = 1_000_000;
 /// if known.
 pub(crate) type Lower = fn(&AnalysedNet, u64) -> Result<(Image, Option<u64>), Box<dyn Error>>;
 
-/// Lowers a net for running.
+/// Lowers a net to an image for `rpi run`. Also returns the work bound of a cycle.
 pub(crate) fn lower_for_run(
     net: &AnalysedNet,
     period: u64,

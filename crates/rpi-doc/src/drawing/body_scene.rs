@@ -157,7 +157,7 @@ impl Builder<'_> {
         Some((Source::Flow(def), leaves))
     }
 
-    /// Adds a box for an expression.
+    /// Draws an operator or a call as a box, with lines from the flows that it reads.
     fn add_expr_box(
         &mut self,
         scene: SceneId,

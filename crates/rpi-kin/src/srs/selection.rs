@@ -23,7 +23,7 @@ use crate::{InverseKinematicsError, Range, Transform};
 /// too small to matter in practice.
 const LIMIT_MARGIN: f64 = 1e-9;
 
-/// Solution of the inverse kinematics.
+/// Joint values of a seven-axis arm that reach a pose, with the arm angle that they have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// Joint values, rad.

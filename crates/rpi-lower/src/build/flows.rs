@@ -37,7 +37,7 @@ impl Flow {
     }
 }
 
-/// A flow with its type.
+/// The flow that an in-port of a node reads, with its type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InputFlow {
     pub(super) flow: Flow,

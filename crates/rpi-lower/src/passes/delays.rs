@@ -109,7 +109,7 @@ struct InitialChoice {
 struct DelayFacts {
     /// For each register that is the output of a delay, the state register of the delay.
     state_of: Vec<Option<Register>>,
-    /// The source of each latched register.
+    /// For each register that keeps a value for the next cycle, the register that it copies.
     latched: FxHashMap<Register, Register>,
     /// For each register computed by a negation, the negated register.
     negated: FxHashMap<Register, Register>,

@@ -86,7 +86,7 @@ impl ItemKind {
 
 /// Dependency graph of the items of a scope.
 struct Graph {
-    /// Kind number of each item.
+    /// For each item, a number that items of the same kind share, so that they can be placed in a row.
     kinds: Vec<u32>,
     kind_count: usize,
     /// Number of pending dependencies of each item.

@@ -9,11 +9,11 @@ use rpi_syntax::{CommentKind, Dialect, SourceToken, SourceTokenKind, source_toke
 pub(super) struct Cursor {
     /// Byte range of the part of the word before the cursor.
     pub(super) prefix: Range<usize>,
-    /// Kind of name expected at the cursor.
+    /// Kind of name that fits at the cursor; it selects the suggestions.
     pub(super) expected: ExpectedName,
 }
 
-/// Kind of name expected at the cursor.
+/// Kinds of names that the grammar allows at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum ExpectedName {
     /// Member of the path before the dot.
@@ -40,7 +40,7 @@ pub(super) struct MemberPath {
 /// Call whose argument begins at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct ArgumentContext {
-    /// Name of the callee.
+    /// Name of the node or function that is called around the cursor.
     pub(super) callee: String,
     /// Names of the arguments that are already passed by name.
     pub(super) passed: Vec<String>,

@@ -25,7 +25,7 @@ pub(crate) const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
 /// Port of a device, as a resource that a command takes.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Resource {
-    /// Name of the device.
+    /// Name of the device that a command of the net uses.
     pub device: String,
     /// Name of the port.
     pub port: String,

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 /// Element counts of a net.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct NetSize {
-    /// Number of primitives.
+    /// Number of nodes (calls of primitives) in all fragments.
     pub primitives: usize,
     /// Number of fragments besides the root.
     pub fragments: usize,

@@ -37,7 +37,7 @@ pub struct Difference {
     pub what: String,
     /// Value in the recording, as text in the syntax of literals.
     pub recorded: String,
-    /// Value in the replay.
+    /// Value that the replay computes in place of the recorded one, as a literal.
     pub now: String,
 }
 

@@ -133,7 +133,7 @@ impl Trace {
         self.listed.get(&port).is_some_and(|r| r.contains(&number))
     }
 
-    /// Adds a row to a cycle.
+    /// Adds the value of a port in a cycle; `number` is the cycle and `name` the port.
     pub(super) fn push_row(&mut self, number: u64, name: &str, value: &str) {
         let start = self.offset();
         self.text.push_str(value);

@@ -121,7 +121,7 @@ impl ClaimMonitor {
         })
     }
 
-    /// Returns the statistics of each claim.
+    /// Returns for each claim in how many cycles it was evaluated and in how many it was violated.
     pub fn stats(&self) -> impl Iterator<Item = (&Claim, ClaimStats)> {
         self.claims.iter().map(|watched| {
             let (seen, broken) = (watched.evaluated, watched.violated);

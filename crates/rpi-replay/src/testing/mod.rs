@@ -89,7 +89,7 @@ pub enum TestEnd {
     Unfinished,
     /// The test ended with the `fail` of this name.
     Failed(String),
-    /// A fault ended the test.
+    /// A fault, such as an overflow, ended the test before its `finish`.
     Fault {
         /// Description of the fault that ended the test.
         what: String,

@@ -8,7 +8,7 @@ use rpi_image::Image;
 /// Value that the user gives for an input of a command, as text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputSetting {
-    /// Key of the input.
+    /// Key by which the image names the input: the name of a parameter or of a value from the predecessor.
     pub key: String,
     /// Text of the value.
     pub value: String,
@@ -77,7 +77,7 @@ impl fmt::Display for InputSettingError {
 
 impl std::error::Error for InputSettingError {}
 
-/// Index of an input and its value.
+/// Index of an input in its image, and the slots of the value for it.
 pub(super) type IndexedValue = (usize, Vec<u64>);
 
 /// Returns for each image the inputs that the settings name, as index and value. Fails on an unknown name or a value of

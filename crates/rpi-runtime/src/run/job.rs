@@ -170,7 +170,7 @@ pub fn run(mut job: RunOptions<'_>) -> Result<Outcome, RunError> {
     }
 }
 
-/// Returns the common period of all commands.
+/// Returns the period that all commands of a run have in common, ns. Commands with other periods are an error.
 fn common_period(images: &[Arc<Image>]) -> Result<u64, RunError> {
     let period = images.first().ok_or(RunError::NoCommands)?.period_ns;
     match images.iter().all(|image| image.period_ns == period) {

@@ -10,7 +10,7 @@ pub struct EntryBuffer {
 }
 
 impl EntryBuffer {
-    /// Creates a buffer for this number of words.
+    /// Creates a buffer for `words` 64-bit words. It never grows, because the cycle writes to it.
     #[must_use]
     pub fn with_capacity(words: usize) -> EntryBuffer {
         EntryBuffer {

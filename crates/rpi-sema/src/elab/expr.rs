@@ -194,7 +194,7 @@ pub(super) fn elab_condition<'u>(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Returns an operand of an expression as one signal.
+/// Returns the signal of an operand that is a scalar. `pair` is the operator and the operand.
 pub(super) fn elab_operand<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

@@ -71,7 +71,7 @@ pub(super) fn is_guarded(elab: &mut Elaborator<'_>, call: &Call) -> bool {
     matches!(call.activation, Activation::Always) && is_stateless_expr(elab, call.unit)
 }
 
-/// Returns whether a unit has no state.
+/// Returns whether a unit has no state, so that a call of it may be left out in cycles that do not need its result.
 pub(super) fn is_stateless_expr(elab: &mut Elaborator<'_>, unit: UnitId) -> bool {
     match elab.units[unit.0 as usize].kind {
         UnitKind::Function => true,

@@ -98,7 +98,7 @@ pub(super) fn add_simple(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Adds the primitive of a family that is for the given value type.
+/// Adds a node of the primitive that a family, such as `Conditional`, has for a type of values. Returns its output.
 pub(super) fn add_family_member(
     elab: &mut Elaborator<'_>,
     family: PrimitiveFamily,

@@ -202,7 +202,7 @@ pub(super) fn flow_outside_block<'u>(
     wire
 }
 
-/// Binds the aliases of flows that are read outside their blocks.
+/// Connects flows that were read outside of their blocks before the fragments of these blocks existed.
 pub(super) fn bind_outside_flows<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     let around = scope.base;
     for (flow, aliases) in std::mem::take(&mut scope.outside_reads) {

@@ -7,7 +7,7 @@ use rpi_syntax::{Dialect, Name};
 /// Result of a name lookup.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Lookup {
-    /// The name is that of this declaration.
+    /// The name refers to this declaration.
     Found(DeclId),
     /// The name is undefined.
     Missing,

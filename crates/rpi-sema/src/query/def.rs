@@ -8,12 +8,12 @@ use rpi_syntax::ast::Doc;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DefId(pub u32);
 
-/// Definition of a name.
+/// Declaration or definition of a name, as editors and the reference see it.
 #[derive(Clone, Debug)]
 pub struct Def {
     /// Name as the declaration writes it.
     pub name: Name,
-    /// Kind of the definition.
+    /// Whether it is a node, a flow, a type or another kind of definition.
     pub kind: DefKind,
     /// Span of the name in the declaration.
     pub span: Span,
@@ -29,7 +29,7 @@ pub struct Def {
     pub shape: Option<DefId>,
 }
 
-/// Kind of a definition.
+/// Kinds of definitions that editors distinguish by colour and icon.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum DefKind {
     /// Module: a file, as named by `use`.

@@ -9,9 +9,9 @@ use rpi_syntax::Name;
 /// Occurrence of a name in the source, with the definition that it refers to.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Reference {
-    /// Span of the name.
+    /// Place of the occurrence in the source.
     pub span: Span,
-    /// Definition of the name.
+    /// Definition that the name refers to there.
     pub def: DefId,
 }
 
@@ -65,7 +65,7 @@ impl Index {
         crate::query::build::build(program, sources)
     }
 
-    /// Returns the definition with this index.
+    /// Returns the definition that an id of this index denotes.
     #[must_use]
     pub fn def(&self, id: DefId) -> &Def {
         &self.defs[id.0 as usize]

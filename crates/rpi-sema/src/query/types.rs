@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Type of a flow or expression, with its presence.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FlowType {
-    /// Type.
+    /// Type of the values while they are present.
     pub ty: Ty,
     /// Whether the value is absent in some cycles.
     pub optional: bool,

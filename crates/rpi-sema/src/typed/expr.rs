@@ -15,7 +15,7 @@ use std::rc::Rc;
 pub struct Expr {
     /// Kind of the expression, with its operands.
     pub kind: TypedKind,
-    /// Type.
+    /// Type of the expression's value.
     pub ty: Ty,
     /// Span of the expression.
     pub span: Span,

@@ -220,7 +220,7 @@ pub struct Export {
     pub span: Span,
 }
 
-/// Automaton, whose states are blocks.
+/// State machine of a body. In each cycle exactly one state is active; each state is a block.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// States in text order. The first one need not be the initial one.

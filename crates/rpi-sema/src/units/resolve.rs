@@ -19,7 +19,7 @@ pub struct ResolvedUnit {
 pub enum UnitError {
     /// The unit is undefined.
     Unknown {
-        /// Name in the source.
+        /// Unknown name in the text of the unit.
         name: String,
         /// Span of the name.
         span: Span,

@@ -6,9 +6,9 @@ use crate::units::Dimension;
 /// real nearest to 0.009.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Factor {
-    /// Numerator.
+    /// Numerator of the fraction.
     pub num: f64,
-    /// Denominator.
+    /// Denominator of the fraction, not 0.
     pub den: f64,
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct DioConnection {
 /// Function that carries out one kind of DirectIO request.
 type Handler = fn(&mut DioConnection, &Message) -> Result<(), ApiError>;
 
-/// Handlers of all requests by name.
+/// Table of the requests of the DirectIO protocol: the name of each request and the function that answers it.
 const REQUESTS: &[(&str, Handler)] = &[
     ("ver", DioConnection::version),
     ("nse", DioConnection::new_session),

@@ -15,7 +15,7 @@ pub(crate) struct Message {
     pub(crate) tag: String,
     /// Name of the request, answer or update.
     pub(crate) name: String,
-    /// Arguments.
+    /// Arguments in the order in which the message lists them.
     pub(crate) args: Vec<Arg>,
 }
 

@@ -58,7 +58,7 @@ pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodRes
     Ok(None)
 }
 
-/// Method that withdraws a rule.
+/// Method `rule.withdraw`: removes a rule that has not fired.
 pub(super) fn withdraw(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let reply = call.deferred_reply(|_| json!({}));
     let rule = call.text("rule")?;

@@ -27,7 +27,7 @@ pub(crate) struct Objects {
     pub(crate) commands: Commands,
     pub(crate) tasks: Tasks,
     limits: Limits,
-    /// The last number given to an object.
+    /// Number of the newest session, command or task. Numbers are never used twice.
     last: u64,
 }
 

@@ -150,7 +150,7 @@ impl Rules {
         Ok(())
     }
 
-    /// Returns the lists of subscribers.
+    /// Returns for each rule the clients that are subscribed to it.
     pub(super) fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
         self.records.values_mut().map(|r| &mut r.watchers)
     }

@@ -187,7 +187,7 @@ impl Sessions {
         }
     }
 
-    /// Returns the lists of subscribers.
+    /// Returns for each session the clients that are subscribed to it.
     pub(super) fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
         self.records.values_mut().map(|s| &mut s.watchers)
     }

@@ -193,7 +193,7 @@ impl ExternalForm {
     }
 }
 
-/// Definition of a node.
+/// How a node is defined: by a body, as an alias of another node, or outside of the program.
 #[derive(Clone, PartialEq, Debug)]
 pub enum NodeDef {
     /// `let ... tel`

@@ -4,10 +4,10 @@ use super::{Clock, Ident, Name, Number, Type, Unit, VarDecl};
 use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
 
-/// Expression.
+/// Expression of the language with its place in the source.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Expr {
-    /// Kind of the expression.
+    /// Form of the expression, with its operands.
     pub kind: ExprKind,
     /// Source range.
     pub span: Span,
@@ -190,7 +190,7 @@ pub struct Call {
     pub callee: Callee,
     /// Condition under which the callee runs.
     pub activation: Activation,
-    /// Arguments.
+    /// Arguments in parentheses, in text order.
     pub args: Vec<Arg>,
 }
 
@@ -199,7 +199,7 @@ pub struct Call {
 pub struct Callee {
     /// Name of the called or passed unit.
     pub name: Ident,
-    /// Static arguments.
+    /// Arguments between `<<` and `>>`: types, constants and nodes.
     pub statics: Vec<StaticArg>,
     /// Source range of name and static arguments.
     pub span: Span,

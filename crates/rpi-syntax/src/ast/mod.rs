@@ -41,7 +41,7 @@ pub use crate::name::Name;
 use rpi_diag::Span;
 use std::sync::Arc;
 
-/// Source file.
+/// Syntax tree of a source file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct File {
     /// Declarations of the file in text order.

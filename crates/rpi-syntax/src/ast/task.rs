@@ -16,7 +16,7 @@ pub struct TaskDecl {
     pub steps: Vec<Step>,
 }
 
-/// Step of a task.
+/// Step of a task: the call of a command or task, a repetition, or parallel branches.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Step {
     /// Doc comment before the step.
@@ -63,7 +63,7 @@ pub struct Run {
     pub label: Option<Ident>,
     /// Command or task to run.
     pub callee: Callee,
-    /// Arguments.
+    /// Arguments of the command or task, in text order.
     pub args: Vec<Arg>,
     /// Branches on the result. If empty, the next step follows.
     pub branches: Vec<Branch>,

@@ -48,7 +48,7 @@ pub enum TypeKind {
 pub struct NamedType {
     /// Name of the type; may be qualified.
     pub name: Ident,
-    /// Static arguments.
+    /// Arguments of a generic type between `<<` and `>>`.
     pub statics: Vec<StaticArg>,
     /// Coordinate frames: `(tool in base)`, `(base)`.
     pub frames: Option<FramePair>,

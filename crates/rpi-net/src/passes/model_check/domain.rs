@@ -40,7 +40,7 @@ impl<D: Domain + ?Sized> Clone for Flow<D> {
 
 /// Operations on Booleans and values for the computation of a cycle, with concrete or with symbolic values.
 pub(super) trait Domain {
-    /// Type of a Boolean in the domain.
+    /// Representation of a Boolean: `bool` for concrete values, a formula for symbolic ones.
     type Bool: Copy + std::fmt::Debug;
     /// Type of a value of any flow type in the domain.
     type Value: Clone + std::fmt::Debug;
@@ -103,7 +103,7 @@ pub(super) trait Domain {
         }
     }
 
-    /// Whether a flow is present and true.
+    /// Returns whether a Boolean flow has a value in the cycle, and the value is true.
     fn is_true(&mut self, flow: &Flow<Self>) -> Self::Bool {
         let value = self.truth(&flow.value);
         self.and(flow.present, value)

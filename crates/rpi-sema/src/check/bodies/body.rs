@@ -44,7 +44,7 @@ pub(crate) struct Body<'c, 'a> {
     pub(crate) scopes: Vec<Scope>,
     /// Names bound by expressions around the current one, such as quantified variables.
     pub(crate) bindings: Bindings,
-    /// All equations of the body.
+    /// All equations of the body, which are checked after the declarations.
     pub(crate) pending: Vec<PendingEquation<'a>>,
     /// Declarations and equations that are resolved when all flows are declared.
     pub(crate) definitions: Definitions<'a>,
@@ -54,7 +54,7 @@ pub(crate) struct Body<'c, 'a> {
     pub(crate) inference: Inference,
     /// Use of exact time in the body.
     pub(crate) times: Times,
-    /// Contracts of the body.
+    /// What the checks of the body's contracts share.
     pub(crate) contract: Contracts<'a>,
     /// Whether a signature is being checked, where frames need no declaration.
     pub(crate) in_signature: bool,
@@ -249,7 +249,7 @@ impl<'c, 'a> Body<'c, 'a> {
         self.error_expr(span)
     }
 
-    /// Returns the type of an expression.
+    /// Returns the type that the checker has inferred for an expression.
     pub(crate) fn ty_of(&self, id: ExprId) -> &Ty {
         &self.unit.expr(id).ty
     }

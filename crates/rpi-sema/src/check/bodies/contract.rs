@@ -235,7 +235,7 @@ fn check_claim_condition<'a>(cx: &mut Body<'_, 'a>, condition: &'a ast::Expr) ->
     None
 }
 
-/// Checks a claim in a body or contract.
+/// Checks an `assert`, a `check`, or a clause of a contract, and adds it to the current block.
 pub(crate) fn check_claim<'a>(cx: &mut Body<'_, 'a>, claim: &'a ast::Claim, span: Span) {
     let Some(mut condition) = check_claim_condition(cx, &claim.condition) else {
         return;

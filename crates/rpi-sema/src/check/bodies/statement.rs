@@ -149,7 +149,7 @@ fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
     }
 }
 
-/// Sets the clocks that declarations state.
+/// Gives flows the clocks that their declarations state: `var x: int when c`.
 pub(crate) fn resolve_clocks_of<'a>(cx: &mut Body<'_, 'a>, vars: &'a [VarDecl]) {
     for var in vars {
         let Some(clock) = &var.clock else {

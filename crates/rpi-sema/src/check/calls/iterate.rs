@@ -24,7 +24,7 @@ use rpi_syntax::ast::{StaticArg, StaticValue};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// Names of the iterators.
+/// Names of the operators that apply a node along arrays. Declarations of these names take precedence.
 pub(crate) const ITERATORS: &[&str] = &[
     "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
 ];

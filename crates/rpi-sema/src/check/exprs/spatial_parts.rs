@@ -211,7 +211,7 @@ pub(crate) fn replace_part(
     compose_spatial(cx, &known, &parts, span)
 }
 
-/// Syntax in which a part is named.
+/// Way in which a program names a part of a spatial value.
 #[derive(Clone, Copy, PartialEq)]
 enum PartSyntax {
     /// Path: `p.x`, `(p with .x = ..)`.

@@ -70,7 +70,7 @@ impl Constraint {
         }
     }
 
-    /// Whether the constraint allows a type.
+    /// Returns whether a type may be the argument of a type parameter with this constraint.
     pub(crate) fn allows(self, ty: &Ty) -> bool {
         match (self, ty) {
             (Constraint::Any, _) | (_, Ty::Unknown | Ty::Generic(_)) => true,

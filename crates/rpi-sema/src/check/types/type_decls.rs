@@ -81,7 +81,7 @@ fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<StaticBindings>) 
     ty
 }
 
-/// Reports a dependency cycle of declarations.
+/// Reports declarations that are defined by each other, such as a struct that contains itself.
 pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id: DeclId) {
     let from = checker
         .in_progress
