@@ -1,6 +1,7 @@
 //! Values.
 
 use rpi_image::Value as Constant;
+use std::fmt;
 
 /// Value of one leaf in a cycle. The value of an enum is its index.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -26,6 +27,18 @@ pub enum EvalError {
     /// Construct that this interpreter does not support; the text names it.
     Unsupported(String),
 }
+
+impl fmt::Display for EvalError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EvalError::Fault(what) => write!(f, "fault: {what}"),
+            EvalError::DependencyCycle => f.write_str("a flow depends on itself in the same cycle"),
+            EvalError::Unsupported(what) => write!(f, "unsupported: {what}"),
+        }
+    }
+}
+
+impl std::error::Error for EvalError {}
 
 impl Value {
     /// Converts a constant.

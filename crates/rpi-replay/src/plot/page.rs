@@ -13,7 +13,6 @@ const RIGHT: f64 = 120.0;
 const HEAD: f64 = 56.0;
 const VIEW_HEIGHT: f64 = 270.0;
 const VIEW_GAP: f64 = 70.0;
-const BAR_HEIGHT: f64 = 56.0;
 const CHART_HEIGHT: f64 = 170.0;
 /// Space above and below a plot area for its heading and tick labels.
 const AREA_MARGIN: f64 = 62.0;
@@ -37,11 +36,7 @@ pub fn render_svg(picture: &Plot) -> String {
 
 fn page_height(picture: &Plot) -> f64 {
     let views = picture.paths.len() as f64 * (VIEW_HEIGHT + AREA_MARGIN);
-    let bars = if picture.spans.is_empty() {
-        0.0
-    } else {
-        BAR_HEIGHT
-    };
+    let bars = timeline_height(picture);
     let charts = picture.charts.len() as f64 * (CHART_HEIGHT + AREA_MARGIN);
     HEAD + views + bars + charts
 }
@@ -66,12 +61,24 @@ fn draw_timeline(svg: &mut Svg, picture: &Plot, y: f64) -> f64 {
     if picture.spans.is_empty() {
         return y;
     }
-    let axis = Axis {
+    timeline::draw(svg, &picture.spans, time_axis(picture), y + 30.0);
+    y + timeline_height(picture)
+}
+
+/// Returns the height of the timeline, 0 without commands, pixels.
+fn timeline_height(picture: &Plot) -> f64 {
+    match &picture.spans[..] {
+        [] => 0.0,
+        spans => timeline::height(spans, time_axis(picture)),
+    }
+}
+
+/// Returns the time axis of the timeline and of all charts.
+fn time_axis(picture: &Plot) -> Axis {
+    Axis {
         values: time_range(picture),
         pixels: (LEFT, WIDTH - RIGHT),
-    };
-    timeline::draw(svg, &picture.spans, axis, y + 30.0);
-    y + BAR_HEIGHT
+    }
 }
 
 fn draw_charts(svg: &mut Svg, picture: &Plot, mut y: f64) {

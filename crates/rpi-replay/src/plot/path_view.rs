@@ -6,6 +6,7 @@ use super::frame::{Frame, TICK_LABEL};
 use super::palette::{BACKGROUND, SECONDARY_TEXT, TEXT, hue};
 use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
+use super::timeline::span_hues;
 use super::{ExecutionSpan, SpacePath};
 
 /// Direction from which the path of an arm is drawn.
@@ -50,10 +51,12 @@ pub(super) fn draw(
         .collect();
     let frame = equal_scale_frame(&points, place);
     frame.draw(svg, &format!("{}, {}", path.name, view.name()), "");
+    let hues = span_hues(spells);
     for (k, part) in split_by_command(&points, spells).into_iter().enumerate() {
         let pixels: Vec<(f64, f64)> = part.iter().map(|(_, p)| frame.to_pixel(p.0, p.1)).collect();
         let name = spells.get(k).map_or("", |s| s.command.as_str());
-        svg.polyline(&simplify(&pixels, 0.1), hue(k), None, name);
+        let color = hues.get(k).copied().unwrap_or(hue(0));
+        svg.polyline(&simplify(&pixels, 0.1), color, None, name);
     }
     draw_markers(svg, &points, spells, &frame);
 }
@@ -109,10 +112,10 @@ fn draw_markers(
     };
     let pixel = |p: &(f64, (f64, f64))| frame.to_pixel(p.1.0, p.1.1);
     let mut labelled = Vec::new();
-    for (k, span) in spells.iter().enumerate().skip(1) {
+    for (span, color) in spells.iter().zip(span_hues(spells)).skip(1) {
         let at = points.partition_point(|p| p.0 < span.from);
         let at = pixel(&points[at.min(points.len() - 1)]);
-        svg.dot(at, 5.0, hue(k), BACKGROUND);
+        svg.dot(at, 5.0, color, BACKGROUND);
         if is_free(&labelled, at) {
             let text = format!("takeover {:.3} s", span.from);
             draw_label(svg, frame, at, (-7.0, SECONDARY_TEXT), &text);
