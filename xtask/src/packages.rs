@@ -11,7 +11,7 @@ use serde_json::Value;
 pub struct Package {
     /// Name, as used by `cargo -p`.
     pub name: String,
-    /// Folder of its manifest.
+    /// Folder of the package's `Cargo.toml`.
     pub dir: PathBuf,
     /// Dependencies, sorted by name.
     pub dependencies: Vec<Dependency>,
@@ -22,11 +22,11 @@ pub struct Package {
 pub struct Dependency {
     /// Name of the crate depended on.
     pub name: String,
-    /// Whether it is a crate of this workspace.
+    /// Whether the dependency is a crate of this workspace.
     pub is_workspace: bool,
-    /// Whether it is a development dependency, visible only to tests, benches and examples.
+    /// Whether the dependency is visible only to tests, benches and examples.
     pub is_dev: bool,
-    /// Whether its default features are enabled.
+    /// Whether the default features of the dependency are enabled.
     pub default_features: bool,
 }
 

@@ -83,7 +83,7 @@ fn without_tests(text: &str) -> &str {
 pub struct Function<'a> {
     /// Name of the declared item.
     pub name: &'a str,
-    /// Line number of its `fn`, from 1.
+    /// Line number of the function's `fn`, from 1.
     pub line: usize,
     /// Number of lines from `fn` to the closing brace, inclusive.
     pub lines: usize,

@@ -26,14 +26,14 @@ pub enum Notice {
     Started {
         /// Command that runs from now on.
         command: CommandId,
-        /// Tick of its first cycle.
+        /// Tick of the command's first cycle.
         tick: u64,
     },
     /// A command has ended.
     Ended {
         /// Command that has ended.
         command: CommandId,
-        /// Tick of its last cycle, or the next tick if it ended between two ticks.
+        /// Tick of the command's last cycle, or the next tick if it ended between two ticks.
         tick: u64,
         /// Cause, error number and circumstances.
         ending: Ending,

@@ -109,11 +109,11 @@ impl Rejection {
 /// Quantity that violates a limit, computed by backward differences over the period of the set-points.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Quantity {
-    /// Position outside its range.
+    /// Position of an actuator, outside of its range.
     Position,
-    /// Velocity out of its limit: the first difference of the set-points, per second.
+    /// Velocity, the first difference of the set-points per second, above its limit.
     Velocity,
-    /// Acceleration out of its limit: the second difference of the set-points, per second squared.
+    /// Acceleration, the second difference of the set-points per second squared, above its limit.
     Acceleration,
 }
 

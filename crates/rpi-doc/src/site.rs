@@ -20,7 +20,7 @@ const SEARCH_BOX: &str = include_str!("../assets/search-box.js");
 pub struct Module {
     /// Name, as used by `use`.
     pub name: String,
-    /// Whether it belongs to the standard library.
+    /// Whether the module belongs to the standard library.
     pub is_library: bool,
     /// Checked module; its own text is the first file.
     pub inspected: Inspection,

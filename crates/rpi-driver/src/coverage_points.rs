@@ -15,7 +15,7 @@ pub struct CoveragePoints {
     pub label: String,
     /// Location of the name.
     pub span: Span,
-    /// Whether it is declared in the program itself, not in an imported module.
+    /// Whether the unit is declared in the program itself, not in an imported module.
     pub is_own: bool,
     /// Number of fragments and states.
     pub fragments: usize,

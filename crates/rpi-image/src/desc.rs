@@ -245,7 +245,7 @@ impl SizeArgs<'_> {
 /// Handling of a primitive by the core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
-    /// Runs its code in dependency order.
+    /// Computes the outputs from the inputs by the code of the primitive, in dependency order.
     Compute,
     /// Outputs the parameter `Value`. It is folded when the net is lowered.
     Constant,
@@ -269,7 +269,7 @@ pub enum Role {
     DeviceFunction(DeviceUse),
     /// Outputs a value that is set by key from outside, between cycles.
     Input,
-    /// Publishes its input by key after the cycle.
+    /// Publishes the value of the input under a key after the cycle.
     Export,
     /// Outputs a flow that the core provides, such as the time or a cancel request.
     Flow(CommandFlow),

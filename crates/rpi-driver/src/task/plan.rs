@@ -64,7 +64,7 @@ struct Builder<'f> {
     instances: &'f mut Instances,
     /// Task that is being inlined.
     unit: &'f Unit,
-    /// Values of its parameters.
+    /// Values of the task's parameters.
     known: Vec<TaskArgument>,
 }
 

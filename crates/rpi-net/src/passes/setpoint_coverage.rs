@@ -21,7 +21,7 @@ const MAX_REASONS: usize = 4;
 /// Reason for which a set-point may be absent.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Reason {
-    /// The fragment that computes it is not always active.
+    /// The fragment that computes the set-point is not always active.
     Inactive(FragmentId),
     /// A flow that it depends on is absent in some cycles.
     Absent(PortRef),

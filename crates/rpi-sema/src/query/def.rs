@@ -13,7 +13,7 @@ pub struct DefId(pub u32);
 pub struct Def {
     /// Name as the declaration writes it.
     pub name: Name,
-    /// Whether it is a node, a flow, a type or another kind of definition.
+    /// Whether the definition is a node, a flow, a type or something else.
     pub kind: DefKind,
     /// Span of the name in the declaration.
     pub span: Span,

@@ -134,7 +134,8 @@ pub struct DeviceTy {
     pub ports: Vec<DevicePortTy>,
     /// Frames that its ports name but no declaration does. Each device has its own frames of these names.
     pub frames: Vec<Name>,
-    /// Values of its static parameters, in the order of their declaration; none if only the robot cell gives it.
+    /// Values of the device type's static parameters, in the order of their declaration; none if only the robot cell
+    /// gives it.
     pub sizes: Vec<Option<u32>>,
 }
 

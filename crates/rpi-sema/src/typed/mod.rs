@@ -78,7 +78,7 @@ impl UnitKind {
 pub struct Unit {
     /// Name, with the chosen static arguments.
     pub name: Name,
-    /// Whether it is a function, node, fragment, command, task or test.
+    /// Whether the unit is a function, node, fragment, command, task or test.
     pub kind: UnitKind,
     /// Span of the name in the declaration.
     pub span: Span,

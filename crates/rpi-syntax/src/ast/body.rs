@@ -242,7 +242,7 @@ pub struct Automaton {
 pub struct State {
     /// Doc comment before the state.
     pub doc: Option<Doc>,
-    /// Whether it is the initial state.
+    /// Whether the automaton begins in this state.
     pub is_initial: bool,
     /// Name of the state.
     pub name: Ident,
@@ -261,7 +261,8 @@ pub struct State {
 pub struct Transition {
     /// Condition; absent for `otherwise`.
     pub condition: Option<Expr>,
-    /// Whether it is written with `continue` instead of `then`: the target state resumes with its previous memory.
+    /// Whether the transition is written with `continue` instead of `then`: the target state resumes with its previous
+    /// memory.
     pub resumes: bool,
     /// Next state.
     pub target: Ident,

@@ -248,7 +248,7 @@ pub struct ContractMode {
     pub name: Ident,
     /// Conditions under which the contract is in this mode.
     pub requires: Vec<Claim>,
-    /// Guarantees in this mode.
+    /// Conditions that the body must satisfy while the mode applies.
     pub ensures: Vec<Claim>,
 }
 

@@ -48,7 +48,7 @@ pub(crate) enum GuessPolicy {
     /// No type is guessed: an integer may be meant as a real, and a factor changes the unit.
     #[default]
     Never,
-    /// Types are guessed from integers.
+    /// An unknown type beside an integer is guessed as `int`.
     Integers,
     /// Types are guessed from integers, and from factors without a unit.
     Factors,
@@ -68,11 +68,11 @@ pub(crate) enum EquationLhs<'a> {
 pub(crate) enum EquationState {
     /// The equation has not been checked yet.
     Unchecked,
-    /// The equation waits for those of the flows that it reads.
+    /// The types of the flows that the equation reads must be inferred first.
     Waiting,
     /// The equation has been checked, but it reads flows of unknown type, so that its own type is a guess.
     Guessed,
-    /// The types of its flows cannot be inferred, which has been reported.
+    /// The types of the equation's flows cannot be inferred, which has been reported.
     Reported,
     /// The equation has been checked; this is its value.
     Done(ExprId),
