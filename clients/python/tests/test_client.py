@@ -169,7 +169,7 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
     async def test_preempt_ends_what_ignores_it(self) -> None:
         async with await connect(self.path) as core:
             session = await core.open_session("test", grace=0.05)
-            goal = await session.load("command Deaf () let finish never when false; tel")
+            goal = await session.load("command Deaf () let finish late when time > 1000[s]; tel")
             await goal.start()
             ending = await asyncio.wait_for(goal.preempt(), 10)
             self.assertEqual((ending.cause, ending.cancelled), ("aborted", True))

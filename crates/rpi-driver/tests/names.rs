@@ -71,8 +71,9 @@ fn unexplained(seen: &Inspection) -> Vec<String> {
         let is_frame = word(k + 1) == "in"
             || k > 0 && word(k - 1) == "in"
             || k > 2 && word(k - 1) == "." && word(k - 3) == "in"
-            // `Vector<<real[m]>>(base)`
-            || k > 1 && [">>", "Vector"].contains(&word(k - 2)) && word(k - 1) == "(" && word(k + 1) == ")";
+            // `Vector<<real[m]>>(base)`, `Vector(arm.base)`
+            || k > 1 && [">>", "Vector"].contains(&word(k - 2)) && word(k - 1) == "(" && word(k + 1) == ")"
+            || k > 3 && [">>", "Vector"].contains(&word(k - 4)) && word(k - 3) == "(" && word(k + 1) == ")";
         let explained = piece.kind != SourceTokenKind::Name
             || seen
                 .index()

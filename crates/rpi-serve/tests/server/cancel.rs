@@ -12,7 +12,7 @@ const DEAF: &str = "use motion;
 command Deaf (arm: Arm)
 let
   arm.joints = [0.1[rad/s] * time, 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
-  finish never when false;
+  finish late when time > 1000[s];
 tel
 ";
 

@@ -234,7 +234,8 @@ fn unknown_part(scalar: Scalar, field: &Ident, at: PartSyntax) -> Diagnostic {
             "replace a single coordinate by `(p with .position.{} = ..)`",
             field.name
         )),
-        (Scalar::Rotation, ..) => diagnostic.help("a rotation has no named parts; `rotation_about(axis, angle)` makes one"),
+        (Scalar::Rotation, ..) => diagnostic
+            .help("a rotation has no named parts; `rotation_about(axis, angle)` makes one"),
         _ if unlike => diagnostic.help(report::members_help("part", part_names(scalar))),
         _ => diagnostic,
     }
