@@ -121,7 +121,7 @@ pub enum FaultValues {
     Unknown,
     /// Index, and the number of elements that it must be below.
     Index {
-        /// The index.
+        /// Index that was out of bounds, from 0.
         index: i64,
         /// Number of elements of the array, or of rows or columns of the matrix.
         length: i64,

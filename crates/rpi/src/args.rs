@@ -60,13 +60,13 @@ pub(crate) enum CliCommand {
     /// Print the completions for a shell.
     #[command(hide = true)]
     Completions {
-        /// Shell.
+        /// Shell for which completions are printed.
         shell: Shell,
     },
     /// Write the manual pages into a folder.
     #[command(hide = true)]
     Man {
-        /// Folder.
+        /// Folder into which the manual pages are written.
         folder: PathBuf,
     },
 }

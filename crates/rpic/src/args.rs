@@ -53,13 +53,13 @@ pub(crate) enum CliCommand {
     /// Print the completion script of a shell.
     #[command(hide = true)]
     Completions {
-        /// Shell.
+        /// Shell for which completions are printed.
         shell: Shell,
     },
     /// Write the manual pages to a folder.
     #[command(hide = true)]
     Man {
-        /// Folder.
+        /// Folder into which the manual pages are written.
         folder: PathBuf,
     },
 }
@@ -256,7 +256,7 @@ pub(crate) struct GraphArgs {
 pub(crate) enum Drawing {
     /// Graphviz.
     Dot,
-    /// Mermaid.
+    /// Diagram in the text form of Mermaid, which web pages draw.
     Mermaid,
 }
 

@@ -54,7 +54,7 @@ impl<'a> Call<'a> {
         Ok(self.optional(key, boolean_type())?.unwrap_or(false))
     }
 
-    /// Returns an optional share, from 0 to 1.
+    /// Returns the number in the field `key` of a request, which must be from 0 to 1; `None` without the field.
     pub(super) fn optional_share(&self, key: &str) -> Result<Option<f64>, ApiError> {
         let share = self.optional(key, number_type())?;
         match share {

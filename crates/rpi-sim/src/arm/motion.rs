@@ -121,7 +121,7 @@ impl Motion {
         }
     }
 
-    /// Limits of the tool.
+    /// Greatest speed (m/s), acceleration (m/s²) and jerk (m/s³) of the tool in motions along its paths.
     pub(super) fn tool_limits(&self) -> Bounds {
         self.tool_limits
     }

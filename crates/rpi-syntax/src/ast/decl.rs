@@ -63,7 +63,7 @@ pub enum DeclaredKind {
     Const,
     /// A type, declared by `type`.
     Type,
-    /// `node`, `function`, `fragment`, `primitive`
+    /// Declared by `node`, `function`, `fragment` or `primitive`.
     Callable,
     /// A device type, declared by `device`.
     Device,
