@@ -2,7 +2,7 @@
 
 use super::{lines, names};
 
-/// Each flow reads the previous one; all flows are declared.
+/// Returns a program whose size grows with `n`: each flow reads the previous one; all flows are declared.
 pub(super) fn chain_declared(n: usize) -> String {
     let flows = names("x", n);
     let body = lines(n, |k| match k {
@@ -15,7 +15,8 @@ pub(super) fn chain_declared(n: usize) -> String {
     )
 }
 
-/// Each flow reads the next one in the text, without declarations, so that types are inferred.
+/// Returns a program whose size grows with `n`: each flow reads the next one in the text, without declarations, so that
+/// types are inferred.
 pub(super) fn chain(n: usize) -> String {
     let body = lines(n, |k| match n - 1 - k {
         0 => "  x0 = u;".to_owned(),
@@ -27,7 +28,7 @@ pub(super) fn chain(n: usize) -> String {
     )
 }
 
-/// Each flow is a copy of the next one.
+/// Returns a program whose size grows with `n`: each flow is a copy of the next one.
 pub(super) fn copies(n: usize) -> String {
     let body = lines(n, |k| format!("  x{k} = x{};", k + 1));
     let flows = names("x", n + 1);
@@ -36,7 +37,7 @@ pub(super) fn copies(n: usize) -> String {
     )
 }
 
-/// Half of the flows read only in-ports; the others sum them up.
+/// Returns a program whose size grows with `n`: half of the flows read only in-ports; the others sum them up.
 pub(super) fn layer(n: usize) -> String {
     let half = (n / 2).max(1);
     let products = lines(half, |k| format!("  p{k} = a{} * a{};", k % 16, k % 7));
@@ -53,7 +54,7 @@ pub(super) fn layer(n: usize) -> String {
     )
 }
 
-/// Counters and edge detectors: state in every equation.
+/// Returns a program whose size grows with `n`: counters and edge detectors: state in every equation.
 pub(super) fn delays(n: usize) -> String {
     let third = (n / 3).max(1);
     let body = lines(third, |k| {
@@ -72,7 +73,7 @@ pub(super) fn delays(n: usize) -> String {
     )
 }
 
-/// One array of all values, and iterators over it.
+/// Returns a program whose size grows with `n`: one array of all values, and iterators over it.
 pub(super) fn arrays(n: usize) -> String {
     let size = (n / 4).max(1);
     format!(
@@ -84,7 +85,8 @@ pub(super) fn arrays(n: usize) -> String {
     )
 }
 
-/// Small arrays, each computed from the previous one by slice, concatenation, `with` and element access.
+/// Returns a program whose size grows with `n`: small arrays, each computed from the previous one by slice,
+/// concatenation, `with` and element access.
 pub(super) fn array_chain(n: usize) -> String {
     let body = lines(n, |k| match k {
         0 => "  a0 = u;".to_owned(),

@@ -263,7 +263,7 @@ impl Condition {
         all
     }
 
-    /// Called when a command is removed from the table: replaces its facts by their final values.
+    /// Replaces the facts about a command that is removed from the table by their final values.
     pub(crate) fn freeze(&mut self, gone: CommandId, know: impl Fn(Fact) -> Option<bool>) {
         for word in &mut self.0 {
             if let Word::Fact(command, fact) = *word

@@ -61,7 +61,7 @@ pub enum CommandEvent {
     Unload,
 }
 
-/// Outcome of an event.
+/// What an event (start, cancel, end and so on) does to the state of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Transition {
     /// The command enters this state.

@@ -82,7 +82,7 @@ pub enum RuleOutcome {
     Dropped,
 }
 
-/// Ring buffer of notices.
+/// Ring buffer of the notices that the host has not read yet; counts those that did not fit.
 pub(crate) struct NoticeLog {
     ring: Box<[Option<Notice>]>,
     first: usize,

@@ -74,7 +74,7 @@ impl fmt::Display for OverrunThreshold {
     }
 }
 
-/// Error: unknown overrun policy.
+/// Error of parsing the name of an overrun policy: no policy has this name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ParseOverrunPolicyError;
 

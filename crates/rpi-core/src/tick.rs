@@ -16,10 +16,10 @@ use rpi_device::DeviceBank;
 ///
 /// The methods run on the thread of the cycle. They must not allocate, lock or wait.
 pub trait CycleObserver {
-    /// Called after each cycle of a command, when all its flows can be read.
+    /// Receives a command after each of its cycles, when all its flows can be read.
     fn cycle_finished(&mut self, id: CommandId, command: &Command);
 
-    /// Called before each command is evaluated, and with `None` after the last one. For measuring computing times.
+    /// Receives the next command before its evaluation, and `None` after the last one, to measure computing times.
     fn evaluation_starts(&mut self, _next: Option<CommandId>) {}
 }
 

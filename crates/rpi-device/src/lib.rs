@@ -20,7 +20,7 @@ pub enum PortKind {
     Sensor,
     /// Written after evaluation.
     Actuator,
-    /// Called during evaluation.
+    /// Port that a command calls with an argument while it is evaluated, such as inverse kinematics.
     Function,
 }
 

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use crate::{Diagnostic, SourceMap, Style, github, json, render, sarif};
 
-/// Output format of diagnostics.
+/// Format in which diagnostics are printed: text for people, or a format for tools.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Format {
     /// Text with source snippets, for people.

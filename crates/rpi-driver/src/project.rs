@@ -28,7 +28,7 @@ pub struct Project {
     pub files: Vec<PathBuf>,
 }
 
-/// Content of `rpi.toml`.
+/// Content of `rpi.toml`, the file that describes a project.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct Manifest {

@@ -138,7 +138,7 @@ pub enum Step {
     },
 }
 
-/// Contiguous range of slots.
+/// Adjacent slots of the memory of an image: index of the first one, and their number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct SlotRange {
     /// First slot.
@@ -257,7 +257,7 @@ pub struct DeviceFunction {
 /// Flow set from outside between cycles.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputPort {
-    /// Key of the input.
+    /// Name under which the host sets the input.
     pub key: String,
     /// Destination of the value.
     pub value: Signal,
@@ -268,7 +268,7 @@ pub struct InputPort {
 /// Flow published after each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Export {
-    /// Key of the export.
+    /// Name under which the host reads the exported flow.
     pub key: String,
     /// Published flow.
     pub value: Signal,
@@ -315,7 +315,7 @@ pub struct NamedResult {
     pub condition: Signal,
 }
 
-/// Kind of a result.
+/// What it means that a command ends with a result.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandEndKind {
     /// All resources are at rest.

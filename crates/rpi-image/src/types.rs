@@ -76,7 +76,7 @@ impl fmt::Display for Scalar {
     }
 }
 
-/// Type of a flow.
+/// Type of the values of a flow, which determines their slots.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Type {
     /// Single value.

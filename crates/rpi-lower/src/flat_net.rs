@@ -21,7 +21,7 @@ impl ScopeId {
     }
 }
 
-/// Kind of an operation.
+/// What an operation of the flat net computes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum OpKind {
     /// A call of a primitive. Its words are laid out as in [`rpi_image::operands`], with registers in place of memory

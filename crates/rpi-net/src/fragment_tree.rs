@@ -4,7 +4,7 @@
 
 use crate::net::{FragmentId, Net, NodeId};
 
-/// Member of a fragment in scheduling order.
+/// Node or inner fragment, as a member of the list in which a fragment executes its content.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Item {
     /// Node directly in the fragment.

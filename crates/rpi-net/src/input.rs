@@ -38,7 +38,7 @@ pub struct PortRef {
     pub port: u8,
 }
 
-/// Source of an in-port.
+/// What an in-port reads: an out-port, a constant or nothing.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Input {
     /// No source. Allowed for an in-port whose declaration has [`rpi_image::Fallback::AbsentValue`].

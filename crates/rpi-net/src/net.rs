@@ -191,7 +191,7 @@ pub struct Alternatives {
 /// Input of a command: taken over from the previous command at the start, set from outside if there is none.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CommandInput {
-    /// Key of the input.
+    /// Name under which the host sets the input.
     pub key: String,
     /// Whether the input has no default, so that a value must be supplied.
     pub is_required: bool,

@@ -78,7 +78,7 @@ const CONTRACT_MARK: &str = "@contract";
 /// Beginning of a property in a comment.
 const PROPERTY_MARK: &str = "%PROPERTY";
 
-/// State of the lexer.
+/// Text that is being split into tokens, with the current position.
 struct Lexer<'t> {
     file: FileId,
     text: &'t str,

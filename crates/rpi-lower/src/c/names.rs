@@ -5,7 +5,7 @@ use crate::registers::{Region, Register};
 use rpi_net::{Net, NodeId};
 use std::collections::{HashMap, HashSet};
 
-/// C names of registers.
+/// Names of the C variables into which registers are translated.
 pub(super) struct VariableNames {
     names: HashMap<Register, String>,
 }

@@ -43,7 +43,8 @@ fn by_name(name: &str) -> Option<Identity> {
     }
 }
 
-/// Simplifies a gate if one side decides or both sides are equal.
+/// Returns the register that an `and` or `or` gate equals, if one side is the `neutral` or `absorbing` constant of the
+/// gate, or both sides are equal.
 pub(super) fn simplify_gate(
     a: Register,
     b: Register,

@@ -7,7 +7,7 @@ use super::straight::{straight_change, straight_line};
 use super::velocity_axis::VelocityPlanner;
 use rpi_kin::state_to_rest::AxisState;
 
-/// Synchronisation of the axes.
+/// Way in which the axes of one motion depend on each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Synchronization {
     /// Each axis moves as fast as it can.

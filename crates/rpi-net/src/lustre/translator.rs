@@ -25,7 +25,7 @@ pub(super) struct Translator<'n> {
     pub(super) core_inputs: BTreeMap<&'static str, String>,
     /// Nodes that are represented by inputs.
     pub(super) input_nodes: BTreeSet<NodeId>,
-    /// Reserved Lustre names of outputs, by key.
+    /// Names of the outputs in the Lustre text, reserved so that no other flow gets them; by the key of the export.
     pub(super) reserved: BTreeMap<String, String>,
     pub(super) fragments: FragmentActivations,
 }

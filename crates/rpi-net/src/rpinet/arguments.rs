@@ -28,7 +28,7 @@ pub(super) struct Arguments<'a, 'b, 't> {
 
 /// In-port that the text connects, by index. Its origin is `None` if the link has an error that was already reported.
 type ConnectedPort = (usize, Option<PortRef>);
-/// Parameter with its value.
+/// Name of a parameter with the value that the text gives it.
 type Setting<'t> = (&'t str, Value);
 
 impl<'t> Arguments<'_, '_, 't> {

@@ -46,7 +46,7 @@ impl Not for Lit {
     }
 }
 
-/// Result of a search.
+/// Answer of the SAT solver: satisfiable, unsatisfiable or undecided.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum SatResult {
     Sat,

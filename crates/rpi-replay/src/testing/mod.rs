@@ -43,13 +43,13 @@ pub const MAX_FINISH_CYCLES: u64 = 100_000;
 /// A Boolean export that must be true in every cycle in which it is present.
 #[derive(Clone, Debug)]
 pub struct TestCondition {
-    /// Key of the export.
+    /// Name of the Boolean export in the net of the test.
     pub key: String,
     /// Names and keys of the exports whose values are shown when the condition fails.
     pub reads: Vec<(String, String)>,
 }
 
-/// Result of a test.
+/// Outcome of one test of a program: its verdicts, violated claims, end and coverage.
 #[derive(Debug)]
 pub struct TestReport {
     /// Number of executed cycles.

@@ -19,7 +19,7 @@ pub enum OverrunPolicy {
     Stop(OverrunThreshold),
 }
 
-/// Error: unknown overrun policy.
+/// Error of parsing the name of an overrun policy: no policy has this name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ParseOverrunPolicyError;
 

@@ -45,12 +45,12 @@ pub enum InputSettingError {
     UndefinedInput {
         /// Key that the user has given.
         key: String,
-        /// Keys of all inputs.
+        /// Names of all inputs that the image has.
         known: Vec<String>,
     },
     /// The text is not a valid value of the input's type.
     InvalidValue {
-        /// Key of the input.
+        /// Name of the input in the image.
         key: String,
         /// Description of the error.
         message: String,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::recorder::RecordingStats;
 use crate::realtime::TimingStats;
 
-/// Outcome of a run.
+/// What a run of commands or a task leaves: how it ended, its timing and its records.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Outcome {
     /// Commands in the order of their start.

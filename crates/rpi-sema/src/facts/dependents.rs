@@ -4,7 +4,7 @@
 use crate::typed::TypedKind;
 use crate::typed::{BlockId, Equation, ExprId, FlowId, SharedFlow, Unit};
 
-/// Definition of a flow.
+/// Where the value of a flow comes from, such as an equation.
 #[derive(Clone, Copy)]
 pub(crate) enum Definition<'u> {
     /// Definition by an equation, with the block of the equation.

@@ -132,7 +132,7 @@ struct ModuleUse {
     is_used: Cell<bool>,
 }
 
-/// Module of a program.
+/// Source file of a program or of the library, with the names that it declares.
 #[derive(Debug)]
 pub struct Module {
     /// Name of the module.

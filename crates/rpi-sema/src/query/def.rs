@@ -4,7 +4,7 @@ use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::Doc;
 
-/// Index of a definition.
+/// Identifies a definition of the program by its index.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DefId(pub u32);
 

@@ -15,7 +15,7 @@ pub struct Reference {
     pub def: DefId,
 }
 
-/// Index of a scope.
+/// Identifies a scope of names by its index.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct ScopeId(pub(super) u32);
 

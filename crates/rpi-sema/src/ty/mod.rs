@@ -69,7 +69,7 @@ pub struct Geometry {
     pub in_frame: Option<Name>,
 }
 
-/// Enum type.
+/// Type with a fixed list of named values.
 #[derive(PartialEq, Eq, Debug)]
 pub struct EnumTy {
     /// Name of the enum.

@@ -140,7 +140,7 @@ pub struct PrimCall {
     pub params: Box<[Option<ExprId>]>,
 }
 
-/// Call of a unit.
+/// Call of a function, node or fragment, with checked arguments.
 #[derive(Clone, Debug)]
 pub struct Call {
     /// Called unit.

@@ -37,7 +37,7 @@ pub enum FlowPresence {
     Inferred,
 }
 
-/// Flow of a unit.
+/// Named value of a unit that changes from cycle to cycle: a port or a local flow.
 #[derive(Clone, Debug)]
 pub struct Flow {
     /// Name of the flow.

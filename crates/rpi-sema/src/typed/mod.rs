@@ -212,7 +212,7 @@ pub struct End {
 /// Flow that a command exports, under a key.
 #[derive(Clone, Debug)]
 pub struct Export {
-    /// Key of the export.
+    /// Name under which the host reads the exported flow.
     pub key: String,
     /// Exported expression.
     pub value: ExprId,

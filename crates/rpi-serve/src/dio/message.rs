@@ -19,7 +19,7 @@ pub(crate) struct Message {
     pub(crate) args: Vec<Arg>,
 }
 
-/// Argument of a message.
+/// Value in a message of the DirectIO protocol.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Arg {
     /// Text in quotation marks.

@@ -90,7 +90,7 @@ impl Commands {
         self.records.values().any(CommandRecord::runs)
     }
 
-    /// Called when a command is on its way to the core. Its loading is finished once the core has answered.
+    /// Registers a command that is on its way to the core. Its loading is finished once the core has answered.
     pub(super) fn register_adopted(
         &mut self,
         number: u64,

@@ -125,7 +125,7 @@ impl Completion {
     }
 }
 
-/// Called when a rule has fired: determines the completion result of each command that it stopped in favour of a
+/// Determines, for a rule that has fired, the completion result of each command that it stopped in favour of a
 /// successor.
 pub(super) fn record_takeover(commands: &mut Commands, stopped: &[CommandId], log: &mut EventLog) {
     for command in stopped {

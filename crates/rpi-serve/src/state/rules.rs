@@ -211,7 +211,8 @@ impl Rules {
         }
     }
 
-    /// Called when the outcome of a rule was reported: values of the commands that it started are no longer withheld.
+    /// Ends withholding the values of the commands that a rule started. The outcome of the rule must have been
+    /// reported.
     fn release_started(&self, id: RuleId, commands: &mut Commands) {
         let started = self.records.get(&id).map(|r| &r.start);
         for command in started.into_iter().flatten() {

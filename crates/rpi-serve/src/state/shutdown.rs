@@ -25,7 +25,7 @@ impl ServerState {
         !self.devices.any_moving()
     }
 
-    /// Called after the last tick: processes the remaining events and closes the recording, which misses `lost` ticks.
+    /// Processes the remaining events after the last tick, and closes the recording, which misses `lost` ticks.
     pub(crate) fn finish_recording(
         &mut self,
         lost: u64,

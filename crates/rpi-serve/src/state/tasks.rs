@@ -79,7 +79,7 @@ impl TaskRecord {
     }
 }
 
-/// The tasks by number.
+/// Loaded tasks by the numbers that their clients received.
 #[derive(Default)]
 pub(crate) struct Tasks {
     records: BTreeMap<u64, TaskRecord>,

@@ -136,7 +136,7 @@ impl Motion {
         self.error = ErrorCode::OK;
     }
 
-    /// Called when the arm has accepted set-points with this period, s.
+    /// Records the period, s, of the set-points that the arm has accepted.
     pub(super) fn set_accepted_period(&mut self, period: f64) {
         self.accepted_period = period;
     }

@@ -22,7 +22,7 @@ pub(super) struct PortRow {
     pub(super) action: PortAction,
 }
 
-/// Behaviour of a port.
+/// What the arm does at a port: which value it measures, accepts or computes.
 pub(super) enum PortAction {
     /// The port is a sensor: the function writes its value; the index selects the axis if the port is indexed.
     Sense(fn(&Arm, usize, &mut SlotWriter<'_>)),

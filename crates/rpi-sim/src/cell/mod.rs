@@ -30,7 +30,7 @@ pub struct Cell {
     pub devices: Vec<DeviceSpec>,
 }
 
-/// Description of one device.
+/// Device of a cell as `cell.toml` describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceSpec {
     /// Name by which programs refer to the device.

@@ -105,7 +105,7 @@ pub struct ConditionalBlock {
     pub desugared: Desugared,
 }
 
-/// Notation of a [`ConditionalBlock`].
+/// Keyword with which a [`ConditionalBlock`] is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ConditionalKeyword {
     /// `if c then ... elsif d then ... else ... fi`
@@ -219,7 +219,7 @@ pub struct CommandEnd {
     pub condition: Expr,
 }
 
-/// How a command ends.
+/// Keyword of a [`CommandEnd`]: whether the robot is at rest, in motion, or the command has failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommandEndKind {
     /// `finish`: with all motion at rest.

@@ -5,7 +5,7 @@ use super::{
 };
 use rpi_diag::Span;
 
-/// Top-level declaration.
+/// Declaration at the top level of a file, with its doc comment.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Item {
     /// Doc comment before the declaration.

@@ -91,7 +91,7 @@ pub enum ResultPattern {
     Any(Span),
 }
 
-/// Continuation after a step.
+/// Where a task goes on after a step.
 #[derive(Clone, PartialEq, Debug)]
 pub enum NextStep {
     /// Continues with the step that has this label.

@@ -3,7 +3,7 @@
 use super::{Dotted, Expr, Ident, StaticArg, Unit, VarDecl};
 use rpi_diag::Span;
 
-/// Type expression.
+/// Type as it is written in the text, before its names are resolved.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Type {
     /// Form of the type, with its parts.

@@ -4,7 +4,7 @@ use super::foreign_syntax;
 use crate::token::Token;
 use rpi_diag::{Diagnostic, Fix, Span};
 
-/// Operator of another language.
+/// Operator of another language, with the operator of this one to write in its place.
 pub(crate) struct ForeignOperator {
     /// Spelling of the operator in the other language.
     spelling: &'static str,

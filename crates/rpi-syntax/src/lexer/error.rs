@@ -36,7 +36,7 @@ impl LexicalErrorKind {
     }
 }
 
-/// Error of the lexer.
+/// Characters that form no token, with the diagnostic for them.
 #[derive(Clone, Debug)]
 pub(crate) struct LexicalError {
     pub(crate) kind: LexicalErrorKind,

@@ -28,7 +28,7 @@ pub(crate) enum Local {
     AmbiguousState([Span; 2], usize),
 }
 
-/// Names of one block.
+/// Names that a block declares, with what they refer to.
 #[derive(Default, Debug)]
 pub(crate) struct Scope {
     /// Meaning of each name, and the location of its declaration.

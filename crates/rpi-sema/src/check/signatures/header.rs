@@ -67,7 +67,7 @@ impl Header {
     }
 }
 
-/// Port of a callable.
+/// Input or output of a callable unit, as its callers see it.
 #[derive(Debug)]
 pub(crate) struct Port {
     pub(crate) name: Name,
