@@ -247,7 +247,7 @@ impl MotionCore {
     /// it cannot be followed.
     #[must_use]
     pub fn goal(&self) -> f64 {
-        self.table.goal()
+        self.course.table.goal()
     }
 
     /// Returns the time at which the arm is on the path, s since the start of the motion.
