@@ -56,7 +56,11 @@ fn programs() -> Vec<(&'static str, String)> {
         ("arrow", PAIR, "p@ = (p#, p#) -> pre (p#, p#);"),
         ("followed by", PAIR, "p@ = (p#, p#) fby (p#, p#);"),
         ("fallback", PAIR, "p@ = (p#, p#) ?? (p#, p#);"),
-        ("sample", PAIR, "p@ = (p#, p#) when true;"),
+        (
+            "sample",
+            "c = true; p0 = (1.0, a);",
+            "p@ = (p#, p#) when c;",
+        ),
         ("comparison", PAIR, "p@ = ((p#, p#) = (p#, p#), p#);"),
         ("sum", "p0 = a;", "p@ = p# + p#;"),
         ("product of units", "p0 = 2[m];", "p@ = p# * p#;"),

@@ -13,7 +13,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap_complete", &["rpi-cli"]),
     ("clap_mangen", &["rpi-cli"]),
     ("crc32fast", &["rpi-record"]),
-    ("flate2", &["rpi-driver", "rpi-record", "rpi-testkit"]),
+    ("flate2", &["rpi-files", "rpi-testkit"]),
     ("hashbrown", &["rpi-lower", "rpi-net"]),
     ("hdrhistogram", &["rpi-runtime"]),
     ("lalrpop", &["rpi-syntax"]),

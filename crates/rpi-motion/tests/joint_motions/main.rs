@@ -104,15 +104,15 @@ fn chain(model: &'static ArmModel, seed: u64) {
         } else {
             let requested = bounds(&mut random);
             no_alloc(|| motion.begin(&state, requested, PERIOD)).expect("finite");
-            let asked = self::goal(model, &mut random);
-            goal = Some(asked);
+            let target = self::goal(model, &mut random);
+            goal = Some(target);
             for _ in 0..cycles {
                 let share = if random.unit() < 0.01 {
                     random.unit()
                 } else {
                     1.0
                 };
-                let at = no_alloc(|| motion.next_set_point(&asked, share));
+                let at = no_alloc(|| motion.next_set_point(&target, share));
                 watch.push(&arm, &at.state.position);
                 state = at.state;
             }

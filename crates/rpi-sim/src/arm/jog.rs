@@ -50,11 +50,11 @@ impl Jog {
 
     /// Whether a target asks for another path at a time, s.
     pub(super) fn is_outdated(&self, target: &[u64], time: f64) -> bool {
-        let Some((_, asked)) = direction_of(target) else {
+        let Some((_, requested)) = direction_of(target) else {
             return false;
         };
         let is_same = |present: &Direction| {
-            let mut both = present.iter().zip(&asked);
+            let mut both = present.iter().zip(&requested);
             both.all(|(one, other)| (one - other).norm_squared() < SAME * SAME)
         };
         !self.direction.as_ref().is_some_and(is_same) && time - self.since >= SHORTEST
@@ -64,8 +64,8 @@ impl Jog {
     /// `fastest` (m/s).
     pub(super) fn controls(&self, target: &[u64], fastest: f64, controls: Controls) -> Controls {
         let speed = match (direction_of(target), &self.direction) {
-            (Some((speed, asked)), Some(present)) => {
-                let along: f64 = asked.iter().zip(present).map(|(a, b)| a.dot(b)).sum();
+            (Some((speed, requested)), Some(present)) => {
+                let along: f64 = requested.iter().zip(present).map(|(a, b)| a.dot(b)).sum();
                 let own: f64 = present.iter().map(Vector3::norm_squared).sum();
                 speed * (along / own).max(0.0)
             }
