@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Digest of a minute of the arm: the same in every build, on every machine.
-const MINUTE: &str = "e3ddb03177613026";
+const MINUTE: &str = "41677fe0d46d5bb7";
 
 /// Writes the example with its nine rounds made endless.
 fn endless(folder: &Path) -> std::path::PathBuf {
