@@ -5,7 +5,7 @@
 //! room for those ahead.
 
 use crate::joint_path::JointPath;
-use crate::node::{MostAllowed, Node, bounds_at};
+use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_JERK_SHARE_ON_SPLINE, bounds_at};
 use crate::path::{Curvature, Path};
 use crate::path_error::{PathError, PathErrorKind};
 use crate::window::{Window, widest_spacing};
@@ -26,6 +26,8 @@ pub struct NodeTable {
     requested: Bounds,
     window: Window,
     error: Option<PathError>,
+    /// Share of the jerk limits of the axes that is used.
+    jerk_share: f64,
 }
 
 /// Number of steps by which the arm angle is planned ahead when a path begins, and again for each node.
@@ -49,6 +51,7 @@ impl NodeTable {
             },
             window: Window::default(),
             error: None,
+            jerk_share: USED_JERK_SHARE,
         }
     }
 
@@ -67,6 +70,10 @@ impl NodeTable {
         (self.oldest, self.next) = (0, 0);
         self.error = None;
         (self.path, self.requested) = (JointPath::new(arm, path, start), requested);
+        self.jerk_share = match &path {
+            Path::Tool(path) if path.has_spline() => USED_JERK_SHARE_ON_SPLINE,
+            _ => USED_JERK_SHARE,
+        };
         let length = path.length();
         if length <= 0.0 || length.is_nan() {
             return Err(PathError {
@@ -85,6 +92,7 @@ impl NodeTable {
         (self.oldest, self.next) = (0, 0);
         self.error = None;
         self.path = JointPath::still(Path::joint_line(at, at, arm.axes()));
+        self.jerk_share = USED_JERK_SHARE;
         self.window = Window::still(at);
         self.emit(arm);
     }
@@ -93,6 +101,11 @@ impl NodeTable {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path.path
+    }
+
+    /// Returns the share of the jerk limits of the axes that a plan on this path uses.
+    pub(crate) fn jerk_share(&self) -> f64 {
+        self.jerk_share
     }
 
     /// Returns the path in joint space.
@@ -205,7 +218,7 @@ impl NodeTable {
             node.second = [0.0; MAX_AXES];
             node.third = [0.0; MAX_AXES];
         }
-        (node.most, node.speed_bound) = bounds_at(arm, &node, self.requested);
+        (node.most, node.speed_bound) = bounds_at(arm, &node, self.requested, self.jerk_share);
         let slot = self.next % self.ring.len();
         self.ring[slot] = node;
         self.next += 1;

@@ -7,9 +7,9 @@
 //! - jerk q' j + 3 q'' v a + q''' v³ + r''',
 //!
 //! with v, a, j of the path parameter; the residual r is taken with its exact extrema over the step, since its phases
-//! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and [`USED_JERK_SHARE`].
+//! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and the jerk share of the table.
 
-use crate::node::{Node, USED_JERK_SHARE, USED_SHARE, tool_shares};
+use crate::node::{Node, USED_SHARE, tool_shares};
 use crate::node_table::NodeTable;
 use crate::path::Curvature;
 use crate::residual::Residual;
@@ -245,7 +245,7 @@ impl Verifier<'_> {
                 one.jerk,
                 other.jerk,
                 rest.jerk,
-                USED_JERK_SHARE * (1.0 + 1e-7) * limits.jerk,
+                self.table.jerk_share() * (1.0 + 1e-7) * limits.jerk,
             ) && self.range_is_kept(axis, other, to, limits)
         })
     }

@@ -41,69 +41,92 @@ fn declarations(first: &str, step: &str, z: &str) -> String {
 
 const PAIR: &str = "p0 = (1.0, a);";
 
+/// Forms of the definitions of flows: name, first definition, and that of each line.
+const FLOWS: &[(&str, &str, &str)] = &[
+    ("tuple", PAIR, "p@ = (p#, p#);"),
+    ("triple", PAIR, "p@ = (p#, p#, p#);"),
+    ("array", "p0 = [1.0, a];", "p@ = [p#, p#];"),
+    ("repeat", "p0 = [1.0, a];", "p@ = p# ^ 2;"),
+    ("concatenation", "p0 = [1.0, a];", "p@ = p# | p#;"),
+    ("tuple of arrays", PAIR, "p@ = ([p#, p#], 1.0);"),
+    ("array of tuples", PAIR, "p@ = [(p#, p#)];"),
+    ("choice", PAIR, "p@ = if true then (p#, p#) else (p#, p#);"),
+    ("arrow", PAIR, "p@ = (p#, p#) -> pre (p#, p#);"),
+    ("followed by", PAIR, "p@ = (p#, p#) fby (p#, p#);"),
+    ("fallback", PAIR, "p@ = (p#, p#) ?? (p#, p#);"),
+    (
+        "sample",
+        "c = true; p0 = (1.0, a);",
+        "p@ = (p#, p#) when c;",
+    ),
+    ("comparison", PAIR, "p@ = ((p#, p#) = (p#, p#), p#);"),
+    ("sum", "p0 = a;", "p@ = p# + p#;"),
+    ("product of units", "p0 = 2[m];", "p@ = p# * p#;"),
+    ("update", PAIR, "p@ = ((p#, p#) with [0] = p#);"),
+    ("vector", "p0 = a;", "p@ = norm(vector(p#, p#, p#));"),
+    (
+        "merge",
+        "c = true; p0 = (1.0, a);",
+        "p@ = merge c (true -> (p#, p#) when c) (false -> (p#, p#) when not c);",
+    ),
+    (
+        "match",
+        "p0 = (1.0, a); b = true;",
+        "p@ = match b with true: (p#, p#) | false: (p#, p#) end;",
+    ),
+];
+
+/// Forms of declarations: name, first declaration, that of each line, and the equation that uses the last one, `$`.
+#[rustfmt::skip]
+const DECLARATIONS: &[(&str, &str, &str, &str)] = &[
+    ("constant tuple", "const c0: real = 1.0;", "const c@ = (c#, c#);", "z = 1.0;"),
+    ("constant array", "const c0 = [1.0, 2.0];", "const c@ = [c#, c#];", "z = 1.0;"),
+    ("constant concatenation", "const c0 = [1.0, 2.0];", "const c@ = c# | c#;", "z = 1.0;"),
+    ("struct", "type T0 = struct { a: real };", "type T@ = struct { a, b: T# };", "z = 1.0;"),
+    ("array type", "type T0 = real^2;", "type T@ = T#^2;", "z = 1.0;"),
+    ("calls", UNARY, "function f@ (x: real) returns (y: real) let y = f#(f#(x)); tel", "z = f$(a);"),
+    ("calls of nodes", "node f0 (x: real) returns (y: real) let y = x -> pre x; tel", "node f@ (x: real) returns (y: real) let y = f#(f#(x)); tel", "z = f$(a);"),
+    ("outputs", "function f0 (x: real) returns (y, w: real) let y = x; w = x; tel", "function f@ (x: real) returns (y, w: real) let y = f#(x).y; w = f#(x).w; tel", "z = f$(a).y;"),
+    ("static arguments", "function f0 <<n: int>> (x: real) returns (y: real) let y = x + real(n); tel", "function f@ <<n: int>> (x: real) returns (y: real) let y = f#<<n: 2 * n>>(x) + f#<<n: 2 * n + 1>>(x); tel", "z = f$<<n: 0>>(a);"),
+    ("functions as arguments", TWICE, "function f@ (x: real) returns (y: real) let y = twice<<f#>>(x); tel", "z = f$(a);"),
+    ("map", UNARY, "function f@ (x: real) returns (y: real) var t: real^2; let t = map<<f#, 2>>(x ^ 2); y = t[0]; tel", "z = f$(a);"),
+    ("fragments", "fragment F0 (x: real) returns (y: real) let y = x -> pre x; tel", "fragment F@ (x: real) returns (y: real) let u = F#(x); v = F#(u.y); y = v.y; tel", "w = F$(a); z = w.y;"),
+];
+
+const UNARY: &str = "function f0 (x: real) returns (y: real) let y = x + 1.0; tel";
+
+/// A function that applies another one twice, and the first one to apply.
+const TWICE: &str = "function twice <<function f (a: real) returns (b: real)>> (x: real) returns (y: real) let y = f(f(x)); tel
+function f0 (x: real) returns (y: real) let y = x + 1.0; tel";
+
+/// Tasks that double: name and the task of each line.
+const TASKS: &[(&str, &str)] = &[
+    ("tasks", "task T@ let T#(); T#(); tel"),
+    (
+        "tasks in parallel",
+        "task T@ let parallel let T#(); tel let T#(); tel tel",
+    ),
+];
+
 /// Names of the forms, and programs that double by them.
 fn programs() -> Vec<(&'static str, String)> {
+    let of_flows = FLOWS.iter();
+    let of_flows = of_flows.map(|(name, first, step)| (*name, flows(first, step)));
+    let of_declarations = DECLARATIONS.iter().map(|(name, first, step, z)| {
+        let z = z.replace('$', &LINES.to_string());
+        (*name, declarations(first, step, &z))
+    });
+    let of_tasks = TASKS.iter().map(|(name, step)| {
+        let first = "command C () let finish done when true; tel\ntask T0 let C(); tel\n";
+        (*name, format!("{first}{}", lines(step)))
+    });
     let last = LINES;
-    let with_flows = [
-        ("tuple", PAIR, "p@ = (p#, p#);"),
-        ("triple", PAIR, "p@ = (p#, p#, p#);"),
-        ("array", "p0 = [1.0, a];", "p@ = [p#, p#];"),
-        ("repeat", "p0 = [1.0, a];", "p@ = p# ^ 2;"),
-        ("concatenation", "p0 = [1.0, a];", "p@ = p# | p#;"),
-        ("tuple of arrays", PAIR, "p@ = ([p#, p#], 1.0);"),
-        ("array of tuples", PAIR, "p@ = [(p#, p#)];"),
-        ("choice", PAIR, "p@ = if true then (p#, p#) else (p#, p#);"),
-        ("arrow", PAIR, "p@ = (p#, p#) -> pre (p#, p#);"),
-        ("followed by", PAIR, "p@ = (p#, p#) fby (p#, p#);"),
-        ("fallback", PAIR, "p@ = (p#, p#) ?? (p#, p#);"),
-        (
-            "sample",
-            "c = true; p0 = (1.0, a);",
-            "p@ = (p#, p#) when c;",
-        ),
-        ("comparison", PAIR, "p@ = ((p#, p#) = (p#, p#), p#);"),
-        ("sum", "p0 = a;", "p@ = p# + p#;"),
-        ("product of units", "p0 = 2[m];", "p@ = p# * p#;"),
-        ("update", PAIR, "p@ = ((p#, p#) with [0] = p#);"),
-        ("vector", "p0 = a;", "p@ = norm(vector(p#, p#, p#));"),
-        (
-            "merge",
-            "c = true; p0 = (1.0, a);",
-            "p@ = merge c (true -> (p#, p#) when c) (false -> (p#, p#) when not c);",
-        ),
-        (
-            "match",
-            "p0 = (1.0, a); b = true;",
-            "p@ = match b with true: (p#, p#) | false: (p#, p#) end;",
-        ),
-    ];
-    let mut programs: Vec<(&str, String)> = with_flows
-        .into_iter()
-        .map(|(name, first, step)| (name, flows(first, step)))
-        .collect();
-    let unary = "function f0 (x: real) returns (y: real) let y = x + 1.0; tel";
-    let twice = format!(
-        "{unary}\nfunction twice <<function f (a: real) returns (b: real)>> (x: real) returns (y: real) let y = f(f(x)); tel"
-    );
-    let applied = format!("z = f{last}(a);");
-    programs.extend([
-        ("constant tuple", declarations("const c0: real = 1.0;", "const c@ = (c#, c#);", "z = 1.0;")),
-        ("constant array", declarations("const c0 = [1.0, 2.0];", "const c@ = [c#, c#];", "z = 1.0;")),
-        ("constant concatenation", declarations("const c0 = [1.0, 2.0];", "const c@ = c# | c#;", "z = 1.0;")),
-        ("struct", declarations("type T0 = struct { a: real };", "type T@ = struct { a, b: T# };", "z = 1.0;")),
-        ("array type", declarations("type T0 = real^2;", "type T@ = T#^2;", "z = 1.0;")),
-        ("calls", declarations(unary, "function f@ (x: real) returns (y: real) let y = f#(f#(x)); tel", &applied)),
-        ("calls of nodes", declarations("node f0 (x: real) returns (y: real) let y = x -> pre x; tel", "node f@ (x: real) returns (y: real) let y = f#(f#(x)); tel", &applied)),
-        ("outputs", declarations("function f0 (x: real) returns (y, w: real) let y = x; w = x; tel", "function f@ (x: real) returns (y, w: real) let y = f#(x).y; w = f#(x).w; tel", &format!("z = f{last}(a).y;"))),
-        ("static arguments", declarations("function f0 <<n: int>> (x: real) returns (y: real) let y = x + real(n); tel", "function f@ <<n: int>> (x: real) returns (y: real) let y = f#<<n: 2 * n>>(x) + f#<<n: 2 * n + 1>>(x); tel", &format!("z = f{last}<<n: 0>>(a);"))),
-        ("functions as arguments", declarations(&twice, "function f@ (x: real) returns (y: real) let y = twice<<f#>>(x); tel", &applied)),
-        ("map", declarations(unary, "function f@ (x: real) returns (y: real) var t: real^2; let t = map<<f#, 2>>(x ^ 2); y = t[0]; tel", &applied)),
-        ("fragments", declarations("fragment F0 (x: real) returns (y: real) let y = x -> pre x; tel", "fragment F@ (x: real) returns (y: real) let u = F#(x); v = F#(u.y); y = v.y; tel", &format!("w = F{last}(a); z = w.y;"))),
-        ("argument", command(&format!("{PAIR}\n{}z = g(p{last});\n", lines("p@ = (p#, p#);"))) + "function g (x, y: real) returns (s: real) let s = x + y; tel\n"),
-        ("tasks", format!("command C () let finish done when true; tel\ntask T0 let C(); tel\n{}", lines("task T@ let T#(); T#(); tel"))),
-        ("tasks in parallel", format!("command C () let finish done when true; tel\ntask T0 let C(); tel\n{}", lines("task T@ let parallel let T#(); tel let T#(); tel end tel"))),
-    ]);
-    programs
+    let argument = command(&format!(
+        "{PAIR}\n{}z = g(p{last});\n",
+        lines("p@ = (p#, p#);")
+    )) + "function g (x, y: real) returns (s: real) let s = x + y; tel\n";
+    let programs = of_flows.chain(of_declarations).chain(of_tasks);
+    programs.chain([("argument", argument)]).collect()
 }
 
 /// Checks a program in a process with limits. Returns the exit code, and the output.

@@ -153,6 +153,12 @@ impl ToolPath {
         self.length
     }
 
+    /// Returns whether a part of the path is a spline, whose curvature changes along the whole of it.
+    #[must_use]
+    pub fn has_spline(&self) -> bool {
+        self.pieces().any(|piece| matches!(piece, Piece::Spline(_)))
+    }
+
     fn pieces(&self) -> impl Iterator<Item = &Piece> {
         self.pieces.iter().flatten()
     }

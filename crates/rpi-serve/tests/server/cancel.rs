@@ -7,12 +7,13 @@ use serde_json::{Value, json};
 use crate::client::{PATIENCE, get, open};
 use crate::rules::Owner;
 
-/// A command that never looks at `cancel`.
+/// A command that does not end when its motion has stopped after a cancel request.
 const DEAF: &str = "use motion;
 command Deaf (arm: Arm)
 let
-  arm.joints = [0.1[rad/s] * time, 0[rad], 0[rad], 0[rad], 0[rad], 0[rad], 0[rad]];
-  finish late when time > 1000[s];
+  way = PointToPoint(arm, (arm.commanded with [0] = arm.commanded[0] + 0.3[rad]));
+  arm.joints = way.joints;
+  finish there when way.done;
 tel
 ";
 
