@@ -149,6 +149,12 @@ impl<'u> Check<'_, 'u> {
                 "an iterator needs a value of each element in all cycles: let `{name}` return `current (...)`"
             ),
             None if wanted == Clock::BASE => HOLD.to_owned(),
+            None if found == Clock::BASE => {
+                format!(
+                    "sample it: `(...) {}`",
+                    self.describe(wanted).trim_matches('`')
+                )
+            }
             None => SAMPLE_OR_HOLD.to_owned(),
         };
         let [found, wanted] = [found, wanted].map(|clock| self.describe(clock));

@@ -3,6 +3,7 @@
 use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::join_names;
+use crate::check::signatures::unit;
 use crate::check::types::machine_int;
 use crate::check::types::quantity;
 use crate::ty::{MachineInt, Ty};
@@ -54,6 +55,11 @@ pub(crate) fn with_operand_hints(
         (Ty::Bool, _) | (_, Ty::Bool) => {
             diagnostic.help("convert a Boolean to a number by `if c then 1 else 0`")
         }
+        (Ty::Struct(of), _) if of.fields.is_empty() && !unit::reads_rpi_syntax(cx) => diagnostic
+            .help(format!(
+                "`{}` stands for any type: its values can only be passed on and compared by `=`",
+                of.name
+            )),
         (Ty::Array(..), _) | (_, Ty::Array(..)) => {
             let [left, mut right] = [left, right].map(|id| report::operand_name(cx, id));
             if right == "x" {

@@ -21,7 +21,7 @@ use crate::hash::FastSet;
 use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::units::{Dimension, FREE_COUNT};
-use rpi_diag::{Diagnostic, Edit, Fix, Severity, Span};
+use rpi_diag::{Code, Diagnostic, Edit, Fix, Severity, Span};
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
@@ -301,9 +301,14 @@ fn with_constraint_help(error: Diagnostic, open: Option<&TypeParam<'_>>) -> Diag
     match open {
         Some(param) if error.help.is_empty() && error.fixes.is_empty() => {
             let name = &param.name.name;
-            error.help(format!(
-                "`{name}` may be any type; add a constraint: `type {name}: number`"
-            ))
+            // No constraint gives a type fields.
+            let code = error.code;
+            error.help(match code {
+                Code::RPI1004 => format!(
+                    "`{name}` may be any type, so its fields are unknown: declare the port with a struct type"
+                ),
+                _ => format!("`{name}` may be any type; add a constraint: `type {name}: number`"),
+            })
         }
         _ => error,
     }

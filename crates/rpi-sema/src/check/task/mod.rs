@@ -229,10 +229,15 @@ fn undefined_command(cx: &Body<'_, '_>, name: &Ident) -> Diagnostic {
     let runs = |id: DeclId| is_runnable(cx.checker.program.decl(id).kind);
     let visible = cx.checker.program.visible_names(cx.module, runs);
     let near = cx.checker.suggest(&name.name, visible);
+    let is_near = near.is_some();
     let diagnostic = undefined_name("command or task", &name.name, name.span, near);
     match foreign_idioms::step_help(&name.name) {
         Some(help) => diagnostic.help(help),
-        None => diagnostic,
+        None if is_near => diagnostic,
+        None => diagnostic.help(format!(
+            "declare `command {0} (...) let ... tel`, or use the module that declares it",
+            name.name
+        )),
     }
 }
 

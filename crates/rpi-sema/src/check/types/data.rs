@@ -340,7 +340,7 @@ pub(crate) fn report_part_count(
         .help(match count {
             0 => format!("write only its name: `{}`", name.name),
             _ => format!(
-                "write it as `{}({})`",
+                "give one value for each part: `{}({})`",
                 name.name,
                 vec!["..."; count].join(", ")
             ),

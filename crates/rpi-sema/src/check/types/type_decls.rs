@@ -107,7 +107,7 @@ pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id:
     let mut diagnostic = Diagnostic::new(Code::RPI1007, message);
     if ring.is_empty() {
         let decl = checker.program.decl(id);
-        let text = format!("`{name}` depends on `{name}`");
+        let text = format!("the definition of `{name}` leads back to `{name}`");
         diagnostic = diagnostic.primary(decl.span, text);
     }
     for (k, decl) in ring.iter().enumerate() {
